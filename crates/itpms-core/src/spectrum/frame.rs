@@ -5,7 +5,7 @@
 
 use nalgebra::{Complex, SMatrix};
 
-use crate::memory::blank;
+use crate::memory::{Blank, blank};
 use crate::real::Real;
 
 /// Share of a frame below which it is not scaled up any further.
@@ -40,7 +40,25 @@ impl<T: Real, const BINS: usize, const SIGNALS: usize> Frame<T, BINS, SIGNALS> {
     }
 }
 
-/// Accumulates two frames that overlap by half.
+/// Sums over the steps of one hop: `Σ x_i e^{-jα (2m+1) (i+½)}`, `α = π / (2 hop)`: at `m = 0` and, for `m` from 1 on, half a bin above
+/// each bin.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct Sums<T: Real, const BINS: usize, const SIGNALS: usize> {
+    lowest: [[T; SIGNALS]; 2],
+    re: SMatrix<T, BINS, SIGNALS>,
+    im: SMatrix<T, BINS, SIGNALS>,
+    /// Energy that the rising and the falling half of the window would have had at steps that do not count, over a whole window's.
+    unseen: [T; 2],
+}
+
+blank!(Sums<T, BINS, SIGNALS> { lowest, re, im, unseen });
+
+/// Accumulates frames of two hops each, one every hop.
+///
+/// A sine is two complex exponentials, so a frame under a sine window is the difference of two spectra without a window, half a bin
+/// below and above: `w_i = sin(2α (i+½)/2)` gives `Σ x_i w_i e^{-j2αk(i+½)} = (Q_{k-1} - Q_k) / 2j` with
+/// `Q_m = Σ x_i e^{-jα(2m+1)(i+½)}`. Sums over single hops serve both frames that they are part of.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct FrameClock<T: Real, const BINS: usize, const SIGNALS: usize> {
@@ -48,34 +66,29 @@ pub(crate) struct FrameClock<T: Real, const BINS: usize, const SIGNALS: usize> {
     hop: u32,
     grid_period_s: f64,
     step: u32,
-    /// Hops since the last restart, up to two.
-    complete_hops: u32,
-    /// `e^{-jφ}`, `φ = 2π step / (2 hop)`, and its increment.
+    /// Whether the hop before this one is part of a frame.
+    is_under_way: bool,
+    /// `e^{-jα (i+½)}`, at the first step, and how far it turns in a step: its parts are the window's halves.
     phase: [T; 2],
+    first_phase: [T; 2],
     turn: [T; 2],
-    /// The sine window now, of the younger frame and of the older one; at the first step; and how far it turns in a step.
-    window: [T; 2],
-    first_window: [T; 2],
-    window_turn: [T; 2],
-    older: Frame<T, BINS, SIGNALS>,
-    younger: Frame<T, BINS, SIGNALS>,
+    before: Sums<T, BINS, SIGNALS>,
+    now: Sums<T, BINS, SIGNALS>,
 }
 
 blank!(FrameClock<T, BINS, SIGNALS> {
-    hop, grid_period_s, step, complete_hops, phase, turn, window, first_window, window_turn, older, younger,
+    hop, grid_period_s, step, is_under_way, phase, first_phase, turn, before, now,
 });
 
 impl<T: Real, const BINS: usize, const SIGNALS: usize> FrameClock<T, BINS, SIGNALS> {
     /// Frames of twice `hop_s`, one every `hop_s`, rounded to whole steps of the grid, at least one.
     pub(crate) fn configure(&mut self, hop_s: f64, grid_period_s: f64) {
         let hop = (hop_s / grid_period_s + 0.5).max(1.0) as u32;
-        let angle = T::lit(core::f64::consts::PI / f64::from(hop));
+        let angle = T::lit(0.5 * core::f64::consts::PI / f64::from(hop));
+        let half = T::lit(0.5) * angle;
         (self.hop, self.grid_period_s) = (hop, grid_period_s);
         self.turn = [angle.cos(), -angle.sin()];
-        // sin(π (i + ½) / n) over the n steps of two hops, and the same a hop later.
-        let (half, quarter) = (T::lit(0.5) * angle, T::lit(0.25) * angle);
-        self.first_window = [quarter.sin(), quarter.cos()];
-        self.window_turn = [half.sin(), half.cos()];
+        self.first_phase = [half.cos(), -half.sin()];
         self.restart();
     }
 
@@ -97,12 +110,9 @@ impl<T: Real, const BINS: usize, const SIGNALS: usize> FrameClock<T, BINS, SIGNA
     /// Drops the frames under way.
     #[inline(never)]
     pub(crate) fn restart(&mut self) {
-        self.step = 0;
-        self.complete_hops = 0;
-        self.phase = [T::one(), T::zero()];
-        self.window = self.first_window;
-        self.older = Frame::zero();
-        self.younger = Frame::zero();
+        (self.step, self.is_under_way) = (0, false);
+        self.phase = self.first_phase;
+        (self.before, self.now) = (Sums::BLANK, Sums::BLANK);
     }
 
     /// Adds one step of all signals; gives a frame when one is complete.
@@ -116,20 +126,17 @@ impl<T: Real, const BINS: usize, const SIGNALS: usize> FrameClock<T, BINS, SIGNA
         counts: bool,
         signals: &[T; SIGNALS],
     ) -> Option<Frame<T, BINS, SIGNALS>> {
-        // Sine window over two hops. The younger frame sees its first half, the older its second.
-        let [rising, falling] = self.window;
-        let [sine, cosine] = self.window_turn;
-        self.window = [rising * cosine + falling * sine, falling * cosine - rising * sine];
+        let phase = self.phase;
         if counts {
-            self.add(rising, falling, signals);
+            self.now.add(phase, signals);
         } else {
             // Σ window² of a whole frame is its hop.
             let hop = T::whole(self.hop);
-            self.younger.seen -= rising * rising / hop;
-            self.older.seen -= falling * falling / hop;
+            let [falling, rising] = phase;
+            self.now.unseen[0] += rising * rising / hop;
+            self.now.unseen[1] += falling * falling / hop;
         }
-        let ([re, im], [turn_re, turn_im]) = (self.phase, self.turn);
-        self.phase = [re * turn_re - im * turn_im, re * turn_im + im * turn_re];
+        self.phase = times(phase, self.turn);
         self.step += 1;
         if self.step < self.hop {
             return None;
@@ -137,57 +144,72 @@ impl<T: Real, const BINS: usize, const SIGNALS: usize> FrameClock<T, BINS, SIGNA
         self.finish_hop()
     }
 
-    fn add(&mut self, rising: T, falling: T, signals: &[T; SIGNALS]) {
-        let [re_1, im_1] = self.phase;
-        let mut turns = [[T::zero(); 2]; BINS];
-        let (mut re, mut im) = (re_1, im_1);
-        for turn in &mut turns {
-            *turn = [re, im];
-            (re, im) = (re * re_1 - im * im_1, re * im_1 + im * re_1);
-        }
-        // Bins innermost: they lie side by side in memory.
-        let younger = self.younger.re.data.0.iter_mut().zip(&mut self.younger.im.data.0);
-        let older = self.older.re.data.0.iter_mut().zip(&mut self.older.im.data.0);
-        for (((young_re, young_im), (old_re, old_im)), &x) in younger.zip(older).zip(signals) {
-            let young = young_re.iter_mut().zip(young_im);
-            let old = old_re.iter_mut().zip(old_im);
-            for (((young_re, young_im), (old_re, old_im)), &[re, im]) in young.zip(old).zip(&turns) {
-                let (x_re, x_im) = (x * re, x * im);
-                *young_re += rising * x_re;
-                *young_im += rising * x_im;
-                *old_re += falling * x_re;
-                *old_im += falling * x_im;
-            }
-        }
-    }
-
     /// Apart, or every step would move a frame's place about, whether there is one or not.
     #[inline(never)]
     fn finish_hop(&mut self) -> Option<Frame<T, BINS, SIGNALS>> {
         self.step = 0;
-        self.window = self.first_window;
-        self.complete_hops = (self.complete_hops + 1).min(2);
-        // Bin k turns by kπ in a hop; the sign is the same for all signals of a bin and drops out of every product, so
-        // the phase may start again at zero if the odd bins of the frame under way change sign.
-        self.phase = [T::one(), T::zero()];
-        let mut done = core::mem::replace(&mut self.younger, Frame::zero());
-        for bin in (0..BINS).step_by(2) {
-            for signal in 0..SIGNALS {
-                done.re[(bin, signal)] = -done.re[(bin, signal)];
-                done.im[(bin, signal)] = -done.im[(bin, signal)];
+        self.phase = self.first_phase;
+        let done = self.is_under_way.then(|| self.frame());
+        self.before = core::mem::replace(&mut self.now, Sums::BLANK);
+        self.is_under_way = true;
+        done
+    }
+
+    /// The frame of the last two hops.
+    fn frame(&self) -> Frame<T, BINS, SIGNALS> {
+        let (before, now) = (&self.before, &self.now);
+        let seen = T::one() - before.unseen[0] - now.unseen[1];
+        // 2 dt / Σ window², with Σ window² = hop if every step counts; half of it for the sine's two exponentials.
+        let density = T::lit(2.0 * self.grid_period_s / f64::from(self.hop)) / seen.max(T::lit(HARDLY_SEEN));
+        let scale = T::lit(0.5) * density.sqrt();
+        let mut frame = Frame { seen, ..Frame::zero() };
+        for signal in 0..SIGNALS {
+            // A hop later the exponentials have turned by -j (-1)^m.
+            let [re, im] = [before, now].map(|sums| [sums.lowest[0][signal], sums.lowest[1][signal]]);
+            let (mut below, mut sign) = ([re[0] + im[1], re[1] - im[0]], T::one());
+            for bin in 0..BINS {
+                sign = -sign;
+                let above = [
+                    before.re[(bin, signal)] + sign * now.im[(bin, signal)],
+                    before.im[(bin, signal)] - sign * now.re[(bin, signal)],
+                ];
+                // Over j: the real part is the imaginary one, the imaginary part less the real one.
+                frame.re[(bin, signal)] = (below[1] - above[1]) * scale;
+                frame.im[(bin, signal)] = (above[0] - below[0]) * scale;
+                below = above;
             }
         }
-        core::mem::swap(&mut done, &mut self.older);
-        if self.complete_hops < 2 {
-            return None;
-        }
-        // 2 dt / Σ window², with Σ window² = hop if every step counts.
-        let seen = done.seen.max(T::lit(HARDLY_SEEN));
-        let scale = (T::lit(2.0 * self.grid_period_s / f64::from(self.hop)) / seen).sqrt();
-        done.re *= scale;
-        done.im *= scale;
-        Some(done)
+        frame
     }
+}
+
+impl<T: Real, const BINS: usize, const SIGNALS: usize> Sums<T, BINS, SIGNALS> {
+    fn add(&mut self, phase: [T; 2], signals: &[T; SIGNALS]) {
+        let twice = times(phase, phase);
+        let mut turns = [[T::zero(); 2]; BINS];
+        let mut turn = phase;
+        for place in &mut turns {
+            turn = times(turn, twice);
+            *place = turn;
+        }
+        let [lowest_re, lowest_im] = &mut self.lowest;
+        for ((re, im), &x) in lowest_re.iter_mut().zip(lowest_im).zip(signals) {
+            *re += x * phase[0];
+            *im += x * phase[1];
+        }
+        // Bins innermost: they lie side by side in memory.
+        for ((re, im), &x) in self.re.data.0.iter_mut().zip(&mut self.im.data.0).zip(signals) {
+            for ((re, im), &[turn_re, turn_im]) in re.iter_mut().zip(im).zip(&turns) {
+                *re += x * turn_re;
+                *im += x * turn_im;
+            }
+        }
+    }
+}
+
+/// The product of two complex numbers.
+fn times<T: Real>([a_re, a_im]: [T; 2], [b_re, b_im]: [T; 2]) -> [T; 2] {
+    [a_re * b_re - a_im * b_im, a_re * b_im + a_im * b_re]
 }
 
 #[cfg(test)]
@@ -217,6 +239,32 @@ mod tests {
     fn noise() -> impl FnMut() -> f64 {
         let mut random = Random(3);
         move || random.normal()
+    }
+
+    /// Every frame is what its definition says, of steps that count and of those that do not.
+    #[test]
+    fn a_frame_is_the_spectrum_under_a_sine_window() {
+        let (hop, counts) = (25, |step: usize| !(40..47).contains(&step));
+        let mut draw = noise();
+        let x: Vec<f64> = (0..200).map(|_| 3.0 + draw()).collect();
+        let mut next = x.iter();
+        let found = frames(x.len(), || *next.next().unwrap(), counts);
+        assert_eq!(found.len(), x.len() / hop - 1);
+        for (n, frame) in found.iter().enumerate() {
+            let window = |i: usize| (core::f64::consts::PI * (i as f64 + 0.5) / (2 * hop) as f64).sin();
+            let counting = || (0..2 * hop).filter(|i| counts(n * hop + i));
+            let energy: f64 = counting().map(|i| window(i).powi(2)).sum();
+            assert!((frame.seen - energy / hop as f64).abs() < 1e-12);
+            for bin in 0..BINS {
+                let omega = core::f64::consts::PI * (bin + 1) as f64 / hop as f64;
+                let sum = |of: fn(f64) -> f64| -> f64 {
+                    counting().map(|i| x[n * hop + i] * window(i) * of(omega * (i as f64 + 0.5))).sum()
+                };
+                let scale = (2.0 * PERIOD_S / energy).sqrt();
+                let expected = Complex::new(scale * sum(f64::cos), -scale * sum(f64::sin));
+                assert!((frame.at(bin, 0) - expected).norm_sqr() < 1e-24, "frame {n}, bin {bin}");
+            }
+        }
     }
 
     #[test]
