@@ -357,9 +357,10 @@ impl<T: Real> CarEstimator<T> {
             let (Some(estimator), Some(values)) = (estimator, &sample.corners[corner]) else { continue };
             match self.fusion.as_mut() {
                 Some(fusion) => {
-                    estimator.take(time_s, speed_m_s, values, pace, |step| fusion.push(corner, step));
+                    let mut tap = |step: &_, signals: &_| fusion.push(corner, step, signals);
+                    estimator.take(time_s, speed_m_s, values, pace, &mut tap);
                 }
-                None => estimator.take(time_s, speed_m_s, values, pace, |_| {}),
+                None => estimator.take(time_s, speed_m_s, values, pace, |_, _| {}),
             }
         }
     }

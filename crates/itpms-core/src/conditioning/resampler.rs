@@ -65,8 +65,6 @@ pub struct GridSample<T> {
     pub invalid: bool,
     /// True if the wheel may have been in the air just then.
     pub unloaded: bool,
-    /// Friction by which the strut holds the wheel back, over the unsprung mass, in m/s²; zero as long as none was identified.
-    pub strut_friction_m_s2: T,
 }
 
 /// What a sensor's last values look like, the worst last.
@@ -225,6 +223,11 @@ impl<T: Real> Resampler<T> {
         self.counts
     }
 
+    /// What was there so far is not continued: the next step comes after a gap.
+    pub(crate) fn interrupt(&mut self) {
+        self.filled = 0;
+    }
+
     /// True while the signal cannot be used: nothing accepted for half a second, or a sensor or the clock is stuck.
     #[must_use]
     pub fn is_bad(&self) -> bool {
@@ -341,7 +344,6 @@ impl<T: Real> Resampler<T> {
                 after_gap: self.after_gap,
                 invalid: no_signal,
                 unloaded: false,
-                strut_friction_m_s2: T::zero(),
             });
             self.after_gap = false;
             self.next_grid_s += grid_s;

@@ -132,7 +132,6 @@ mod tests {
             invalid,
             unloaded,
             after_gap,
-            strut_friction_m_s2: 0.0,
         }
     }
 

@@ -14,6 +14,7 @@ use crate::model::{
 };
 use crate::real::Real;
 use crate::single_wheel::{Informed, OutsideStiffness, Pace, StiffnessPseudoMeasurement};
+use crate::spectrum::SIGNALS;
 use crate::suspension::{BodyEquation, Strut, StrutFrame};
 use crate::torsion::TorsionChange;
 
@@ -88,7 +89,9 @@ impl<T: Real> CornerEstimator<T> {
         self.contact = ContactWatch::new(&config.quarter_car);
         let noise = config.accel_noise_or_usual_m_s2();
         let noise_density = T::lit(2.0 / sample_rate_hz) * noise * noise;
-        self.strut.configure(self.resampler.grid_period_s(), noise_density);
+        let car = &config.quarter_car;
+        let masses_kg = [car.unsprung_mass_kg(), car.sprung_mass_kg()];
+        self.strut.configure(self.resampler.grid_period_s(), masses_kg, noise_density);
         (self.fit, self.judged_from_s, self.has_fitted) = (BodyFit::unknown(), None, false);
         (self.friction_variance, self.learned_before_s) = (T::zero(), T::zero());
         self.misfit.clear();
@@ -157,7 +160,7 @@ impl<T: Real> CornerEstimator<T> {
         self.resampler.push(f64::NAN, lost, lost, lost, |_| {});
     }
 
-    /// The first half of [`Estimator::update`]: takes the sample with the speed to go by, and shows every grid step to `tap`.
+    /// The first half of [`Estimator::update`]: takes the sample with the speed to go by, and shows every grid step and its signals of the band to `tap`.
     #[inline(never)]
     pub(crate) fn take(
         &mut self,
@@ -165,20 +168,20 @@ impl<T: Real> CornerEstimator<T> {
         speed_m_s: T,
         corner: &CornerSample<T>,
         pace: Pace,
-        mut tap: impl FnMut(&GridSample<T>),
+        mut tap: impl FnMut(&GridSample<T>, &[T; SIGNALS]),
     ) {
         let (informed, contact, strut) = (&mut self.informed, &mut self.contact, &mut self.strut);
-        let unsprung_kg = self.config.quarter_car.unsprung_mass_kg();
         let mut learned_s = None;
         let (body, wheel) = (corner.body_accel_m_s2, corner.wheel_accel_m_s2);
         self.resampler.push(time_s, speed_m_s, body, wheel, |sample| {
             let contact = contact.look(&sample);
-            let mut sample = GridSample { unloaded: contact.unloaded, ..sample };
-            sample.strut_friction_m_s2 = strut.push(&sample) / unsprung_kg;
-            if informed.push(&GridSample { invalid: sample.invalid || contact.hopping, ..sample }, pace) {
+            let sample = GridSample { unloaded: contact.unloaded, ..sample };
+            let [all, band] = strut.push(&sample);
+            let invalid = sample.invalid || contact.hopping;
+            if informed.push(&GridSample { invalid, ..sample }, &all, pace) {
                 learned_s = Some(sample.time_s);
             }
-            tap(&sample);
+            tap(&sample, &band);
         });
         if let Some(learned_s) = learned_s {
             self.read_s = learned_s;
@@ -339,6 +342,7 @@ impl<T: Real> CornerEstimator<T> {
 
     /// Starts again from the corner's initial pressure, as after a tire change. Counted.
     pub(crate) fn restart(&mut self) {
+        self.resampler.interrupt();
         self.strut.restart();
         (self.fit, self.judged_from_s, self.has_fitted) = (BodyFit::unknown(), None, false);
         self.misfit.clear();

@@ -102,7 +102,7 @@ impl<T: Real> Estimator<T> {
         let corner = CornerSample { body_accel_m_s2, wheel_accel_m_s2 };
         let at = self.clock.take(time_s, speed_m_s);
         match at.time_s {
-            Some(steady_s) => self.corner.take(steady_s, at.speed_m_s, &corner, Pace::Works, |_| {}),
+            Some(steady_s) => self.corner.take(steady_s, at.speed_m_s, &corner, Pace::Works, |_, _| {}),
             None => self.corner.refuse(),
         }
         if self.body_equation.learn([self.corner.strut_frame(), None, None, None]) == Learning::Complete {

@@ -29,6 +29,8 @@ use crate::inter_axle::alignment::channel::BOTH;
 use crate::memory::{Placed, blank};
 use crate::model::{CarConfig, Corner, QuarterCar, Side};
 use crate::real::Real;
+use crate::spectrum::SIGNALS as MOTION;
+use crate::spectrum::front_end::band_delay_s;
 use crate::spectrum::transfer::Body;
 
 /// Time between frames in s, and so the distance of the bins in Hz: 5, 10, ... 25 Hz.
@@ -68,7 +70,7 @@ pub(crate) enum Aligned<T: Real> {
 pub(crate) struct InterAxle<T: Real> {
     wheelbase_m: T,
     wheels: [Placed<Wheel<T>>; 4],
-    channels: [Channel<T>; 4],
+    channels: [Channel; 4],
     pub(crate) pairs: [AxlePair<T>; 2],
     /// The newest two entries of the rear corners, newest first.
     rear: [[Placed<Entry<T>>; 2]; 2],
@@ -121,7 +123,7 @@ impl<T: Real> InterAxle<T> {
         }
         self.rear.iter_mut().flatten().for_each(Placed::clear);
         self.delay_s = [T::zero(); 2];
-        self.filter_delay_s = self.channels[0].filter_delay_s() + SENSOR_DELAY_PERIODS / sample_rate_hz;
+        self.filter_delay_s = band_delay_s(grid_period_s) + SENSOR_DELAY_PERIODS / sample_rate_hz;
         self.speed_latency_s = 0.0;
         self.travel = Travel::new();
     }
@@ -131,12 +133,17 @@ impl<T: Real> InterAxle<T> {
         self.travel.drive(time_s, speed_m_s);
     }
 
-    /// Takes a grid step of a corner; gives an entry of a rear corner that is due to be aligned.
-    pub(crate) fn take(&mut self, corner: Corner, sample: &GridSample<T>) -> Option<Entry<T>> {
+    /// Takes a grid step of a corner and its signals of the band; gives an entry of a rear corner that is due to be aligned.
+    pub(crate) fn take(
+        &mut self,
+        corner: Corner,
+        sample: &GridSample<T>,
+        signals: &[T; MOTION],
+    ) -> Option<Entry<T>> {
         // The road that the signals tell lies as far back as filters delay them: at another speed, another distance.
         let (travel, delay_s) = (&self.travel, self.filter_delay_s - self.speed_latency_s);
-        let entry =
-            self.channels[corner].push(sample, || travel.distance_before_m(sample.time_s, delay_s))?;
+        let entry = self.channels[corner]
+            .push(sample, signals, || travel.distance_before_m(sample.time_s, delay_s))?;
         let side = corner.side();
         if corner.axle() == 0 {
             self.pairs[side].front(&entry);

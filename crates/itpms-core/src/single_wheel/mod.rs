@@ -46,7 +46,7 @@ use crate::single_wheel::tables::{Grid, Tables};
 use crate::spectrum::FrameClock;
 use crate::spectrum::persistence::Persistence;
 use crate::spectrum::reconstruction::{
-    RELATIVE_ACCELERATION, RELATIVE_VELOCITY, Reconstruction, SIGNALS, WHEEL_JERK, WHEEL_VELOCITY,
+    RELATIVE_ACCELERATION, RELATIVE_VELOCITY, SIGNALS, WHEEL_JERK, WHEEL_VELOCITY,
 };
 use crate::spectrum::transfer::{Body, DescribingFunction};
 
@@ -97,7 +97,6 @@ pub(crate) struct Informed<T: Real> {
     tables: Tables<T>,
     /// What the strut's friction makes of its motion.
     friction: DescribingFunction<T>,
-    reconstruction: Reconstruction<T>,
     clock: FrameClock<T, BINS, SIGNALS>,
     posterior: Posterior<T>,
     sample_rate_hz: f64,
@@ -122,7 +121,7 @@ pub(crate) struct Informed<T: Real> {
 }
 
 blank!(Informed<T> {
-    config, grid, body, tables, friction, reconstruction, clock, posterior, sample_rate_hz, grid_period_s,
+    config, grid, body, tables, friction, clock, posterior, sample_rate_hz, grid_period_s,
     noise_density, bins, gate, persistence, variance_growth, learned_s, last_speed_m_s, invalid, stopped_s, outside,
     outside_s, last_time_s, work,
 });
@@ -162,8 +161,6 @@ impl<T: Real> Informed<T> {
         let car = &config.quarter_car;
         self.body = BodyIdentification::new(Body::from(car));
         self.friction = DescribingFunction::none();
-        let mass_ratio = car.unsprung_mass_kg() / car.sprung_mass_kg();
-        self.reconstruction = Reconstruction::new(self.grid_period_s, mass_ratio);
         self.gate = Gate::new();
         self.persistence = Persistence::new(self.clock.hop_s());
         (self.variance_growth, self.learned_s, self.stopped_s) = (T::one(), T::zero(), T::zero());
@@ -174,17 +171,15 @@ impl<T: Real> Informed<T> {
         self.work.clear();
     }
 
-    /// Takes one grid sample; true when the belief has moved.
-    pub(crate) fn push(&mut self, sample: &GridSample<T>, pace: Pace) -> bool {
+    /// Takes one grid sample and its signals; true when the belief has moved.
+    pub(crate) fn push(&mut self, sample: &GridSample<T>, signals: &[T; SIGNALS], pace: Pace) -> bool {
         if sample.after_gap {
-            self.reconstruction.restart();
             self.clock.restart();
         }
         self.last_time_s = sample.time_s;
         self.invalid |= sample.invalid;
-        let signals = self.reconstruction.push(sample);
         let learned = self.work_on(pace);
-        if let Some(frame) = self.clock.push(&signals) {
+        if let Some(frame) = self.clock.push(signals) {
             self.begin_frame(&frame, sample.speed_m_s);
         }
         learned

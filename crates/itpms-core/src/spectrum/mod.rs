@@ -2,6 +2,7 @@
 
 pub(crate) mod butterworth;
 mod frame;
+pub(crate) mod front_end;
 pub(crate) mod persistence;
 pub(crate) mod reconstruction;
 pub(crate) mod transfer;

@@ -1,6 +1,5 @@
 //! Per sample: from the two accelerations to the signals that the road velocity is a linear combination of
-//! (docs/math/informed.md, eq. 1-4; docs/math/unknown-car.md, eq. 2). Called on every grid step; knows nothing of stiffness or
-//! statistics.
+//! (docs/math/informed.md, eq. 1-4). Called on every grid step; knows nothing of stiffness or statistics.
 //!
 //! With `L = s/(s + ω_l)` the leak that keeps integrals from drifting, `L v_r = u_1 + θ u_2`, where
 //! `u_1 = L v_w` and `u_2 = m_w L ȧ_w + c_s L (a_w - a_b) + k_s L (v_w - v_b)`: the force through the suspension, so the
@@ -24,13 +23,13 @@ pub(crate) const LAG: usize = 3;
 pub const SIGNALS: usize = 5;
 /// `L v_w`: wheel velocity.
 pub const WHEEL_VELOCITY: usize = 0;
-/// `L (ȧ_w + Ḟ/m_w)`: wheel jerk, and the rate of the strut's friction over the unsprung mass.
+/// `L ȧ_w`: wheel jerk.
 pub const WHEEL_JERK: usize = 1;
 /// `L (a_w - a_b)`: relative acceleration.
 pub const RELATIVE_ACCELERATION: usize = 2;
 /// `L (v_w - v_b)`: relative velocity.
 pub const RELATIVE_VELOCITY: usize = 3;
-/// `L (ȧ_b - Ḟ/m_b)`: body jerk without what the strut's friction makes of it.
+/// `L ȧ_b`: body jerk.
 pub(crate) const BODY_JERK: usize = 4;
 
 /// One signal: offset, leaky integral, derivative.
@@ -92,7 +91,7 @@ impl<T: Real> Channel<T> {
 }
 
 /// The running reconstruction: from a grid step's two accelerations the signals that the road's velocity is a linear combination of
-/// (docs/math/informed.md, eq. 1-4; docs/math/unknown-car.md, eq. 2).
+/// (docs/math/informed.md, eq. 1-4).
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Reconstruction<T> {
@@ -100,18 +99,14 @@ pub struct Reconstruction<T> {
     steps: u32,
     body: Channel<T>,
     wheel: Channel<T>,
-    friction: Channel<T>,
-    /// Unsprung over sprung mass.
-    mass_ratio: T,
 }
 
-blank!(Reconstruction<T> { dt, steps, body, wheel, friction, mass_ratio });
+blank!(Reconstruction<T> { dt, steps, body, wheel });
 
 impl<T: Real> Reconstruction<T> {
-    /// For steps of `grid_period_s`; `mass_ratio` is the unsprung mass over the sprung one.
-    pub fn new(grid_period_s: f64, mass_ratio: T) -> Self {
-        let [body, wheel, friction] = [Channel::new(); 3];
-        Self { dt: T::lit(grid_period_s), steps: 0, body, wheel, friction, mass_ratio }
+    /// For steps of `grid_period_s`.
+    pub fn new(grid_period_s: f64) -> Self {
+        Self { dt: T::lit(grid_period_s), steps: 0, body: Channel::new(), wheel: Channel::new() }
     }
 
     /// The signal was interrupted: start again, keep the sensors' offsets. Apart, as all that is seldom done to what is large: with it in
@@ -120,7 +115,6 @@ impl<T: Real> Reconstruction<T> {
     pub fn restart(&mut self) {
         self.body.restart();
         self.wheel.restart();
-        self.friction.restart();
     }
 
     /// Takes one grid step, gives all signals three steps earlier.
@@ -130,13 +124,17 @@ impl<T: Real> Reconstruction<T> {
         let (body_velocity, body_acceleration, body_jerk) = self.body.step(sample.body_accel_m_s2, steps, dt);
         let (wheel_velocity, wheel_acceleration, wheel_jerk) =
             self.wheel.step(sample.wheel_accel_m_s2, steps, dt);
-        let (_, _, friction_jerk) = self.friction.step(sample.strut_friction_m_s2, steps, dt);
         let mut signals = [T::zero(); SIGNALS];
         signals[WHEEL_VELOCITY] = wheel_velocity;
-        signals[WHEEL_JERK] = wheel_jerk + friction_jerk;
+        signals[WHEEL_JERK] = wheel_jerk;
         signals[RELATIVE_ACCELERATION] = wheel_acceleration - body_acceleration;
         signals[RELATIVE_VELOCITY] = wheel_velocity - body_velocity;
-        signals[BODY_JERK] = body_jerk - friction_jerk * self.mass_ratio;
+        signals[BODY_JERK] = body_jerk;
         signals
+    }
+
+    /// Steps so far, and how long each is in s.
+    pub(super) fn steps(&self) -> (u32, T) {
+        (self.steps, self.dt)
     }
 }

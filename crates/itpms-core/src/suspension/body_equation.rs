@@ -10,12 +10,12 @@ use nalgebra::{Complex, SMatrix, SVector};
 
 use self::fit::first;
 use super::coherence::geometric_mean;
-use super::maxwell_slip::ELEMENTS;
 use super::rigid_body::{MODES, RigidBody};
 use super::strut::{ACCELERATION, BIN_SPACING_HZ, BINS, BODY, FRICTION, StrutFrame, VELOCITY, WHEEL};
 use crate::memory::blank;
 use crate::model::{Corner, CornerConfig};
 use crate::real::Real;
+use crate::spectrum::front_end::ELEMENTS;
 use crate::spectrum::transfer::DescribingFunction;
 
 /// Unknown quantities: logarithmic deviations of mass, pitch and roll inertia, of dampers and springs; stiffness of the two anti-roll bars

@@ -3,9 +3,9 @@
 
 use crate::memory::blank;
 use crate::real::Real;
+use crate::spectrum::front_end::ELEMENTS;
 
-/// Elements in parallel, and how far in m each is moved before it slips.
-pub(crate) const ELEMENTS: usize = 3;
+/// How far in m each element is moved before it slips.
 const SLIP_M: [f64; ELEMENTS] = [1e-4, 3e-4, 1e-3];
 /// Leak in rad/s of the integral that makes the relative velocity: well below the body's own frequency, whose motion decides which way a
 /// strut slips.

@@ -1,12 +1,14 @@
 //! One corner's strut: its friction force, sample by sample, and short spectra of all that appears in the body's equation of motion.
 
 use super::coherence::Coherence;
-use super::maxwell_slip::{ELEMENTS, MaxwellSlip};
+use super::maxwell_slip::MaxwellSlip;
 use crate::conditioning::{GridSample, STANDING_M_S};
 use crate::memory::{Placed, blank};
 use crate::real::Real;
-use crate::spectrum::butterworth::{QUALITY, Section};
-use crate::spectrum::reconstruction::Channel;
+use crate::spectrum::front_end::{ELEMENTS, FrontEnd, Signals};
+use crate::spectrum::reconstruction::{
+    BODY_JERK, RELATIVE_ACCELERATION, RELATIVE_VELOCITY, SIGNALS as MOTION, WHEEL_JERK,
+};
 use crate::spectrum::transfer::{FRICTION_BINS, FRICTION_SPACING_HZ};
 use crate::spectrum::{Frame, FrameClock};
 
@@ -14,9 +16,7 @@ use crate::spectrum::{Frame, FrameClock};
 pub(super) const BINS: usize = FRICTION_BINS;
 pub(super) const BIN_SPACING_HZ: f64 = FRICTION_SPACING_HZ;
 const HOP_S: f64 = 0.5 / BIN_SPACING_HZ;
-/// Corners in Hz of the filters before thinning, and the rate to which signals are thinned at least.
-const SMOOTH_HZ: f64 = 35.0;
-const LOWEST_HZ: f64 = 2.0;
+/// Rate in Hz to which signals are thinned at least.
 const LEAST_RATE_HZ: f64 = 100.0;
 /// Hops until the filters have forgotten that they began at rest.
 const SETTLING_HOPS: u32 = 2;
@@ -55,12 +55,10 @@ pub(crate) struct Strut<T: Real> {
     /// Slip forces in N of the elements, as identified.
     slip_force_n: [T; ELEMENTS],
     slip: MaxwellSlip<T>,
-    /// Body, wheel, elements.
-    channels: [Channel<T>; 2 + ELEMENTS],
+    front_end: FrontEnd<T>,
+    /// Unsprung and sprung mass in kg.
+    masses_kg: [T; 2],
     dt: T,
-    steps: u32,
-    filters: [Section<T>; 4],
-    states: [[[T; 2]; 4]; SIGNALS],
     every: u32,
     step: u32,
     clock: FrameClock<T, BINS, SIGNALS>,
@@ -74,28 +72,21 @@ pub(crate) struct Strut<T: Real> {
 
 blank!(StrutFrame<T> { time_s, spectra });
 blank!(Strut<T> {
-    slip_force_n, slip, channels, dt, steps, filters, states, every, step, clock, begun, invalid_hops, frame,
+    slip_force_n, slip, front_end, masses_kg, dt, every, step, clock, begun, invalid_hops, frame,
     noise_density, coherence,
 });
 
 impl<T: Real> Strut<T> {
-    /// For grid steps of this period and sensors of this noise density in (m/s²)²/Hz; whatever was there is forgotten.
+    /// For grid steps of this period, unsprung and sprung mass in kg, and sensors of this noise density in (m/s²)²/Hz; whatever was there is
+    /// forgotten.
     #[inline(never)]
-    pub(crate) fn configure(&mut self, grid_period_s: f64, noise_density: T) {
-        let rate_hz = 1.0 / grid_period_s;
-        let every = ((rate_hz / LEAST_RATE_HZ + 1e-9) as u32).max(1);
+    pub(crate) fn configure(&mut self, grid_period_s: f64, masses_kg: [T; 2], noise_density: T) {
+        let every = ((1.0 / grid_period_s / LEAST_RATE_HZ + 1e-9) as u32).max(1);
         self.slip_force_n = [T::zero(); ELEMENTS];
         self.slip = MaxwellSlip::new();
-        self.channels = [Channel::new(); 2 + ELEMENTS];
-        self.dt = T::lit(grid_period_s);
-        self.filters = [
-            Section::low_pass(SMOOTH_HZ, rate_hz, QUALITY[0]),
-            Section::low_pass(SMOOTH_HZ, rate_hz, QUALITY[1]),
-            Section::high_pass(LOWEST_HZ, rate_hz, QUALITY[0]),
-            Section::high_pass(LOWEST_HZ, rate_hz, QUALITY[1]),
-        ];
-        self.states = [[[T::zero(); 2]; 4]; SIGNALS];
-        (self.every, self.steps, self.step) = (every, 0, 0);
+        self.front_end = FrontEnd::new(grid_period_s);
+        (self.masses_kg, self.dt) = (masses_kg, T::lit(grid_period_s));
+        (self.every, self.step) = (every, 0);
         self.clock.configure(HOP_S, grid_period_s * f64::from(every));
         (self.begun, self.invalid_hops) = (false, SETTLING_HOPS);
         self.frame.clear();
@@ -108,22 +99,21 @@ impl<T: Real> Strut<T> {
         self.slip_force_n = slip_force_n;
     }
 
-    /// Takes a grid step; gives the friction force in N, by which the wheel is held back.
-    pub(crate) fn push(&mut self, sample: &GridSample<T>) -> T {
+    /// Takes a grid step; gives the corner's signals without the friction that was identified, as they are and of the band.
+    pub(crate) fn push(&mut self, sample: &GridSample<T>) -> [[T; MOTION]; 2] {
         if sample.after_gap {
             self.begin_again(sample.time_s);
         }
-        let (body, wheel) = (sample.body_accel_m_s2, sample.wheel_accel_m_s2);
-        let unit = self.slip.push(wheel - body, self.dt);
-        self.spectra(sample, [body, wheel], unit);
-        unit.iter().zip(&self.slip_force_n).fold(T::zero(), |sum, (&unit, &force)| sum + unit * force)
+        let units = self.slip.push(sample.wheel_accel_m_s2 - sample.body_accel_m_s2, self.dt);
+        let [all, band] = self.front_end.push(sample, units);
+        self.spectra(sample, &band);
+        [all, band].map(|signals| signals.without_friction(&self.slip_force_n, self.masses_kg))
     }
 
     #[inline(never)]
     fn begin_again(&mut self, time_s: f64) {
         self.slip.restart();
-        self.channels.iter_mut().for_each(Channel::restart);
-        self.states = [[[T::zero(); 2]; 4]; SIGNALS];
+        self.front_end.restart();
         self.clock.restart();
         (self.begun, self.invalid_hops) = (false, SETTLING_HOPS);
         self.step = self.step_of(time_s);
@@ -136,25 +126,7 @@ impl<T: Real> Strut<T> {
         (steps as u32).min(self.every - 1)
     }
 
-    fn spectra(&mut self, sample: &GridSample<T>, [body, wheel]: [T; 2], unit: [T; ELEMENTS]) {
-        self.steps = self.steps.saturating_add(1);
-        let [body_channel, wheel_channel, elements @ ..] = &mut self.channels;
-        let (dt, steps) = (self.dt, self.steps);
-        let (body_velocity, body_acceleration, body_jerk) = body_channel.step(body, steps, dt);
-        let (wheel_velocity, wheel_acceleration, wheel_jerk) = wheel_channel.step(wheel, steps, dt);
-        let mut signals = [T::zero(); SIGNALS];
-        signals[BODY] = body_jerk;
-        signals[ACCELERATION] = wheel_acceleration - body_acceleration;
-        signals[VELOCITY] = wheel_velocity - body_velocity;
-        signals[WHEEL] = wheel_jerk;
-        for ((signal, channel), unit) in signals[FRICTION..].iter_mut().zip(elements).zip(unit) {
-            *signal = channel.step(unit, steps, dt).2;
-        }
-        for (signal, states) in signals.iter_mut().zip(&mut self.states) {
-            for (section, state) in self.filters.iter().zip(states) {
-                *signal = section.push(state, *signal);
-            }
-        }
+    fn spectra(&mut self, sample: &GridSample<T>, band: &Signals<T>) {
         // A wheel in the air still moves its body as the strut says.
         if sample.invalid || sample.speed_m_s <= T::lit(STANDING_M_S) {
             self.invalid_hops = self.invalid_hops.max(2);
@@ -172,6 +144,16 @@ impl<T: Real> Strut<T> {
                 return;
             }
         }
+        let mut signals = [T::zero(); SIGNALS];
+        for (at, motion) in [
+            (BODY, BODY_JERK),
+            (ACCELERATION, RELATIVE_ACCELERATION),
+            (VELOCITY, RELATIVE_VELOCITY),
+            (WHEEL, WHEEL_JERK),
+        ] {
+            signals[at] = band.motion[motion];
+        }
+        signals[FRICTION..WHEEL].copy_from_slice(&band.friction);
         if let Some(spectra) = self.clock.push(&signals) {
             if self.invalid_hops > 0 {
                 self.invalid_hops -= 1;
@@ -192,8 +174,9 @@ impl<T: Real> Strut<T> {
         self.frame.as_ref()
     }
 
-    /// The sensors were out of order: what they have shown of late is forgotten.
+    /// The sensors were out of order: what they have shown is forgotten, their offsets included.
     pub(crate) fn restart(&mut self) {
+        self.front_end = FrontEnd::new(self.dt.to_f64());
         self.coherence = Coherence::new();
         self.frame.clear();
     }

@@ -104,12 +104,11 @@ impl<T: Real> RepeatedRoad<T> {
         let noise = config.accel_noise_or_usual_m_s2();
         let resampler = Resampler::new(sample_rate_hz, LEAST_GRID_HZ);
         let grid_period_s = resampler.grid_period_s();
-        let car = &config.quarter_car;
         Ok(Self {
             config: *config,
             noise_density: T::lit(2.0 / sample_rate_hz) * noise * noise,
             resampler,
-            reconstruction: Reconstruction::new(grid_period_s, car.unsprung_mass_kg() / car.sprung_mass_kg()),
+            reconstruction: Reconstruction::new(grid_period_s),
             laps: Laps::new(repetition, sample_rate_hz, grid_period_s),
             last_s: f64::NAN,
         })

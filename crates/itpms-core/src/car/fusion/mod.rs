@@ -34,6 +34,7 @@ use crate::model::{
     CalibrationError, CarConfig, Corner, Inflation, Level, QuarterCar, Side, TrackState, VehicleCalibration,
 };
 use crate::real::Real;
+use crate::spectrum::SIGNALS;
 use crate::suspension::BodyEquation;
 
 /// Seconds of driving after which the shared road is given up if it was not found.
@@ -97,11 +98,11 @@ impl<T: Real> Fusion<T> {
         self.inter_axle.drive(time_s, speed_m_s);
     }
 
-    /// Takes a grid step of a corner. Apart, as the pairs' and the corners' parts are: where all of it is one, the addresses of hundreds of
+    /// Takes a grid step of a corner and its signals. Apart, as the pairs' and the corners' parts are: where all of it is one, the addresses of hundreds of
     /// fields are computed with every sample, whether they are needed or not.
     #[inline(never)]
-    pub(super) fn push(&mut self, corner: Corner, sample: &GridSample<T>) {
-        let Some(entry) = self.inter_axle.take(corner, sample) else { return };
+    pub(super) fn push(&mut self, corner: Corner, sample: &GridSample<T>, signals: &[T; SIGNALS]) {
+        let Some(entry) = self.inter_axle.take(corner, sample, signals) else { return };
         let side = corner.side();
         let (queue, now_s) = (&mut self.queue, self.inter_axle.travel().time_s());
         match self.inter_axle.align(side, &entry, &self.belief, |frame| queue.enqueue(side, frame, now_s)) {

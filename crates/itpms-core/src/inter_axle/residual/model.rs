@@ -10,12 +10,13 @@ use crate::belief::state::{
     BAR, DAMPING, GAIN, MASS, SIDE_BARS, SIDE_GAIN, SIDE_REAR, SIDE_SIZE, SIDE_SKEW, SIDE_WHEELBASE, SKEW,
     SKEW_UNIT_S, SPRING, State, WHEELBASE, read_compliance,
 };
-use crate::inter_axle::alignment::channel::{BOTH, SEEN, high_pass_power};
+use crate::inter_axle::alignment::channel::{BOTH, SEEN};
 use crate::inter_axle::residual::correction::FrfRatios;
 use crate::inter_axle::{BIN_SPACING_HZ, Frame, bin_hz};
 use crate::memory::blank;
 use crate::model::{Corner, Side};
 use crate::real::Real;
+use crate::spectrum::front_end::high_pass_power;
 use crate::spectrum::transfer::{Body, sine_window_power};
 
 /// Points per bin, on each side, and in all, at which the window's spectrum is averaged, and the lowest frequency in Hz of that.

@@ -10,13 +10,13 @@ use nalgebra::ComplexField;
 use crate::belief::measurement::{BINS, Gram, Score, Slope};
 use crate::belief::state::{BAR, GAIN, SIDE_SIZE, SKEW, State, WHEELBASE, side_indices};
 use crate::inter_axle::alignment::channel::BOTH;
-use crate::inter_axle::alignment::channel::high_pass_power;
 use crate::inter_axle::bin_hz;
 use crate::inter_axle::residual::correction::FrfRatios;
 use crate::inter_axle::residual::model::{AxleFrame, Signals, UnitRoad, linearize};
 use crate::inter_axle::tests::{C, Moved, STILL, deviating, frame, signals, taken, unit_frames, wheels};
 use crate::model::Side;
 use crate::random::Random;
+use crate::spectrum::front_end::high_pass_power;
 
 const DELAY_S: f64 = 0.12;
 const ONE: C = C::new(1.0, 0.0);
