@@ -125,34 +125,24 @@ impl<T: Real> Covariance<T> {
         self.change(SIZE, [share, share], |entry, row, column| *entry *= row * column);
     }
 
-    /// All entries become so many times themselves.
-    pub(crate) fn scale(&mut self, times: T) {
-        self.diagonals *= times;
-    }
-
-    /// All entries become so many times themselves, less `direction direction^T`.
-    pub(crate) fn scale_less_product(&mut self, times: T, direction: &State<T>) {
-        self.change(SIZE, [direction; 2], |entry, row, column| *entry = *entry * times - row * column);
-    }
-
     /// Adds `times direction direction^T`.
     pub(crate) fn add_product(&mut self, times: T, direction: &State<T>) {
         let scaled = direction * times;
         self.change(SIZE, [&scaled, direction], |entry, row, column| *entry += row * column);
     }
 
-    /// Adds `weight (other + direction direction^T)` to the entries of the first `size` quantities.
-    pub(crate) fn add_part(&mut self, size: usize, weight: T, other: &Self, direction: &State<T>) {
-        let of = direction.as_slice();
+    /// The entries of the first `size` quantities become these shares of themselves, of another's and of `direction direction^T`.
+    pub(crate) fn join(&mut self, size: usize, shares: [T; 3], other: &Self, direction: &State<T>) {
+        let (of, [own, others, between]) = (direction.as_slice(), shares);
         let both = self.diagonals.data.0.iter_mut().zip(&other.diagonals.data.0);
         for (distance, (diagonal, other)) in both.enumerate() {
             for [rows, columns] in pieces(distance, size) {
                 let values =
                     (diagonal.get_mut(rows.clone()), other.get(rows.clone()), of.get(rows), of.get(columns));
-                let (Some(entries), Some(others), Some(by_row), Some(by_column)) = values else { continue };
+                let (Some(entries), Some(joined), Some(by_row), Some(by_column)) = values else { continue };
                 let by = by_row.iter().zip(by_column);
-                for ((entry, &other), (&row, &column)) in entries.iter_mut().zip(others).zip(by) {
-                    *entry += (other + row * column) * weight;
+                for ((entry, &joined), (&row, &column)) in entries.iter_mut().zip(joined).zip(by) {
+                    *entry = own * *entry + others * joined + between * row * column;
                 }
             }
         }
@@ -221,9 +211,6 @@ mod tests {
         c.add_product(-0.3, &v);
         near(&c, &(a - v * v.transpose() * 0.3));
         let mut c = packed(&a);
-        c.scale_less_product(1.7, &v);
-        near(&c, &(a * 1.7 - v * v.transpose()));
-        let mut c = packed(&a);
         c.isolate(5, 0.7);
         let expected = Dense::from_fn(|i, j| match (i == 5, j == 5) {
             (true, true) => 0.7,
@@ -233,9 +220,9 @@ mod tests {
         near(&c, &expected);
         for size in [SIZE, SIZE - 1] {
             let mut c = packed(&a);
-            c.add_part(size, 0.4, &packed(&b), &v);
-            let whole = (b + v * v.transpose()) * 0.4;
-            near(&c, &Dense::from_fn(|i, j| a[(i, j)] + if i.max(j) < size { whole[(i, j)] } else { 0.0 }));
+            c.join(size, [0.6, 0.4, 0.3], &packed(&b), &v);
+            let whole = a * 0.6 + b * 0.4 + v * v.transpose() * 0.3;
+            near(&c, &Dense::from_fn(|i, j| if i.max(j) < size { whole[(i, j)] } else { a[(i, j)] }));
         }
         let mut c = packed(&a);
         (0..SIZE).for_each(|i| c.take_off(i, |j| Some(b[(i, j)])));

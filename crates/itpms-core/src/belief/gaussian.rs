@@ -62,24 +62,19 @@ impl<T: Real> Part<'_, T> {
         self
     }
 
-    /// An entry of its covariance.
-    pub(super) fn covariance(&self, i: usize, j: usize) -> T {
-        match (i == RATE, j == RATE) {
-            (true, true) => self.rate_variance,
-            (true, false) | (false, true) if !self.rate_is_free => T::zero(),
-            _ => self.covariance[(i, j)],
+    /// Its rate's covariance with a quantity.
+    fn rate_covariance(&self, with: usize) -> T {
+        match with {
+            RATE => self.rate_variance,
+            _ if self.rate_is_free => self.covariance[(with, RATE)],
+            _ => T::zero(),
         }
-    }
-
-    /// Its covariance, right but for the rate's entries.
-    pub(super) fn but_for_the_rate(&self) -> &Covariance<T> {
-        self.covariance
     }
 
     /// Writes it where a Gaussian is to be.
     pub(crate) fn write(&self, weight: T, into: &mut Hypothesis<T>) {
         into.covariance.copy_from(self.covariance);
-        (0..SIZE).for_each(|i| into.covariance[(i, RATE)] = self.covariance(i, RATE));
+        (0..SIZE).for_each(|i| into.covariance[(i, RATE)] = self.rate_covariance(i));
         (into.mean, into.weight) = (self.mean, weight);
     }
 }
@@ -189,6 +184,26 @@ impl<T: Real> Hypothesis<T> {
     pub(crate) fn part(&self) -> Part<'_, T> {
         let (mean, rate_variance) = (self.mean, self.covariance[(RATE, RATE)]);
         Part { mean, covariance: &self.covariance, rate_is_free: true, rate_variance }
+    }
+
+    /// Becomes the one Gaussian that has mean and covariance of itself and a part together, each with its weight: of parts that join one
+    /// after the other it does not matter in which order.
+    pub(crate) fn join(&mut self, weight: T, part: &Part<'_, T>) {
+        let total = self.weight + weight;
+        if !(total > T::zero()) {
+            return;
+        }
+        let (stays, joins) = (self.weight / total, weight / total);
+        let off = part.mean - self.mean;
+        self.mean.axpy(joins, &off, T::one());
+        // The rate, which comes last, has covariances of its own.
+        let between = stays * joins;
+        self.covariance.join(RATE, [stays, joins, between], part.covariance, &off);
+        for i in 0..SIZE {
+            let joined = joins * part.rate_covariance(i) + between * off[i] * off[RATE];
+            self.covariance[(i, RATE)] = stays * self.covariance[(i, RATE)] + joined;
+        }
+        self.weight = total;
     }
 
     /// What changes by itself does so: about the vehicle file, and never further than a car may be from it.

@@ -8,7 +8,6 @@ use super::hypotheses::{
     CONSTANT, HYPOTHESES, Hypotheses, RANDOM_WALK, SIDE, both, changing, has_rate, single,
 };
 use super::measurement::{AxleResidual, SideMeasurement, UpdateRecord};
-use super::mixture::Mixture;
 use super::state::{MASS, RATE, SIZE, State, TIRE};
 use super::tires::Tires;
 use super::transition::Transition;
@@ -302,11 +301,11 @@ impl<T: Real> HypothesisBank<T> {
 
     /// All hypotheses as one Gaussian, in which nothing moves.
     pub(super) fn as_one(&self, into: &mut Hypothesis<T>) {
-        let mut one = Mixture::new(into);
-        for hypothesis in &self.hypotheses {
-            one.add(hypothesis.weight, &hypothesis.part().without_rate());
+        let [constant, changing @ ..] = &self.hypotheses;
+        constant.part().without_rate().write(constant.weight, into);
+        for hypothesis in changing {
+            into.join(hypothesis.weight, &hypothesis.part().without_rate());
         }
-        one.finish();
     }
 
     /// Believes this and nothing else.

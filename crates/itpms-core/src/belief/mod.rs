@@ -11,7 +11,7 @@
 //! | `state` | the vector of unknown quantities, its prior and its process noise |
 //! | `measurement` | what a frame of one side looks like to the belief, and the record of an update |
 //! | `covariance` | a symmetric matrix in half its memory |
-//! | `gaussian`, `mixture` | one Gaussian, and several merged into one |
+//! | `gaussian` | one Gaussian, and two merged into one |
 //! | `hypothesis_bank`, `transition` | eight of them, and how one hypothesis becomes another |
 //! | `update` | Bayes' rule for a frame with instruments |
 //! | `checkpoint` | going back to what was believed before a sensor failed |
@@ -31,7 +31,6 @@ mod hypothesis_bank;
 mod inverse;
 mod losses;
 pub(crate) mod measurement;
-mod mixture;
 pub(crate) mod state;
 #[cfg(test)]
 mod tests;

@@ -3,7 +3,6 @@
 
 use super::gaussian::{Circumstances, Hypothesis, Wandering};
 use super::hypotheses::{CONSTANT, HYPOTHESES, Hypotheses, RANDOM_WALK, SIDE, both, changing, has_rate};
-use super::mixture::Mixture;
 use super::state::{RATE, TIRE};
 use crate::memory::blank;
 use crate::model::Corner;
@@ -161,14 +160,12 @@ impl<T: Real> Transition<T> {
     /// What moves no more: what did not and of which this share stays so, and of what did the share that ends.
     fn stay_or_end(&mut self, [constant, others @ ..]: &Hypotheses<T>) {
         let (stay, end) = (self.stay, self.end);
-        let mut still = Mixture::new(&mut self.still);
-        still.add(constant.weight * stay, &constant.part());
+        constant.part().write(constant.weight * stay, &mut self.still);
         for changing in others {
             if changing.weight > T::lit(FORGOTTEN) {
-                still.add(changing.weight * end, &changing.part().without_rate());
+                self.still.join(changing.weight * end, &changing.part().without_rate());
             }
         }
-        still.finish();
     }
 }
 
@@ -181,9 +178,8 @@ fn go_on<T: Real>(hypotheses: &mut Hypotheses<T>, hypothesis: usize, end: T, beg
     let begins = constant.weight * begin;
     // What nobody believes in is not followed.
     if stays > T::lit(FORGOTTEN) {
-        let mut going = Mixture::around(changing, stays);
-        going.add(begins, &with_onset);
-        going.finish();
+        changing.weight = stays;
+        changing.join(begins, &with_onset);
     } else {
         with_onset.write(begins, changing);
     }
@@ -196,9 +192,6 @@ fn merge<T: Real>(hypotheses: &mut Hypotheses<T>, wheel: Corner, chance: T) {
     let (alone, both) = (&single[wheel.index() + 1], &mut several[hypothesis - SIDE]);
     let joins = alone.weight * chance;
     if joins > T::lit(NOTICED) * both.weight {
-        let weight = both.weight;
-        let mut going = Mixture::around(both, weight);
-        going.add(joins, &alone.part().without_rate().with_onset(has_rate(hypothesis)));
-        going.finish();
+        both.join(joins, &alone.part().without_rate().with_onset(has_rate(hypothesis)));
     }
 }

@@ -45,7 +45,7 @@ impl<T: Real, const BINS: usize, const SIGNALS: usize> Frame<T, BINS, SIGNALS> {
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Sums<T: Real, const BINS: usize, const SIGNALS: usize> {
-    lowest: [[T; SIGNALS]; 2],
+    lowest: SMatrix<T, SIGNALS, 2>,
     re: SMatrix<T, BINS, SIGNALS>,
     im: SMatrix<T, BINS, SIGNALS>,
     /// Energy that the rising and the falling half of the window would have had at steps that do not count, over a whole window's.
@@ -165,7 +165,7 @@ impl<T: Real, const BINS: usize, const SIGNALS: usize> FrameClock<T, BINS, SIGNA
         let mut frame = Frame { seen, ..Frame::zero() };
         for signal in 0..SIGNALS {
             // A hop later the exponentials have turned by -j (-1)^m.
-            let [re, im] = [before, now].map(|sums| [sums.lowest[0][signal], sums.lowest[1][signal]]);
+            let [re, im] = [before, now].map(|sums| [sums.lowest[(signal, 0)], sums.lowest[(signal, 1)]]);
             let (mut below, mut sign) = ([re[0] + im[1], re[1] - im[0]], T::one());
             for bin in 0..BINS {
                 sign = -sign;
@@ -192,7 +192,7 @@ impl<T: Real, const BINS: usize, const SIGNALS: usize> Sums<T, BINS, SIGNALS> {
             turn = times(turn, twice);
             *place = turn;
         }
-        let [lowest_re, lowest_im] = &mut self.lowest;
+        let [lowest_re, lowest_im] = &mut self.lowest.data.0;
         for ((re, im), &x) in lowest_re.iter_mut().zip(lowest_im).zip(signals) {
             *re += x * phase[0];
             *im += x * phase[1];
