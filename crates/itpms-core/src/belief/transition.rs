@@ -26,12 +26,8 @@ const FORGOTTEN: f64 = 1e-20;
 /// Largest chance of a step that a suspected wheel begins to move.
 const LARGEST_CHANCE: f64 = 0.2;
 
-/// Parts of a prediction: changes end, those of several tires go on or begin, then those of one, of front and rear; then time passes, for
-/// these and those.
-pub(crate) const PARTS: usize = 6;
-/// First hypothesis that the second of two parts is about: of single wheels, and of all for which time passes.
-const REAR: usize = 3;
-const SECOND_HALF: usize = HYPOTHESES / 2;
+/// Parts of a prediction: changes end, those of several tires go on or begin, then those of one; then time passes.
+pub(crate) const PARTS: usize = 4;
 
 /// A prediction that is under way, as a whole of [`PARTS`].
 #[derive(Debug, Clone, PartialEq)]
@@ -94,13 +90,11 @@ impl<T: Real> Transition<T> {
         match part {
             0 => self.stay_or_end(hypotheses),
             1 => self.mix_several(hypotheses),
-            2 => self.mix_single(hypotheses, CONSTANT + 1..REAR),
-            3 => {
-                self.mix_single(hypotheses, REAR..SIDE);
+            2 => {
+                self.mix_single(hypotheses);
                 hypotheses[CONSTANT].take_over(&self.still);
             }
-            4 => self.pass(hypotheses, circumstances, 0..SECOND_HALF),
-            _ => self.pass(hypotheses, circumstances, SECOND_HALF..HYPOTHESES),
+            _ => self.pass(hypotheses, circumstances),
         }
     }
 
@@ -114,23 +108,18 @@ impl<T: Real> Transition<T> {
     }
 
     /// Single wheels come after those that they join, and what does not move after all that begins from it.
-    fn mix_single(&mut self, hypotheses: &mut Hypotheses<T>, some: core::ops::Range<usize>) {
+    fn mix_single(&mut self, hypotheses: &mut Hypotheses<T>) {
         let Self { end, begin, .. } = *self;
-        for (hypothesis, &begin) in begin.iter().enumerate().take(some.end).skip(some.start) {
+        for (hypothesis, &begin) in begin.iter().enumerate().take(SIDE).skip(CONSTANT + 1) {
             go_on(hypotheses, hypothesis, end, begin);
         }
     }
 
-    /// Time passes for some hypotheses.
-    fn pass(
-        &self,
-        hypotheses: &mut Hypotheses<T>,
-        circumstances: &Circumstances<T>,
-        some: core::ops::Range<usize>,
-    ) {
+    /// Time passes.
+    fn pass(&self, hypotheses: &mut Hypotheses<T>, circumstances: &Circumstances<T>) {
         let seconds = self.seconds;
         let wandering = Wandering::over(seconds, circumstances);
-        for (index, hypothesis) in hypotheses.iter_mut().enumerate().take(some.end).skip(some.start) {
+        for (index, hypothesis) in hypotheses.iter_mut().enumerate() {
             hypothesis.wander(&wandering);
             if index == RANDOM_WALK {
                 for i in 0..4 {

@@ -13,7 +13,7 @@ use crate::real::Real;
 /// 0.1 % at 0.15 of it, in the middle between samples.
 const POINTS: usize = 8;
 /// Sampling periods that are no distance.
-const ON_SAMPLE: f64 = 1e-6;
+const ON_SAMPLE: f64 = 1e-5;
 /// Sampling periods by which a point of the grid may lie before a sample and still be taken for it, as stamps are rounded: else it would depend on
 /// their last digit with which of two samples a step of the grid comes.
 const ROUNDED: f64 = 0.01;
@@ -52,6 +52,8 @@ blank!(SampleCounts { accepted, missing, absurd, out_of_order, gaps, saturated, 
 pub struct GridSample<T> {
     /// Time in s.
     pub time_s: f64,
+    /// Seconds since the step before; NaN in the first one.
+    pub step_s: T,
     /// Vehicle speed in m/s, NaN when unknown.
     pub speed_m_s: T,
     /// Sprung mass acceleration in m/s², finite.
@@ -117,49 +119,49 @@ impl<T: Real> FlatWatch<T> {
     }
 }
 
-/// The latest of times twelve days apart, counted from zero. A stamp since 1970 has quarters of a microsecond: summed up in it, steps of
-/// 2 ms would be 47 millionths too long.
-fn epoch_s(time_s: f64) -> f64 {
-    const SPAN_S: f64 = (1 << 20) as f64;
-    nalgebra::ComplexField::trunc(time_s / SPAN_S) * SPAN_S
-}
-
-/// Periods in s, and what follows from them: where double precision is software, what can be computed beforehand is.
+/// Periods in s, and what follows from them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-struct Periods {
+struct Periods<T> {
     sample_s: f64,
     grid_s: f64,
-    /// Least and longest distance of two samples, the latest time that tells them apart, and distances that are none.
-    closest_s: f64,
-    longest_s: f64,
+    /// The latest time that tells two samples apart.
     latest_s: f64,
-    on_sample_s: f64,
-    rounded_s: f64,
+    /// The grid's; least and longest distance of two samples, and distances that are none.
+    step_s: T,
+    closest_s: T,
+    longest_s: T,
+    on_sample_s: T,
+    rounded_s: T,
 }
 
-blank!(Periods { sample_s, grid_s, closest_s, longest_s, latest_s, on_sample_s, rounded_s });
+blank!(Periods<T> { sample_s, grid_s, latest_s, step_s, closest_s, longest_s, on_sample_s, rounded_s });
 
 /// Checks and regrids the samples of one corner.
+///
+/// Times between samples are short, and single precision where a controller has no more: only stamps are double.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Resampler<T> {
-    periods: Periods,
-    /// Times since [`epoch_s`], body and wheel accelerations of the newest samples, oldest first; `filled` of them count.
-    since_s: [f64; POINTS],
+    periods: Periods<T>,
+    /// The newest samples, oldest first: how many s before the newest one, accelerations of body and wheel; the last `filled` of them
+    /// count.
+    before_s: [T; POINTS],
     body: [T; POINTS],
     wheel: [T; POINTS],
-    no_signal: [bool; POINTS],
     filled: usize,
-    /// That of the first sample after a gap.
-    epoch_s: f64,
-    /// Since the epoch.
-    next_grid_s: f64,
+    /// Samples since one whose sensor did not move.
+    signal_steps: usize,
+    /// The next step of the grid, in s before the newest sample.
+    next_before_s: T,
+    last_grid_s: f64,
     after_gap: bool,
     body_watch: FlatWatch<T>,
     wheel_watch: FlatWatch<T>,
     last_raw_s: f64,
     last_accepted_s: f64,
+    /// Whether these two are the same sample's.
+    last_was_accepted: bool,
     /// Refusals in a row, and how far they followed one another.
     refused: u32,
     stray: Stray,
@@ -168,8 +170,8 @@ pub struct Resampler<T> {
 }
 
 blank!(Resampler<T> {
-    periods, since_s, body, wheel, no_signal, filled, epoch_s, next_grid_s, after_gap,
-    body_watch, wheel_watch, last_raw_s, last_accepted_s, refused, stray, stuck_now, counts,
+    periods, before_s, body, wheel, filled, signal_steps, next_before_s, last_grid_s, after_gap, body_watch,
+    wheel_watch, last_raw_s, last_accepted_s, last_was_accepted, refused, stray, stuck_now, counts,
 });
 
 impl<T: Real> Resampler<T> {
@@ -186,24 +188,26 @@ impl<T: Real> Resampler<T> {
             periods: Periods {
                 sample_s,
                 grid_s: 1.0 / (multiple * sample_rate_hz),
-                closest_s: CLOSEST * sample_s,
-                longest_s: LONGEST_BRIDGE * sample_s,
                 latest_s: latest_resolved_s(sample_s),
-                on_sample_s: ON_SAMPLE * sample_s,
-                rounded_s: ROUNDED * sample_s,
+                step_s: T::lit(1.0 / (multiple * sample_rate_hz)),
+                closest_s: T::lit(CLOSEST * sample_s),
+                longest_s: T::lit(LONGEST_BRIDGE * sample_s),
+                on_sample_s: T::lit(ON_SAMPLE * sample_s),
+                rounded_s: T::lit(ROUNDED * sample_s),
             },
-            since_s: [0.0; POINTS],
+            before_s: [T::zero(); POINTS],
             body: [T::zero(); POINTS],
             wheel: [T::zero(); POINTS],
-            no_signal: [false; POINTS],
             filled: 0,
-            epoch_s: 0.0,
-            next_grid_s: f64::NAN,
+            signal_steps: 0,
+            next_before_s: T::zero(),
+            last_grid_s: f64::NAN,
             after_gap: true,
             body_watch: FlatWatch::new(),
             wheel_watch: FlatWatch::new(),
             last_raw_s: f64::NEG_INFINITY,
             last_accepted_s: f64::NEG_INFINITY,
+            last_was_accepted: false,
             refused: 0,
             stray: Stray::NONE,
             stuck_now: false,
@@ -247,17 +251,19 @@ impl<T: Real> Resampler<T> {
     ) {
         // Closer ones blow up the interpolation.
         let resolved = time_s.abs() < self.periods.latest_s;
-        if !(resolved && time_s >= self.last_raw_s + self.periods.closest_s) {
+        let since_raw_s = T::lit(time_s - self.last_raw_s);
+        if !(resolved && since_raw_s >= self.periods.closest_s) {
             self.counts.out_of_order += 1;
             if !(resolved && self.was_set_back(time_s)) {
                 return;
             }
         }
         (self.refused, self.stray) = (0, Stray::NONE);
-        if self.last_raw_s == f64::NEG_INFINITY {
+        if !since_raw_s.is_finite() {
             self.last_accepted_s = time_s;
         }
         self.last_raw_s = time_s;
+        let follows = core::mem::replace(&mut self.last_was_accepted, false);
         if !(body_accel_m_s2.is_finite() && wheel_accel_m_s2.is_finite()) {
             self.counts.missing += 1;
             return;
@@ -276,12 +282,13 @@ impl<T: Real> Resampler<T> {
         self.counts.saturated += u64::from(flatness == Flatness::AtLimit);
         self.counts.accepted += 1;
 
-        if self.filled > 0 && time_s - self.last_accepted_s > self.periods.longest_s {
+        let step_s = if follows { since_raw_s } else { T::lit(time_s - self.last_accepted_s) };
+        if self.filled > 0 && step_s > self.periods.longest_s {
             self.counts.gaps += 1;
             self.filled = 0;
         }
-        self.last_accepted_s = time_s;
-        self.append(time_s, body_accel_m_s2, wheel_accel_m_s2, flatness >= Flatness::Flat);
+        (self.last_accepted_s, self.last_was_accepted) = (time_s, true);
+        self.append(step_s, body_accel_m_s2, wheel_accel_m_s2, flatness >= Flatness::Flat);
         self.emit(speed_m_s, &mut sink);
     }
 
@@ -289,7 +296,7 @@ impl<T: Real> Resampler<T> {
     /// clock must have been wrong before: then all that came until now is another record.
     fn was_set_back(&mut self, time_s: f64) -> bool {
         self.refused = self.refused.saturating_add(1);
-        self.stray.take(time_s, self.periods.sample_s, self.periods.longest_s);
+        self.stray.take(time_s, self.periods.sample_s, LONGEST_BRIDGE * self.periods.sample_s);
         if self.stray.steps < SET_BACK {
             return false;
         }
@@ -300,25 +307,19 @@ impl<T: Real> Resampler<T> {
         true
     }
 
-    fn append(&mut self, time_s: f64, body: T, wheel: T, no_signal: bool) {
+    /// Takes a sample so many s after the last one.
+    fn append(&mut self, step_s: T, body: T, wheel: T, no_signal: bool) {
         if self.filled == 0 {
-            self.after_gap = true;
-            self.epoch_s = epoch_s(time_s);
-            self.next_grid_s = f64::NAN;
+            (self.after_gap, self.before_s) = (true, [T::zero(); POINTS]);
+        } else {
+            self.next_before_s += step_s;
+            self.before_s.iter_mut().for_each(|before_s| *before_s += step_s);
         }
-        if self.filled == POINTS {
-            self.since_s.rotate_left(1);
-            self.body.rotate_left(1);
-            self.wheel.rotate_left(1);
-            self.no_signal.rotate_left(1);
-            self.filled -= 1;
-        }
-        let at = self.filled.min(POINTS - 1);
-        self.since_s[at] = time_s - self.epoch_s;
-        self.body[at] = body;
-        self.wheel[at] = wheel;
-        self.no_signal[at] = no_signal;
-        self.filled = at + 1;
+        self.filled = (self.filled + 1).min(POINTS);
+        shift_in(&mut self.before_s, T::zero());
+        shift_in(&mut self.body, body);
+        shift_in(&mut self.wheel, wheel);
+        self.signal_steps = if no_signal { 0 } else { self.signal_steps.saturating_add(1) };
     }
 
     fn emit(&mut self, speed_m_s: T, sink: &mut impl FnMut(GridSample<T>)) {
@@ -326,52 +327,55 @@ impl<T: Real> Resampler<T> {
             return;
         }
         // Interpolate between the two middle points only, where the error is smallest.
-        let [from_s, to_s] = [self.since_s[POINTS / 2 - 1], self.since_s[POINTS / 2]];
-        let grid_s = self.periods.grid_s;
+        let [from_s, to_s] = [self.before_s[POINTS / 2 - 1], self.before_s[POINTS / 2]];
         // From then on it lies less than a step of the grid after what was the later of the two with the last sample, or hardly before that.
-        if self.next_grid_s.is_nan() {
-            self.next_grid_s = from_s;
+        if self.after_gap {
+            self.next_before_s = from_s;
         }
-        let no_signal = self.no_signal.contains(&true);
-        let before_s = to_s - self.periods.rounded_s;
-        while self.next_grid_s < before_s {
-            let (body, wheel) = self.at(self.next_grid_s);
+        let invalid = self.signal_steps < POINTS;
+        while self.next_before_s > to_s + self.periods.rounded_s {
+            let (body_accel_m_s2, wheel_accel_m_s2) = self.at_next();
+            let time_s = self.last_accepted_s - self.next_before_s.to_f64();
+            let step_s = if self.after_gap { T::lit(time_s - self.last_grid_s) } else { self.periods.step_s };
+            let after_gap = core::mem::replace(&mut self.after_gap, false);
+            self.last_grid_s = time_s;
+            let unloaded = false;
             sink(GridSample {
-                time_s: self.epoch_s + self.next_grid_s,
+                time_s,
+                step_s,
                 speed_m_s,
-                body_accel_m_s2: body,
-                wheel_accel_m_s2: wheel,
-                after_gap: self.after_gap,
-                invalid: no_signal,
-                unloaded: false,
+                body_accel_m_s2,
+                wheel_accel_m_s2,
+                after_gap,
+                invalid,
+                unloaded,
             });
-            self.after_gap = false;
-            self.next_grid_s += grid_s;
+            self.next_before_s -= self.periods.step_s;
         }
     }
 
-    /// Body and wheel at a time since the epoch.
-    fn at(&self, at_s: f64) -> (T, T) {
-        // A point of the grid that is a sample is that sample.
+    /// Body and wheel at the next step of the grid.
+    fn at_next(&mut self) -> (T, T) {
+        // A point of the grid that is a sample is that sample, and stays so however often it is rounded.
         for middle in [POINTS / 2 - 1, POINTS / 2] {
-            if (at_s - self.since_s[middle]).abs() < self.periods.on_sample_s {
+            if (self.next_before_s - self.before_s[middle]).abs() < self.periods.on_sample_s {
+                self.next_before_s = self.before_s[middle];
                 return (self.body[middle], self.wheel[middle]);
             }
         }
         let (mut body, mut wheel) = (T::zero(), T::zero());
-        for (i, &weight) in self.lagrange_weights(at_s).iter().enumerate() {
+        for (i, &weight) in self.lagrange_weights().iter().enumerate() {
             body += weight * self.body[i];
             wheel += weight * self.wheel[i];
         }
         (body, wheel)
     }
 
-    /// Weights of the polynomial through all points, at a time since the epoch.
-    fn lagrange_weights(&self, at_s: f64) -> [T; POINTS] {
-        let scale = 1.0 / self.periods.sample_s;
-        let distance = |i: usize| (at_s - self.since_s[i]) * scale;
+    /// Weights of the polynomial through all points, at the next step of the grid.
+    fn lagrange_weights(&self) -> [T; POINTS] {
         // Distances in sampling periods, so that f32 keeps its digits.
-        let distance: [T; POINTS] = core::array::from_fn(|i| T::lit(distance(i)));
+        let per_s = T::lit(1.0 / self.periods.sample_s);
+        let distance = self.before_s.map(|before_s| (before_s - self.next_before_s) * per_s);
         core::array::from_fn(|i| {
             let mut weight = T::one();
             for j in 0..POINTS {
@@ -382,4 +386,10 @@ impl<T: Real> Resampler<T> {
             weight
         })
     }
+}
+
+/// The oldest one goes, a new one comes.
+fn shift_in<T: Real>(kept: &mut [T; POINTS], newest: T) {
+    let [_, a, b, c, d, e, f, g] = *kept;
+    *kept = [a, b, c, d, e, f, g, newest];
 }

@@ -40,10 +40,9 @@ pub(crate) struct Contact {
 pub(crate) struct ContactWatch<T> {
     sprung_mass_kg: T,
     unsprung_mass_kg: T,
-    /// Means of body and wheel in m/s², over how many seconds (up to [`OFFSET_S`]), and up to when.
+    /// Means of body and wheel in m/s², and over how many seconds (up to [`OFFSET_S`]).
     means: [T; 2],
     watched_s: T,
-    last_s: f64,
     /// What of them is taken for an offset.
     offsets: [T; 2],
     /// Seconds for which the wheel still counts as hopping, and the tire as one that pulls.
@@ -52,7 +51,7 @@ pub(crate) struct ContactWatch<T> {
 }
 
 blank!(ContactWatch<T> {
-    sprung_mass_kg, unsprung_mass_kg, means, watched_s, last_s, offsets, hopping_s, pulling_s,
+    sprung_mass_kg, unsprung_mass_kg, means, watched_s, offsets, hopping_s, pulling_s,
 });
 
 impl<T: Real> ContactWatch<T> {
@@ -62,7 +61,6 @@ impl<T: Real> ContactWatch<T> {
             unsprung_mass_kg: car.unsprung_mass_kg(),
             means: [T::zero(); 2],
             watched_s: T::zero(),
-            last_s: f64::NAN,
             offsets: [T::zero(); 2],
             hopping_s: T::zero(),
             pulling_s: T::zero(),
@@ -89,8 +87,7 @@ impl<T: Real> ContactWatch<T> {
     /// Both accelerations without what the sensors always show. Small means are left alone: they are the road's.
     fn without_offsets(&mut self, sample: &GridSample<T>) -> [T; 2] {
         let readings = [sample.body_accel_m_s2, sample.wheel_accel_m_s2];
-        let seconds = T::lit(sample.time_s - self.last_s);
-        self.last_s = sample.time_s;
+        let seconds = sample.step_s;
         if seconds > T::zero() {
             self.pulling_s -= seconds;
             self.hopping_s -= seconds;
@@ -121,11 +118,12 @@ mod tests {
     extern crate std;
     use super::*;
 
-    /// A grid step of these accelerations.
-    fn step(time_s: f64, [body_accel_m_s2, wheel_accel_m_s2]: [f64; 2]) -> GridSample<f64> {
+    /// A grid step of these accelerations, so many s after the one before.
+    fn step(step_s: f64, [body_accel_m_s2, wheel_accel_m_s2]: [f64; 2]) -> GridSample<f64> {
         let (invalid, unloaded, after_gap) = (false, false, false);
         GridSample {
-            time_s,
+            time_s: 0.0,
+            step_s,
             speed_m_s: 20.0,
             body_accel_m_s2,
             wheel_accel_m_s2,
@@ -140,13 +138,13 @@ mod tests {
         [force_n / 3.0 / car.sprung_mass_kg(), force_n / 1.5 / car.unsprung_mass_kg()]
     }
 
-    /// What a watch says of tire forces, as shares of the weight, a tenth of a second apart.
+    /// What a watch says of tire forces, as shares of the weight, an eighth of a second apart.
     fn watched(forces: &[f64]) -> std::vec::Vec<Contact> {
         let car = QuarterCar::<f64>::paper_table_2();
         let mut watch = ContactWatch::new(&car);
         let weight_n = (car.sprung_mass_kg() + car.unsprung_mass_kg()) * GRAVITY_M_S2;
         let look = |(i, share): (usize, &f64)| {
-            watch.look(&step(0.1 * i as f64, accelerations(&car, share * weight_n)))
+            watch.look(&step(if i == 0 { f64::NAN } else { 0.125 }, accelerations(&car, share * weight_n)))
         };
         forces.iter().enumerate().map(look).collect()
     }
@@ -162,7 +160,7 @@ mod tests {
                 let time_s = 0.005 * f64::from(i);
                 let force_n = 1.2 * weight_n * (core::f64::consts::TAU * 11.0 * time_s).sin();
                 let [body, wheel] = accelerations(&car, force_n);
-                watch.look(&step(time_s, [body + offsets[0], wheel + offsets[1]]))
+                watch.look(&step(0.005, [body + offsets[0], wheel + offsets[1]]))
             };
             (0..20_000).map(hop).collect()
         };
@@ -179,8 +177,8 @@ mod tests {
         }
         // A mean that a road may have is left alone, to the last bit.
         let mut watch = ContactWatch::new(&car);
-        for i in 0..10_000 {
-            let sample = step(0.005 * f64::from(i), [3.9, -3.9]);
+        for _ in 0..10_000 {
+            let sample = step(0.005, [3.9, -3.9]);
             assert_eq!(watch.without_offsets(&sample), [3.9, -3.9]);
         }
     }
@@ -193,13 +191,13 @@ mod tests {
     #[test]
     fn a_wheel_without_force_is_in_the_air_and_lands() {
         let mut forces = [0.0; 63];
-        // Five seconds of an even road first.
+        // Six seconds of an even road first.
         forces[50..62]
             .copy_from_slice(&[0.0, 2.0, -0.8, -0.9, -1.0, -1.1, -1.06, -0.5, 1.5, 0.0, -0.86, 0.0]);
         let (unloaded, hopping) = seen(&forces);
         assert_eq!(unloaded, core::array::from_fn::<_, 63, _>(|i| [53, 54, 55, 56, 60].contains(&i)));
-        // Surely lifted at 5.5 and 5.6 s, and half a second more.
-        assert_eq!(hopping, core::array::from_fn::<_, 63, _>(|i| (55..61).contains(&i)));
+        // Surely lifted in two steps, and for half a second, four steps, from the second one on.
+        assert_eq!(hopping, core::array::from_fn::<_, 63, _>(|i| (55..60).contains(&i)));
     }
 
     #[test]

@@ -128,6 +128,7 @@ mod tests {
             let pulse = (50..60).contains(&step);
             let sample = GridSample {
                 time_s: f64::from(step) * 0.002,
+                step_s: 0.002,
                 speed_m_s: 20.0,
                 body_accel_m_s2: 0.0,
                 wheel_accel_m_s2: if pulse { 100.0 } else { 0.0 },
