@@ -223,8 +223,7 @@ no_panic() {
 # The C library: its header is that of the sources, nothing but itpms_* is to be seen in it and nothing in it panics; the example prints
 # the numbers of `estimate`, on the host, under valgrind and on a Cortex-M4F under QEMU. (Its tests from C are among the tests.)
 capi() {
-    local out triple library precision gcc=(-std=c99 -Wall -Wextra -pedantic -Werror -O2 -I crates/itpms-capi/include)
-    local sources=(examples/c/pressures.c examples/c/vehicle_file.c) board=()
+    local out triple library precision name gcc=(-std=c99 -Wall -Wextra -pedantic -Werror -O2 -I crates/itpms-capi/include) board=()
     out="$(realpath -m "$target_dir/ci-capi")"
     mkdir -p "$out"
     command -v gcc >/dev/null || skip "gcc is not installed"
@@ -232,19 +231,27 @@ capi() {
     cargo build --release --locked
     "$target_dir/release/itpms" -q lab simulate drive-puncture --seed 1 -o "$out/drive.csv" --vehicle-out "$out/car.toml"
     "$target_dir/release/itpms" -q estimate "$out/drive.csv" --vehicle "$out/car.toml" -o "$out/est.csv" >/dev/null
+    "$target_dir/release/itpms" -q lab simulate examples/firmware/wheels.toml --seed 1 -o "$out/wheels.csv" --vehicle-out "$out/wheels.toml"
     triple="$(rustc -vV | sed -n 's/^host: //p')"
     for precision in f64 f32; do
         library="$(.ci/capi-library "$triple" "$precision")"
-        gcc "${gcc[@]}" "-DITPMS_${precision^^}" "${sources[@]}" "$library" -lm -o "$out/pressures-$precision"
+        for name in pressures wheels; do
+            gcc "${gcc[@]}" "-DITPMS_${precision^^}" examples/c/{$name,vehicle_file}.c "$library" -lm -o "$out/$name-$precision"
+        done
         "$out/pressures-$precision" "$out/drive.csv" "$out/car.toml" >"$out/$precision.csv"
-        gcc "${gcc[@]}" "-DITPMS_${precision^^}" crates/itpms-capi/tests/c/contract.c "$library" -lm -o "$out/contract-$precision"
-        "$out/contract-$precision"
+        "$out/wheels-$precision" "$out/wheels.csv" "$out/wheels.toml" 60 >"$out/wheels-$precision.csv"
+        for name in contract wheels_contract; do
+            gcc "${gcc[@]}" "-DITPMS_${precision^^}" "crates/itpms-capi/tests/c/$name.c" "$library" -lm -o "$out/$name-$precision"
+            "$out/$name-$precision"
+        done
     done
     head -n 3001 "$out/drive.csv" >"$out/short.csv"
     command -v valgrind >/dev/null || install_package valgrind
     if command -v valgrind >/dev/null; then
         valgrind --quiet --error-exitcode=9 --leak-check=full "$out/pressures-f32" "$out/short.csv" "$out/car.toml" >/dev/null
-        valgrind --quiet --error-exitcode=9 --leak-check=full "$out/contract-f32"
+        for name in contract wheels_contract; do
+            valgrind --quiet --error-exitcode=9 --leak-check=full "$out/$name-f32"
+        done
     else
         echo "SKIPPED: valgrind is not installed"
     fi
@@ -254,6 +261,9 @@ capi() {
         (cd "$out" && timeout 300 qemu-system-arm -machine mps2-an386 -nographic -kernel pressures.elf \
             -semihosting-config enable=on,target=native,arg=pressures,arg=short.csv,arg=car.toml >board.csv)
         board=("$out/board.csv")
+        (cd "$out" && timeout 300 qemu-system-arm -machine mps2-an386 -nographic -kernel wheels.elf \
+            -semihosting-config enable=on,target=native,arg=wheels,arg=wheels.csv,arg=wheels.toml,arg=60 >wheels-board.csv)
+        cmp "$out/wheels-board.csv" "$out/wheels-f32.csv"
     else
         echo "SKIPPED: no arm-none-eabi-gcc or no QEMU: the example does not run on the board"
     fi

@@ -28,13 +28,27 @@
 #define ITPMS_CAR_MAX_SIZE 524288
 #endif
 
+#if !defined(ITPMS_F64)
+/*
+ Bytes that wheel speeds alone take at most; `itpms_wheels_size` is exact.
+ */
+#define ITPMS_WHEELS_MAX_SIZE 5120
+#endif
+
+#if defined(ITPMS_F64)
+/*
+ Bytes that wheel speeds alone take at most.
+ */
+#define ITPMS_WHEELS_MAX_SIZE 10240
+#endif
+
 /*
  Bytes that a stored calibration takes at most.
  */
 #define ITPMS_CALIBRATION_MAX_SIZE 1024
 
 /*
- What became of a call. Everything but `ITPMS_STATUS_OK` leaves the car as it was, unless the function says otherwise.
+ What became of a call. Everything but `ITPMS_STATUS_OK` leaves all as it was, unless the function says otherwise.
  */
 enum itpms_status
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -66,7 +80,7 @@ enum itpms_status
    */
   ITPMS_STATUS_TOO_SMALL = 5,
   /*
-   The memory holds no car: `itpms_car_init` was not called, or failed.
+   The memory holds no car, or no wheel speeds where these are asked for: its init was not called, or failed.
    */
   ITPMS_STATUS_NOT_A_CAR = 6,
   /*
@@ -608,6 +622,11 @@ typedef uint32_t itpms_warning;
  */
 typedef struct itpms_car itpms_car;
 
+/*
+ Four wheel speeds without a car around them, in memory of the caller. What is in it is the library's own.
+ */
+typedef struct itpms_wheels itpms_wheels;
+
 #if !defined(ITPMS_F64)
 /*
  The scalar of the library: `float`, or `double` with `ITPMS_F64`, as the library was built.
@@ -1096,6 +1115,82 @@ typedef struct {
   itpms_alert alert;
 } itpms_event;
 
+/*
+ One wheel by its speed. NaN: not known.
+ */
+typedef struct {
+  /*
+   An `itpms_state`: UNKNOWN, FINE (it does not differ from the others) or LOW.
+   */
+  uint32_t state;
+  /*
+   An `itpms_doubt`.
+   */
+  uint32_t doubt;
+  /*
+   1 if a loss of a quarter of this tire alone would be found.
+   */
+  uint32_t is_informed;
+  /*
+   Probability that this tire is low.
+   */
+  itpms_real low_probability;
+  /*
+   Change of the rolling radius since the calibration, as a share of it.
+   */
+  itpms_real radius_change;
+  /*
+   Its standard deviation.
+   */
+  itpms_real radius_change_sd;
+  /*
+   Share of its pressure that the tire has lost since the calibration.
+   */
+  itpms_real lost_share;
+  /*
+   Its standard deviation.
+   */
+  itpms_real lost_share_sd;
+} itpms_wheel_radius;
+
+/*
+ What four wheel speeds alone say: which tires differ from the others since the calibration. A loss of all four alike is not seen.
+ */
+typedef struct {
+  /*
+   Time in s of the last sample; NaN before the first one.
+   */
+  double time_s;
+  /*
+   Front left, front right, rear left, rear right.
+   */
+  itpms_wheel_radius wheels[4];
+  /*
+   Probability that any tire is low.
+   */
+  itpms_real any_low_probability;
+  /*
+   An `itpms_radius_state`.
+   */
+  uint32_t state;
+  /*
+   Wheels of the states LOW and ONE_OF: bit 0 front left, 1 front right, 2 rear left, 3 rear right.
+   */
+  uint32_t low_wheels;
+  /*
+   Wheels that turn like their neighbor under torque, low or not: the same bits.
+   */
+  uint32_t hidden_wheels;
+  /*
+   1 without a yaw rate that can be believed: of a front wheel and the rear wheel across only the pair may be known.
+   */
+  uint32_t is_diagonal_open;
+  /*
+   1 if the car stood since the calibration, so that loads may have changed: rear tires, and both of an axle, need a larger loss.
+   */
+  uint32_t loads_may_differ;
+} itpms_radius_report;
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -1111,16 +1206,6 @@ const char *itpms_version(void);
 const char *itpms_status_text(uint32_t status);
 
 /*
- Bytes of memory that a car takes; at most `ITPMS_CAR_MAX_SIZE`.
- */
-size_t itpms_car_size(void);
-
-/*
- Alignment in bytes of that memory; at most that of a `double`, or of a pointer where that is more.
- */
-size_t itpms_car_align(void);
-
-/*
  Fills a configuration with its defaults: what is not known is NaN, no corner is measured, no wheel speed used.
 
  `struct_size` is `sizeof *config`. Errors: NULL_POINTER, MISALIGNED, WRONG_SIZE (nothing is written then).
@@ -1129,6 +1214,16 @@ size_t itpms_car_align(void);
  `config` is null or points to `struct_size` bytes.
  */
 itpms_status itpms_config_init(itpms_config *config, size_t struct_size);
+
+/*
+ Bytes of memory that a car takes; at most `ITPMS_CAR_MAX_SIZE`.
+ */
+size_t itpms_car_size(void);
+
+/*
+ Alignment in bytes of that memory; at most that of a `double`, or of a pointer where that is more.
+ */
+size_t itpms_car_align(void);
 
 /*
  Makes a car of `size` bytes of memory, which stays the caller's and may not move while the car is used; `*car` is what the other
@@ -1306,6 +1401,143 @@ itpms_status itpms_car_restore_state(itpms_car *car,
  `car` is null or a car.
  */
 itpms_status itpms_car_reset(itpms_car *car);
+
+/*
+ Bytes of memory that wheel speeds alone take; at most `ITPMS_WHEELS_MAX_SIZE`.
+ */
+size_t itpms_wheels_size(void);
+
+/*
+ Alignment in bytes of that memory; at most that of a `double`.
+ */
+size_t itpms_wheels_align(void);
+
+/*
+ Makes a monitor of wheel speeds of `size` bytes of memory, as `itpms_car_init` makes a car. Of the configuration `wheelbase_m` and
+ `wheel_speeds` are read, and nothing else.
+
+ `problem` may be null; else it says what is wrong with the configuration. Errors: NULL_POINTER, MISALIGNED (memory by
+ `itpms_wheels_align`), TOO_SMALL, WRONG_SIZE, WRONG_VERSION, BAD_PARAMETER, BAD_CHOICE; there is no monitor then.
+
+ # Safety
+ Every pointer is null or points to memory of its type, `memory` to `size` bytes that nothing else uses.
+ */
+itpms_status itpms_wheels_init(void *memory,
+                               size_t size,
+                               const itpms_config *config,
+                               itpms_wheels **wheels,
+                               itpms_problem *problem);
+
+/*
+ Takes a sample and writes what is known after it; `report` may be null. Values that are NaN are missing.
+
+ Errors: NULL_POINTER, MISALIGNED, NOT_A_CAR, BAD_TIME and BAD_CHOICE (the sample is left out).
+
+ # Safety
+ Every pointer is null or points to what its type says.
+ */
+itpms_status itpms_wheels_update(itpms_wheels *wheels,
+                                 const itpms_wheel_speed_sample *sample,
+                                 itpms_radius_report *report);
+
+/*
+ Writes what is known after the last sample.
+
+ Errors: NULL_POINTER, MISALIGNED, NOT_A_CAR.
+
+ # Safety
+ Every pointer is null or points to what its type says.
+ */
+itpms_status itpms_wheels_report(itpms_wheels *wheels, itpms_radius_report *report);
+
+/*
+ As `itpms_car_alerts`; there is at most 1.
+
+ Errors: NULL_POINTER, MISALIGNED, NOT_A_CAR, TOO_SMALL (`*count` says what it takes).
+
+ # Safety
+ Every pointer is null or points to what its type says, `alerts` to `capacity` of them.
+ */
+itpms_status itpms_wheels_alerts(itpms_wheels *wheels, itpms_alert *alerts, size_t capacity, size_t *count);
+
+/*
+ As `itpms_car_alert_text`.
+
+ Errors: NULL_POINTER, MISALIGNED, NOT_A_CAR, BAD_INDEX, TOO_SMALL (the beginning is written).
+
+ # Safety
+ Every pointer is null or points to what its type says, `text` to `capacity` bytes.
+ */
+itpms_status itpms_wheels_alert_text(itpms_wheels *wheels, size_t index, char *text, size_t capacity, size_t *length);
+
+/*
+ As `itpms_car_events`; there are at most 2.
+
+ Errors: NULL_POINTER, MISALIGNED, NOT_A_CAR, TOO_SMALL (`*count` says what it takes; nothing is written, and nothing is lost).
+
+ # Safety
+ Every pointer is null or points to what its type says, `events` to `capacity` of them.
+ */
+itpms_status itpms_wheels_events(itpms_wheels *wheels,
+                                 itpms_event *events,
+                                 size_t capacity,
+                                 size_t *count);
+
+/*
+ All tires have the pressures they should have from the next sample on, for so many seconds (600 are usual), in which the car should
+ be driven: how the tires differ is learned. Nothing is reported without.
+
+ Errors: NULL_POINTER, MISALIGNED, NOT_A_CAR, BAD_DURATION.
+
+ # Safety
+ `wheels` is null or was made by `itpms_wheels_init`.
+ */
+itpms_status itpms_wheels_begin_calibration(itpms_wheels *wheels,
+                                            double seconds);
+
+/*
+ Ends the calibration that is under way with what it has seen; that takes 10 s of driving at least.
+
+ Errors: NULL_POINTER, MISALIGNED, NOT_A_CAR, NOT_CALIBRATED (it is ended, and taught nothing).
+
+ # Safety
+ `wheels` is null or was made by `itpms_wheels_init`.
+ */
+itpms_status itpms_wheels_end_calibration(itpms_wheels *wheels);
+
+/*
+ Writes what a calibration taught, once it is over, to be stored: 200 bytes in `float`, 384 in `double`; `*written` becomes how many.
+ It is not the calibration of a car, and no car takes it.
+
+ Errors: NULL_POINTER, MISALIGNED, NOT_A_CAR, NOT_CALIBRATED, TOO_SMALL.
+
+ # Safety
+ Every pointer is null or points to what its type says, `memory` to `size` bytes.
+ */
+itpms_status itpms_wheels_save_calibration(itpms_wheels *wheels,
+                                           void *memory,
+                                           size_t size,
+                                           size_t *written);
+
+/*
+ Begins a drive with a stored calibration, before the first sample.
+
+ Errors: NULL_POINTER, MISALIGNED, NOT_A_CAR, DAMAGED, OTHER_FORMAT, IMPLAUSIBLE.
+
+ # Safety
+ Every pointer is null or points to what its type says, `memory` to `size` bytes.
+ */
+itpms_status itpms_wheels_load_calibration(itpms_wheels *wheels, const void *memory, size_t size);
+
+/*
+ Begins anew with the configuration that the monitor was made with; a calibration is forgotten.
+
+ Errors: NULL_POINTER, MISALIGNED, NOT_A_CAR.
+
+ # Safety
+ `wheels` is null or was made by `itpms_wheels_init`.
+ */
+itpms_status itpms_wheels_reset(itpms_wheels *wheels);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -2,31 +2,27 @@
 
 use itpms_core::model::{CalibrationError, CarEstimate, VehicleCalibration};
 use itpms_core::monitor::{MonitoredCar, MonitoredWheels};
-use itpms_core::warning::{Change, MonitorReport};
+use itpms_core::warning::{Alert, Change, MonitorReport};
 use itpms_core::wheel_speed::RadiusCalibration;
 use itpms_road::RoadUnderCar;
 use serde::{Deserialize, Serialize};
 
+use crate::config::itpms_config;
 use crate::estimate::{self, itpms_estimate};
 use crate::image::{self, Kind};
 use crate::itpms_real;
-use crate::read_config::Config;
+use crate::kept::Kept;
+use crate::read_config::{Config, Refusal};
 use crate::sample::{itpms_sample, itpms_wheel_speed_sample};
 use crate::status::itpms_status;
 
-/// What begins a car's memory once it holds one.
-const MAGIC: u32 = 0x4d54_5049;
-
-/// Bytes of a scalar tell an image of one precision from one of the other.
-const SCALAR: u8 = b'0' + size_of::<itpms_real>() as u8;
-const CALIBRATION: Kind = Kind { name: [b'I', b'T', b'C', SCALAR], format: 1 };
+const CALIBRATION: Kind = Kind::new(b'C', 1);
 /// A program with another layout of the estimator has another format.
-const STATE: Kind = Kind { name: [b'I', b'T', b'S', SCALAR], format: 3 };
+const STATE: Kind = Kind::new(b'S', 4);
 
 /// See the [module](self).
 #[derive(Serialize, Deserialize)]
 pub(crate) struct Car {
-    pub(crate) magic: u32,
     config: Option<Config>,
     car: MonitoredCar<itpms_real>,
     road: RoadUnderCar<itpms_real>,
@@ -40,33 +36,8 @@ pub(crate) struct Car {
 type Taught = (Option<VehicleCalibration<itpms_real>>, Option<RadiusCalibration<itpms_real>>);
 
 impl Car {
-    /// Makes a car without a configuration of memory, part by part: as a whole it would cross the stack.
-    ///
-    /// # Safety
-    /// `place` must be valid for writes and aligned.
-    #[allow(unsafe_code)]
-    #[inline(never)] // Its copies of what is blank leave the stack before the car is configured.
-    pub(crate) unsafe fn blank(place: *mut Self) {
-        // SAFETY: the caller's promise; every field is written, and none is read before.
-        unsafe {
-            (&raw mut (*place).magic).write(0);
-            (&raw mut (*place).config).write(None);
-            (&raw mut (*place).car).write(MonitoredCar::unconfigured());
-            (&raw mut (*place).road).write(RoadUnderCar::unconfigured());
-            (&raw mut (*place).wheels).write(MonitoredWheels::unconfigured());
-            (&raw mut (*place).estimate).write(None);
-            (&raw mut (*place).reported).write(None);
-        }
-    }
-
-    /// Whether memory holds a car.
-    pub(crate) fn is_one(magic: u32) -> bool {
-        magic == MAGIC
-    }
-
     /// Begins anew with this configuration.
-    pub(crate) fn configure(&mut self, config: &Config) -> Result<(), itpms_core::ParameterError> {
-        self.magic = 0;
+    fn begin(&mut self, config: &Config) -> Result<(), itpms_core::ParameterError> {
         if config.has_corners() {
             self.car.configure(&config.monitor, config.sample_rate_hz)?;
         }
@@ -79,14 +50,7 @@ impl Car {
         }
         self.config = Some(*config);
         (self.estimate, self.reported) = (None, None);
-        self.magic = MAGIC;
         Ok(())
-    }
-
-    /// Begins anew as configured.
-    pub(crate) fn reset(&mut self) -> Result<(), itpms_status> {
-        let config = self.config.ok_or(itpms_status::NotACar)?;
-        self.configure(&config).map_err(|_| itpms_status::BadParameter)
     }
 
     fn has_corners(&self) -> bool {
@@ -126,7 +90,7 @@ impl Car {
     }
 
     /// What both monitors have to say.
-    pub(crate) fn report(&self) -> MonitorReport<itpms_real> {
+    fn report(&self) -> MonitorReport<itpms_real> {
         let mut report = *self.car.report();
         match (self.has_corners(), self.has_wheels()) {
             (true, true) => self.wheels.tell(&mut report),
@@ -141,8 +105,58 @@ impl Car {
         estimate::estimate(self.estimate.as_ref(), &self.report(), radii)
     }
 
-    /// Hands what began or ended since it last did to `take`, if there is room for so many.
-    pub(crate) fn events(
+    fn taught(&self) -> Taught {
+        (self.car.estimator().calibration(), self.wheels.calibration().copied())
+    }
+
+    /// Bytes of its saved state now.
+    pub(crate) fn state_size(&self) -> usize {
+        image::HEADER + postcard::experimental::serialized_size(self).unwrap_or(0)
+    }
+
+    pub(crate) fn save_state(&self, bytes: &mut [u8]) -> Result<usize, itpms_status> {
+        image::save(STATE, self, bytes)
+    }
+
+    /// Goes on from a saved state.
+    pub(crate) fn restore_state(&mut self, bytes: &[u8]) -> Result<(), itpms_status> {
+        *self = image::load(STATE, bytes)?;
+        Ok(())
+    }
+}
+
+impl Kept for Car {
+    const MARK: u32 = u32::from_le_bytes(*b"IPTM");
+
+    // Part by part: as a whole it would cross the stack.
+    #[allow(unsafe_code)]
+    #[inline(never)] // Its copies of what is blank leave the stack before the car is configured.
+    unsafe fn blank(place: *mut Self) {
+        // SAFETY: the caller's promise; every field is written, and none is read before.
+        unsafe {
+            (&raw mut (*place).config).write(None);
+            (&raw mut (*place).car).write(MonitoredCar::unconfigured());
+            (&raw mut (*place).road).write(RoadUnderCar::unconfigured());
+            (&raw mut (*place).wheels).write(MonitoredWheels::unconfigured());
+            (&raw mut (*place).estimate).write(None);
+            (&raw mut (*place).reported).write(None);
+        }
+    }
+
+    fn configure(&mut self, told: &itpms_config) -> Result<(), Refusal> {
+        Ok(self.begin(&Config::read(told)?)?)
+    }
+
+    fn reset(&mut self) -> Result<(), itpms_status> {
+        let config = self.config.ok_or(itpms_status::NotACar)?;
+        self.begin(&config).map_err(|_| itpms_status::BadParameter)
+    }
+
+    fn alerts(&self, mut take: impl FnMut(usize, &Alert<itpms_real>)) {
+        self.report().alerts().enumerate().for_each(|(i, alert)| take(i, alert));
+    }
+
+    fn events(
         &mut self,
         room: usize,
         mut take: impl FnMut(usize, &Change<itpms_real>),
@@ -157,7 +171,7 @@ impl Car {
         (count, Ok(()))
     }
 
-    pub(crate) fn begin_calibration(&mut self, seconds: f64) -> Result<(), itpms_status> {
+    fn begin_calibration(&mut self, seconds: f64) -> Result<(), itpms_status> {
         if self.has_corners() {
             self.car.begin_calibration(seconds).map_err(|_| itpms_status::BadDuration)?;
         }
@@ -167,7 +181,7 @@ impl Car {
         Ok(())
     }
 
-    pub(crate) fn end_calibration(&mut self) -> Result<(), itpms_status> {
+    fn end_calibration(&mut self) -> Result<(), itpms_status> {
         self.car.end_calibration();
         if self.has_wheels() {
             self.wheels.end_calibration();
@@ -178,20 +192,15 @@ impl Car {
         }
     }
 
-    fn taught(&self) -> Taught {
-        (self.car.estimator().calibration(), self.wheels.calibration().copied())
-    }
-
-    /// Writes what a calibration taught; gives the bytes it takes.
-    pub(crate) fn save_calibration(&self, bytes: &mut [u8]) -> Result<usize, itpms_status> {
+    fn save_calibration(&self, bytes: &mut [u8]) -> Result<usize, itpms_status> {
         match self.taught() {
             (None, None) => Err(itpms_status::NotCalibrated),
-            taught => save(CALIBRATION, &taught, bytes),
+            taught => image::save(CALIBRATION, &taught, bytes),
         }
     }
 
-    pub(crate) fn load_calibration(&mut self, bytes: &[u8]) -> Result<(), itpms_status> {
-        let (corners, wheels): Taught = load(CALIBRATION, bytes)?;
+    fn load_calibration(&mut self, bytes: &[u8]) -> Result<(), itpms_status> {
+        let (corners, wheels): Taught = image::load(CALIBRATION, bytes)?;
         if let Some(corners) = corners.filter(|_| self.has_corners()) {
             self.car.load_calibration(&corners).map_err(|error| match error {
                 CalibrationError::OtherCar => itpms_status::OtherCar,
@@ -205,38 +214,10 @@ impl Car {
             _ => Ok(()),
         }
     }
-
-    /// Bytes of its saved state now.
-    pub(crate) fn state_size(&self) -> usize {
-        image::HEADER + postcard::experimental::serialized_size(self).unwrap_or(0)
-    }
-
-    pub(crate) fn save_state(&self, bytes: &mut [u8]) -> Result<usize, itpms_status> {
-        save(STATE, self, bytes)
-    }
-
-    /// Goes on from a saved state.
-    pub(crate) fn restore_state(&mut self, bytes: &[u8]) -> Result<(), itpms_status> {
-        let saved: Self = load(STATE, bytes)?;
-        if !Self::is_one(saved.magic) {
-            return Err(itpms_status::OtherFormat);
-        }
-        *self = saved;
-        Ok(())
-    }
 }
 
 impl Config {
     pub(crate) fn has_corners(&self) -> bool {
         self.monitor.car.corners.iter().any(Option::is_some)
     }
-}
-
-fn save(kind: Kind, value: &impl Serialize, bytes: &mut [u8]) -> Result<usize, itpms_status> {
-    let body = postcard::to_slice(value, image::body(bytes)?).map_err(|_| itpms_status::TooSmall)?.len();
-    image::seal(kind, bytes, body)
-}
-
-fn load<'a, X: Deserialize<'a>>(kind: Kind, bytes: &'a [u8]) -> Result<X, itpms_status> {
-    postcard::from_bytes(image::open(kind, bytes)?).map_err(|_| itpms_status::OtherFormat)
 }

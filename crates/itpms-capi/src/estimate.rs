@@ -1,6 +1,6 @@
 //! What is known of the car after a sample.
 
-use itpms_core::model::{CarEstimate, CornerEstimate, Level, Validity, Warning};
+use itpms_core::model::{CarEstimate, CornerEstimate, Level, Validity, Warning, Wheels};
 use itpms_core::warning::{Doubt, MonitorReport, WheelReport, WheelState};
 use itpms_core::wheel_speed::{RadiusReport, RadiusState};
 
@@ -187,22 +187,26 @@ pub(crate) fn estimate(
         *place = wheel(corner.as_ref(), report.as_ref());
     }
     if let Some(radii) = radii {
-        let (state, wheels) = match radii.state {
-            RadiusState::Uncalibrated => (itpms_radius_state::Uncalibrated, None),
-            RadiusState::Calibrating => (itpms_radius_state::Calibrating, None),
-            RadiusState::Uninformed => (itpms_radius_state::Uninformed, None),
-            RadiusState::NoneDiffers => (itpms_radius_state::NoneDiffers, None),
-            RadiusState::Low(wheels) => (itpms_radius_state::Low, Some(wheels)),
-            RadiusState::OneOf(wheels) => (itpms_radius_state::OneOf, Some(wheels)),
-        };
-        told.radius_state = state as u32;
-        told.low_wheels = wheels.map_or(0, crate::alert::bits);
+        (told.radius_state, told.low_wheels) = radius_state(radii.state);
         for (place, radius) in told.wheels.iter_mut().zip(&radii.wheels) {
             place.radius_lost_share = radius.lost_share;
             place.radius_lost_share_sd = radius.lost_share_sd;
         }
     }
     told
+}
+
+/// An `itpms_radius_state`, and the wheels it is about as bits.
+pub(crate) fn radius_state(state: RadiusState) -> (u32, u32) {
+    let (state, wheels) = match state {
+        RadiusState::Uncalibrated => (itpms_radius_state::Uncalibrated, Wheels::NONE),
+        RadiusState::Calibrating => (itpms_radius_state::Calibrating, Wheels::NONE),
+        RadiusState::Uninformed => (itpms_radius_state::Uninformed, Wheels::NONE),
+        RadiusState::NoneDiffers => (itpms_radius_state::NoneDiffers, Wheels::NONE),
+        RadiusState::Low(wheels) => (itpms_radius_state::Low, wheels),
+        RadiusState::OneOf(wheels) => (itpms_radius_state::OneOf, wheels),
+    };
+    (state as u32, crate::alert::bits(wheels))
 }
 
 fn wheel(
@@ -264,7 +268,7 @@ fn level_of(level: Level) -> itpms_level {
     }
 }
 
-fn state(state: Option<WheelState>) -> (itpms_state, itpms_doubt) {
+pub(crate) fn state(state: Option<WheelState>) -> (itpms_state, itpms_doubt) {
     let doubt = match state {
         None => return (itpms_state::Unknown, itpms_doubt::Starting),
         Some(WheelState::Fine) => return (itpms_state::Fine, itpms_doubt::None),

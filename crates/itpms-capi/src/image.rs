@@ -2,6 +2,9 @@
 //!
 //! Little-endian: 4 bytes of kind, `u32` format, `u32` length of the body, `u32` CRC-32 (IEEE 802.3) of the first twelve and the body.
 
+use serde::{Deserialize, Serialize};
+
+use crate::itpms_real;
 use crate::status::itpms_status;
 
 /// Bytes before the body.
@@ -10,17 +13,35 @@ pub(crate) const HEADER: usize = 16;
 /// What an image holds.
 #[derive(Clone, Copy)]
 pub(crate) struct Kind {
-    pub(crate) name: [u8; 4],
-    pub(crate) format: u32,
+    name: [u8; 4],
+    format: u32,
+}
+
+impl Kind {
+    /// The bytes of a scalar tell an image of one precision from one of the other.
+    pub(crate) const fn new(letter: u8, format: u32) -> Self {
+        Self { name: [b'I', b'T', letter, b'0' + size_of::<itpms_real>() as u8], format }
+    }
+}
+
+/// Writes a value as an image; gives the bytes it takes.
+pub(crate) fn save(kind: Kind, value: &impl Serialize, bytes: &mut [u8]) -> Result<usize, itpms_status> {
+    let body = postcard::to_slice(value, body(bytes)?).map_err(|_| itpms_status::TooSmall)?.len();
+    seal(kind, bytes, body)
+}
+
+/// The value that an image of this kind holds.
+pub(crate) fn load<'a, X: Deserialize<'a>>(kind: Kind, bytes: &'a [u8]) -> Result<X, itpms_status> {
+    postcard::from_bytes(open(kind, bytes)?).map_err(|_| itpms_status::OtherFormat)
 }
 
 /// The body's place in memory that is to hold an image.
-pub(crate) fn body(bytes: &mut [u8]) -> Result<&mut [u8], itpms_status> {
+fn body(bytes: &mut [u8]) -> Result<&mut [u8], itpms_status> {
     bytes.get_mut(HEADER..).ok_or(itpms_status::TooSmall)
 }
 
 /// Writes the header of a body that lies in its place; gives the bytes of the image.
-pub(crate) fn seal(kind: Kind, bytes: &mut [u8], body: usize) -> Result<usize, itpms_status> {
+fn seal(kind: Kind, bytes: &mut [u8], body: usize) -> Result<usize, itpms_status> {
     let length = u32::try_from(body).map_err(|_| itpms_status::TooSmall)?;
     let (header, rest) = bytes.split_first_chunk_mut::<HEADER>().ok_or(itpms_status::TooSmall)?;
     let body = rest.get(..body).ok_or(itpms_status::TooSmall)?;
@@ -34,7 +55,7 @@ pub(crate) fn seal(kind: Kind, bytes: &mut [u8], body: usize) -> Result<usize, i
 }
 
 /// The body of an image of this kind.
-pub(crate) fn open(kind: Kind, bytes: &[u8]) -> Result<&[u8], itpms_status> {
+fn open(kind: Kind, bytes: &[u8]) -> Result<&[u8], itpms_status> {
     let (header, rest) = bytes.split_first_chunk::<HEADER>().ok_or(itpms_status::Damaged)?;
     let [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p] = *header;
     let (name, format, length) = ([a, b, c, d], [e, f, g, h], [i, j, k, l]);

@@ -1,14 +1,15 @@
 //! Indirect tire pressure monitoring as a C library: `itpms.h` and a static library, in `f32` or, with feature `f64`, in `f64`.
 //!
-//! A car lives in memory of the caller. The library has no heap, no globals, no clock and no files, and reads nothing but its arguments;
+//! A car, or its wheel speeds alone, live in memory of the caller. The library has no heap, no globals, no clock and no files, and reads nothing but its arguments;
 //! docs/c-library.md tells how it is built and used.
 //!
 //! | module | idea |
 //! |---|---|
-//! | `edge`, `pointer` | the functions that C calls, and its pointers: the only modules with `unsafe`, but for how a car's memory begins |
+//! | `edge`, `pointer` | the functions that C calls, and its pointers: the only modules with `unsafe`, but for how memory begins |
 //! | `config`, `read_config`, `sample` | what comes in |
-//! | `estimate`, `alert` | what goes out |
-//! | `car` | the car: two monitors and what was reported last |
+//! | `estimate`, `radii`, `alert` | what goes out |
+//! | `car`, `wheels` | the car: two monitors and what was reported last; the same of wheel speeds alone |
+//! | `kept` | what both of them do |
 //! | `image` | bytes that are found whole or not at all |
 //! | `status` | why a call did nothing |
 //!
@@ -23,10 +24,13 @@ mod config;
 mod edge;
 mod estimate;
 mod image;
+mod kept;
 mod pointer;
+mod radii;
 mod read_config;
 mod sample;
 mod status;
+mod wheels;
 
 pub use self::alert::{itpms_alert, itpms_basis, itpms_cause, itpms_event, itpms_malfunction};
 pub use self::config::{
@@ -38,6 +42,8 @@ pub use self::estimate::{
     itpms_doubt, itpms_estimate, itpms_level, itpms_radius_state, itpms_state, itpms_validity, itpms_warning,
     itpms_wheel,
 };
+pub use self::pointer::{itpms_car, itpms_wheels};
+pub use self::radii::{itpms_radius_report, itpms_wheel_radius};
 pub use self::sample::{itpms_brake, itpms_sample, itpms_wheel_speed_sample};
 pub use self::status::itpms_status;
 
@@ -58,10 +64,18 @@ pub const ITPMS_CAR_MAX_SIZE: usize = 262_144;
 #[cfg(feature = "f64")]
 pub const ITPMS_CAR_MAX_SIZE: usize = 524_288;
 
+/// Bytes that wheel speeds alone take at most; `itpms_wheels_size` is exact.
+#[cfg(not(feature = "f64"))]
+pub const ITPMS_WHEELS_MAX_SIZE: usize = 5120;
+/// Bytes that wheel speeds alone take at most.
+#[cfg(feature = "f64")]
+pub const ITPMS_WHEELS_MAX_SIZE: usize = 10_240;
+
 /// Bytes that a stored calibration takes at most.
 pub const ITPMS_CALIBRATION_MAX_SIZE: usize = 1024;
 
-const _: () = assert!(size_of::<car::Car>() <= ITPMS_CAR_MAX_SIZE);
+const _: () = assert!(size_of::<pointer::Memory<car::Car>>() <= ITPMS_CAR_MAX_SIZE);
+const _: () = assert!(size_of::<pointer::Memory<wheels::Wheels>>() <= ITPMS_WHEELS_MAX_SIZE);
 
 /// Nothing here is known to panic (`.ci/capi-library` looks, for a controller); the language wants a handler nevertheless.
 #[cfg(panic = "abort")]

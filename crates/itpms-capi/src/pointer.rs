@@ -8,11 +8,67 @@ use core::ffi::c_void;
 use core::slice;
 
 use crate::car::Car;
+use crate::config::itpms_config;
+use crate::kept::Kept;
+use crate::read_config::Refusal;
 use crate::status::itpms_status;
+use crate::wheels::Wheels;
 
 /// A car, in memory of the caller. What is in it is the library's own.
 pub struct itpms_car {
     _private: (),
+}
+
+/// Four wheel speeds without a car around them, in memory of the caller. What is in it is the library's own.
+pub struct itpms_wheels {
+    _private: (),
+}
+
+/// What C has a pointer to.
+pub(crate) trait Handle {
+    /// What lies there.
+    type Kept: Kept;
+}
+
+impl Handle for itpms_car {
+    type Kept = Car;
+}
+
+impl Handle for itpms_wheels {
+    type Kept = Wheels;
+}
+
+/// The caller's memory: a mark, and what bears it.
+#[repr(C)]
+pub(crate) struct Memory<X> {
+    mark: u32,
+    kept: X,
+}
+
+/// Configures memory where it lies. What was in it is forgotten; it bears its mark only if that succeeds.
+///
+/// # Safety
+/// `memory` is null or points to `size` bytes that nothing else uses.
+pub(crate) unsafe fn make<H: Handle>(
+    memory: *mut c_void,
+    size: usize,
+    config: &itpms_config,
+) -> Result<*mut H, Refusal> {
+    let place = memory.cast::<Memory<H::Kept>>();
+    check(place)?;
+    if size < size_of::<Memory<H::Kept>>() {
+        return Err(itpms_status::TooSmall.into());
+    }
+    // SAFETY: large enough, aligned, and the caller's to give; what is referred to was made the line before.
+    let kept = unsafe {
+        (&raw mut (*place).mark).write(0);
+        H::Kept::blank(&raw mut (*place).kept);
+        &mut (*place).kept
+    };
+    kept.configure(config)?;
+    // SAFETY: as above.
+    unsafe { (&raw mut (*place).mark).write(H::Kept::MARK) };
+    Ok(memory.cast())
 }
 
 /// A reference to what a pointer points to.
@@ -36,19 +92,19 @@ pub(crate) unsafe fn put<X>(pointer: *mut X, value: X) -> Result<(), itpms_statu
     Ok(())
 }
 
-/// The car in a C program's memory.
+/// What a C program's pointer stands for.
 ///
 /// # Safety
-/// A pointer that is not null and aligned points to memory that `itpms_car_init` was given, and nothing else uses it now.
-pub(crate) unsafe fn car<'a>(car: *mut itpms_car) -> Result<&'a mut Car, itpms_status> {
-    let car = car.cast::<Car>();
-    check(car)?;
-    // SAFETY: not null and aligned, and memory of the size of a car, which begins with its mark (`Car` has it as a plain number).
-    if !Car::is_one(unsafe { (&raw const (*car).magic).read() }) {
+/// A pointer that is not null and aligned points to memory that an init was given, and nothing else uses it now.
+pub(crate) unsafe fn kept<'a, H: Handle>(handle: *mut H) -> Result<&'a mut H::Kept, itpms_status> {
+    let place = handle.cast::<Memory<H::Kept>>();
+    check(place)?;
+    // SAFETY: not null and aligned; the mark stands first, a plain number.
+    if unsafe { (&raw const (*place).mark).read() } != H::Kept::MARK {
         return Err(itpms_status::NotACar);
     }
-    // SAFETY: what bears the mark was made by `Car::blank` and configured.
-    Ok(unsafe { &mut *car })
+    // SAFETY: what bears the mark was blank and was configured.
+    Ok(unsafe { &mut (*place).kept })
 }
 
 /// As many bytes as the caller has.

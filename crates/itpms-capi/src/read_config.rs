@@ -37,7 +37,7 @@ pub(crate) struct Refusal {
 }
 
 impl Refusal {
-    fn choice(name: &'static str, value: u32, expected: &'static str) -> Self {
+    pub(crate) fn choice(name: &'static str, value: u32, expected: &'static str) -> Self {
         let error = Some(ParameterError { name, value: f64::from(value), expected });
         Self { status: itpms_status::BadChoice, error, corner: 4 }
     }
@@ -186,7 +186,7 @@ fn confidence(told: u32) -> Result<Confidence, Refusal> {
     }
 }
 
-fn read_wheel_speeds(
+pub(crate) fn read_wheel_speeds(
     told: &itpms_wheel_speed_config,
     wheelbase_m: itpms_real,
 ) -> Result<Option<WheelSpeedConfig<itpms_real>>, Refusal> {

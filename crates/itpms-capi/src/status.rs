@@ -2,7 +2,7 @@
 
 use core::ffi::CStr;
 
-/// What became of a call. Everything but `ITPMS_STATUS_OK` leaves the car as it was, unless the function says otherwise.
+/// What became of a call. Everything but `ITPMS_STATUS_OK` leaves all as it was, unless the function says otherwise.
 #[repr(u32)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum itpms_status {
@@ -18,7 +18,7 @@ pub enum itpms_status {
     WrongVersion = 4,
     /// The memory that was given is too small for what belongs there.
     TooSmall = 5,
-    /// The memory holds no car: `itpms_car_init` was not called, or failed.
+    /// The memory holds no car, or no wheel speeds where these are asked for: its init was not called, or failed.
     NotACar = 6,
     /// A parameter is outside its range or no number; `itpms_problem` names it.
     BadParameter = 7,
@@ -81,7 +81,9 @@ impl itpms_status {
                 c"api_version is not this library's: header and library are of different versions"
             }
             Self::TooSmall => c"the memory that was given is too small",
-            Self::NotACar => c"the memory holds no car: itpms_car_init comes first",
+            Self::NotACar => {
+                c"the memory holds no car or no wheel speeds: itpms_car_init or itpms_wheels_init comes first"
+            }
             Self::BadParameter => c"a parameter is outside its range or no number",
             Self::BadChoice => c"a choice has none of its values",
             Self::BadTime => c"the time of the sample is not finite",

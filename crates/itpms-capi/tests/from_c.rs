@@ -18,18 +18,18 @@ use itpms_sim::simulation::Simulation;
 const WARNINGS: [&str; 5] = ["-std=c99", "-Wall", "-Wextra", "-pedantic", "-Werror"];
 
 /// What a program prints, if it ends well.
-fn prints(output: &Output) -> String {
+pub(crate) fn prints(output: &Output) -> String {
     let (out, err) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     assert!(output.status.success(), "{}\n{out}{err}", output.status);
     out.into_owned()
 }
 
-fn crate_folder() -> PathBuf {
+pub(crate) fn crate_folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).to_owned()
 }
 
 /// Compiles a program of these sources with a library.
-fn compile(library: &Path, sources: &[PathBuf], program: &Path) {
+pub(crate) fn compile(library: &Path, sources: &[PathBuf], program: &Path) {
     let precision = if cfg!(feature = "f64") { "-DITPMS_F64" } else { "-DITPMS_F32" };
     let mut gcc = Command::new("gcc");
     gcc.args(WARNINGS).args(["-O1", precision, "-I"]).arg(crate_folder().join("include")).args(sources);
@@ -39,7 +39,7 @@ fn compile(library: &Path, sources: &[PathBuf], program: &Path) {
 
 /// The static library of this build and what `layout.c` prints with it; `None` without gcc. Of several that other features have left the
 /// newest one in this precision is of the present sources.
-fn library(folder: &Path) -> Option<(PathBuf, String)> {
+pub(crate) fn library(folder: &Path) -> Option<(PathBuf, String)> {
     if Command::new("gcc").arg("--version").output().is_err() {
         eprintln!("SKIPPED: there is no gcc");
         return None;
@@ -83,6 +83,8 @@ fn structs_lie_in_c_as_they_do_here() {
         itpms_wheel_speed_sample brake
         itpms_wheel radius_lost_share_sd
         itpms_estimate low_wheels
+        itpms_wheel_radius lost_share_sd
+        itpms_radius_report loads_may_differ
         itpms_alert gain
         itpms_event alert
         itpms_problem expected
@@ -94,9 +96,11 @@ fn structs_lie_in_c_as_they_do_here() {
 fn every_promise_of_the_header_holds() {
     let folder = tempfile::tempdir().unwrap();
     let Some((library, _)) = library(folder.path()) else { return };
-    let program = folder.path().join("contract");
-    compile(&library, &[crate_folder().join("tests/c/contract.c")], &program);
-    assert_eq!(prints(&Command::new(&program).output().unwrap()), "0 broken\n");
+    for name in ["contract", "wheels_contract"] {
+        let program = folder.path().join(name);
+        compile(&library, &[crate_folder().join("tests/c").join(name).with_extension("c")], &program);
+        assert_eq!(prints(&Command::new(&program).output().unwrap()), "0 broken\n", "{name}");
+    }
 }
 
 /// The car of `drive-puncture`, as its vehicle file has it.

@@ -19,6 +19,8 @@ int main(void)
     SIZE(itpms_wheel_speed_sample, brake);
     SIZE(itpms_wheel, radius_lost_share_sd);
     SIZE(itpms_estimate, low_wheels);
+    SIZE(itpms_wheel_radius, lost_share_sd);
+    SIZE(itpms_radius_report, loads_may_differ);
     SIZE(itpms_alert, gain);
     SIZE(itpms_event, alert);
     SIZE(itpms_problem, expected);
