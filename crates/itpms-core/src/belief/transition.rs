@@ -26,8 +26,11 @@ const FORGOTTEN: f64 = 1e-20;
 /// Largest chance of a step that a suspected wheel begins to move.
 const LARGEST_CHANCE: f64 = 0.2;
 
-/// Parts of a prediction: changes end, those of several tires go on or begin, then those of one; then time passes.
-pub(crate) const PARTS: usize = 4;
+/// Parts of a prediction: changes of single tires end, and of several; those of several go on or begin, then those of one; then time passes,
+/// for these and those.
+pub(crate) const PARTS: usize = 6;
+/// First hypothesis for which time passes in the second of two parts.
+const SECOND_HALF: usize = HYPOTHESES / 2;
 
 /// A prediction that is under way, as a whole of [`PARTS`].
 #[derive(Debug, Clone, PartialEq)]
@@ -88,13 +91,18 @@ impl<T: Real> Transition<T> {
             return;
         }
         match part {
-            0 => self.stay_or_end(hypotheses),
-            1 => self.mix_several(hypotheses),
-            2 => {
+            0 => {
+                hypotheses[CONSTANT].part().write(hypotheses[CONSTANT].weight * self.stay, &mut self.still);
+                self.end_some(&hypotheses[CONSTANT + 1..SIDE]);
+            }
+            1 => self.end_some(&hypotheses[SIDE..]),
+            2 => self.mix_several(hypotheses),
+            3 => {
                 self.mix_single(hypotheses);
                 hypotheses[CONSTANT].take_over(&self.still);
             }
-            _ => self.pass(hypotheses, circumstances),
+            4 => self.pass(hypotheses, circumstances, 0..SECOND_HALF),
+            _ => self.pass(hypotheses, circumstances, SECOND_HALF..HYPOTHESES),
         }
     }
 
@@ -115,11 +123,16 @@ impl<T: Real> Transition<T> {
         }
     }
 
-    /// Time passes.
-    fn pass(&self, hypotheses: &mut Hypotheses<T>, circumstances: &Circumstances<T>) {
+    /// Time passes for some hypotheses.
+    fn pass(
+        &self,
+        hypotheses: &mut Hypotheses<T>,
+        circumstances: &Circumstances<T>,
+        some: core::ops::Range<usize>,
+    ) {
         let seconds = self.seconds;
         let wandering = Wandering::over(seconds, circumstances);
-        for (index, hypothesis) in hypotheses.iter_mut().enumerate() {
+        for (index, hypothesis) in hypotheses.iter_mut().enumerate().take(some.end).skip(some.start) {
             hypothesis.wander(&wandering);
             if index == RANDOM_WALK {
                 for i in 0..4 {
@@ -146,14 +159,10 @@ impl<T: Real> Transition<T> {
         }
     }
 
-    /// What moves no more: what did not and of which this share stays so, and of what did the share that ends.
-    fn stay_or_end(&mut self, [constant, others @ ..]: &Hypotheses<T>) {
-        let (stay, end) = (self.stay, self.end);
-        constant.part().write(constant.weight * stay, &mut self.still);
-        for changing in others {
-            if changing.weight > T::lit(FORGOTTEN) {
-                self.still.join(changing.weight * end, &changing.part().without_rate());
-            }
+    /// Of some that move the share that ends moves no more.
+    fn end_some(&mut self, some: &[Hypothesis<T>]) {
+        for changing in some.iter().filter(|changing| changing.weight > T::lit(FORGOTTEN)) {
+            self.still.join(changing.weight * self.end, &changing.part().without_rate());
         }
     }
 }

@@ -11,8 +11,9 @@ use crate::inter_axle::{HOP_S, NEAR_HOP_BINS, bin_hz};
 use crate::real::Real;
 use crate::spectrum::transfer::{DescribingFunction, response};
 
-/// Bins whose expected products are computed before a frame is measured, where none is known; the last one is computed with it.
-pub(crate) const PRODUCT_PARTS: usize = BINS - 1;
+/// Bins whose expected products are computed at once, and parts in which they are where none is known; the last one is measured with.
+const PRODUCTS_AT_ONCE: usize = 2;
+pub(crate) const PRODUCT_PARTS: usize = (BINS - 1).div_ceil(PRODUCTS_AT_ONCE);
 /// Seconds without a frame after which the road's coherence is seen anew.
 const FORGET_S: f64 = 2.0;
 /// Pseudo-measurements of a side's spectra without a frame between them, after which the side is left to pseudo-measurements: some five seconds of both
@@ -25,7 +26,7 @@ const SNR_FULL: f64 = 25.0;
 const SNR_S: f64 = 1.0;
 
 impl<T: Real> AxlePair<T> {
-    /// Computes the expected products of a bin for which they are not known; the first of a frame's parts forgets all of them if the
+    /// Computes up to [`PRODUCTS_AT_ONCE`] bins whose expected products are not known; the first of a frame's parts forgets all of them if the
     /// last frame was long ago. False if there was nothing to compute.
     #[inline(never)]
     pub(crate) fn prepare(
@@ -40,13 +41,13 @@ impl<T: Real> AxlePair<T> {
             self.coherence.restart();
         }
         // The last one is left for the measurement, which computes one in any case.
-        let is_due = self.products.missing() > 1;
-        if is_due {
+        let due = self.products.missing().saturating_sub(1).min(PRODUCTS_AT_ONCE);
+        if due > 0 {
             let frf_ratios = self.frf_correction.frf_ratios();
             let road = UnitRoad::new(wheels, self.side, state, frame.delay_s, &frf_ratios);
-            self.products.advance(|bin| road.expected_products(bin));
+            (0..due).for_each(|_| self.products.advance(|bin| road.expected_products(bin)));
         }
-        is_due
+        due > 0
     }
 
     /// What a frame is worth to a belief whose most likely state this is, into `out`; `None` if the road does not stand out of the sensors'
