@@ -68,8 +68,7 @@ extern "C" fn wheels(
     car.begin_calibration_at(placard_kpa);
     let piece = car.push(*corner, edge_s);
     let known = car.changes().iter().flatten().count() + car.calibration().iter().flatten().count();
-    let seen = car.evidence().information.iter().filter(|seen| **seen > 0.0).count();
-    car.end_calibration() + usize::from(piece.is_some()) + known + seen
+    car.end_calibration() + usize::from(piece.is_some()) + known
 }
 
 /// The same of four wheel speeds, with the pulses' evidence and without.
@@ -93,7 +92,6 @@ extern "C" fn speeds(
     usize::from(speeds.end_calibration())
         + usize::from(speeds.calibration().is_some())
         + usize::from(speeds.alert().is_some())
-        + usize::from(speeds.differences().is_some())
         + report.wheels.iter().flatten().count()
 }
 

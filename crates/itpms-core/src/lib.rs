@@ -141,15 +141,15 @@ pub mod warning;
 pub mod wheel_speed;
 
 #[doc(inline)]
-pub use self::car::{CarEstimate, CarEstimator, EstimatorOptions};
+pub use self::car::{CarEstimator, EstimatorOptions};
 #[doc(inline)]
 pub use self::diagnosis::{Malfunction, Sensor};
 #[doc(inline)]
 pub use self::estimator::Estimator;
 #[doc(inline)]
 pub use self::model::{
-    CarConfig, CarSample, Corner, CornerConfig, CornerEstimate, CornerSample, ParameterError, PressureMap,
-    QuarterCar, RadiusDifferences, Validity, VehicleCalibration, Warning,
+    CarConfig, CarEstimate, CarSample, Corner, CornerConfig, CornerEstimate, CornerSample, ParameterError,
+    PressureMap, QuarterCar, Validity, VehicleCalibration, Warning,
 };
 #[doc(inline)]
 pub use self::monitor::{MonitorConfig, MonitoredCar, MonitoredWheels};

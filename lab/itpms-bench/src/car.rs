@@ -3,7 +3,8 @@
 
 use std::sync::Arc;
 
-use itpms_core::car::{CarEstimate, CarEstimator};
+use itpms_core::car::CarEstimator;
+use itpms_core::model::CarEstimate;
 use itpms_core::model::{CarConfig, CarSample, CornerConfig, CornerSample, QuarterCar};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_core::real::Real;

@@ -23,8 +23,7 @@ pub use self::estimate::{CornerConfig, CornerEstimate, Diagnostics, Level, Loss,
 pub use self::pressure_unit::{PressureNumber, PressureUnit};
 pub use self::quarter_car::positive;
 pub use self::quarter_car::{ParameterError, QuarterCar};
-pub use self::radius_differences::RadiusDifferences;
-pub(crate) use self::radius_differences::SEEN;
+pub(crate) use self::radius_differences::{RadiusDifferences, SEEN};
 pub(crate) use self::sample::{ABSURD_M_S2, Side};
 pub use self::sample::{CarSample, Corner, CornerSample, Sample};
 pub use self::strut_reading::StrutReading;
