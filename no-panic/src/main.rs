@@ -41,9 +41,8 @@ extern "C" fn car(
 /// The same of the tooth pulses of one wheel.
 #[unsafe(no_mangle)]
 extern "C" fn wheel(wheel: &mut TorsionWheel<f32>, config: &TorsionConfig<f32>, edge_s: f64) -> usize {
-    if wheel.configure(config).is_err() {
-        return 0;
-    }
+    let Ok(new) = TorsionWheel::new(config) else { return 0 };
+    *wheel = new;
     wheel.begin_calibration();
     let piece = wheel.push(edge_s);
     wheel.end_calibration();

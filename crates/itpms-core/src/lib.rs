@@ -110,7 +110,7 @@
 //! | [`monitor`] | a car's estimator under its monitor |
 //! | [`wheel_speed`] | radius analysis: which tires differ from the others, from four wheel speeds alone |
 //! | [`torsion`] | torsional analysis: by how much a tire's pressure has changed, from the tooth pulses of its wheel alone |
-//! | [`real`] | `f32` or `f64` |
+//! | `real` | [`Real`]: `f32` or `f64` |
 //!
 //! # Features
 //!
@@ -132,7 +132,7 @@ pub mod model;
 pub mod monitor;
 #[cfg(test)]
 mod random;
-pub mod real;
+mod real;
 mod single_wheel;
 pub mod spectrum;
 mod suspension;

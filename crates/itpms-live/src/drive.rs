@@ -3,7 +3,7 @@
 //! Owned by the engine, which hands it row after row. Knows nothing of sources, threads and outputs: the same rows give the
 //! same estimates, here and in `itpms estimate`.
 
-use itpms_core::conditioning::Odometer;
+use itpms_analysis::odometer::Odometer;
 use itpms_core::model::CarEstimate;
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_core::warning::{Change, MonitorReport};

@@ -157,10 +157,7 @@ impl<T: Real> TorsionWheel<T> {
     }
 
     /// Begins anew with this sensor and tire, uncalibrated.
-    ///
-    /// # Errors
-    /// As for [`new`](Self::new).
-    pub fn configure(&mut self, config: &TorsionConfig<T>) -> Result<(), ParameterError> {
+    fn configure(&mut self, config: &TorsionConfig<T>) -> Result<(), ParameterError> {
         config.check()?;
         *self = Self::BLANK;
         self.config = *config;

@@ -1,13 +1,13 @@
 //! A car of four quarter cars on two tracks, rear wheels behind front ones on the same road. Written from eq. (1) without
 //! the crate's own model: a road of slope -2 over distance, Runge-Kutta at 4 kHz, a Butterworth low-pass, sensors.
 
+use itpms_core::Real;
 use itpms_core::car::CarEstimator;
 use itpms_core::model::CarEstimate;
 use itpms_core::model::{
     CarConfig, CarSample, Confidence, CornerConfig, CornerSample, ParameterUncertainty, PressureMap,
     QuarterCar,
 };
-use itpms_core::real::Real;
 
 use super::quarter_plant::{KS, Random, runge_kutta, stiffness};
 use super::ride::{PLANT_HZ, low_pass};
