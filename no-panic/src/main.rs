@@ -41,9 +41,8 @@ extern "C" fn car(
 /// The same of the tooth pulses of one wheel.
 #[unsafe(no_mangle)]
 extern "C" fn wheel(wheel: &mut TorsionWheel<f32>, config: &TorsionConfig<f32>, edge_s: f64) -> usize {
-    if wheel.configure(config).is_err() {
-        return 0;
-    }
+    let Ok(new) = TorsionWheel::new(config) else { return 0 };
+    *wheel = new;
     wheel.begin_calibration();
     let piece = wheel.push(edge_s);
     wheel.end_calibration();
@@ -68,8 +67,7 @@ extern "C" fn wheels(
     car.begin_calibration_at(placard_kpa);
     let piece = car.push(*corner, edge_s);
     let known = car.changes().iter().flatten().count() + car.calibration().iter().flatten().count();
-    let seen = car.evidence().information.iter().filter(|seen| **seen > 0.0).count();
-    car.end_calibration() + usize::from(piece.is_some()) + known + seen
+    car.end_calibration() + usize::from(piece.is_some()) + known
 }
 
 /// The same of four wheel speeds, with the pulses' evidence and without.
@@ -93,7 +91,6 @@ extern "C" fn speeds(
     usize::from(speeds.end_calibration())
         + usize::from(speeds.calibration().is_some())
         + usize::from(speeds.alert().is_some())
-        + usize::from(speeds.differences().is_some())
         + report.wheels.iter().flatten().count()
 }
 

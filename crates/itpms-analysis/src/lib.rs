@@ -6,6 +6,7 @@
 //! | [`bound`] | Cramer-Rao bound on a pressure from one corner, or from front and rear of a side |
 //! | [`identify`] | spring, damper and tire from bench tests, with standard errors |
 //! | [`learn`] | parameters of a car from drives at known pressures |
+//! | [`odometer`] | the way, from speeds that not every sample has |
 //! | [`overview`] | a log before any vehicle is known: signals, spectra, coherence, on one page |
 //! | [`page`] | a page that is one file, under a policy by hashes |
 //! | [`spectrum`] | Welch's power spectral density; level, slope and ISO 8608 class of a road |
@@ -18,6 +19,7 @@
 pub mod bound;
 pub mod identify;
 pub mod learn;
+pub mod odometer;
 pub mod overview;
 pub mod page;
 pub mod plot;

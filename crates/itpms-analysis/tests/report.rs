@@ -6,11 +6,11 @@ use crate::synthetic;
 use itpms_analysis::report::{
     CornerRow, Provenance, ReportCollector, ReportData, ReportOptions, headline, render_report, write_report,
 };
-use itpms_core::car::{CarEstimate, TrackState};
 use itpms_core::conditioning::SampleClock;
 use itpms_core::model::{
     CarConfig, Corner, CornerConfig, CornerEstimate, Diagnostics, Level, PressureUnit, Validity, Warning,
 };
+use itpms_core::model::{CarEstimate, TrackState};
 use itpms_core::monitor::{Monitor, MonitorConfig};
 use itpms_core::warning::{Doubt, WheelState};
 use synthetic::{Drive, report};

@@ -78,10 +78,12 @@ impl Config {
         let inflation =
             if flag("has_pumps", told.has_pumps)? { Inflation::WhileRolling } else { Inflation::AtStops };
         let options = EstimatorOptions { inflation, ..EstimatorOptions::default() };
-        let monitor = MonitorConfig::new(&CarConfig { corners, wheelbase_m })
-            .with_limits(limits(told)?)
-            .with_options(options)
-            .with_references(reference_kpa)?;
+        let monitor = MonitorConfig {
+            car: CarConfig { corners, wheelbase_m },
+            limits: limits(told)?,
+            reference_kpa,
+            options,
+        };
         let wheels = read_wheel_speeds(&told.wheel_speeds, told.wheelbase_m)?;
         if corners.iter().all(Option::is_none) && wheels.is_none() {
             return Err(Refusal::choice("is_measured", 0, "1 at a corner, or wheel_speeds.is_used"));
@@ -106,8 +108,8 @@ fn read_corner(
         or_zero(told.stiffness_at_zero_sd),
         or_zero(told.stiffness_correlation),
     )?;
-    let mut corner =
-        CornerConfig::new(car, tire, told.placard_kpa)?.with_uncertainty(uncertainty(told, confidence)?);
+    let mut corner = CornerConfig::new(car, tire, told.placard_kpa)?;
+    corner.uncertainty = uncertainty(told, confidence)?;
     if let Some(noise_m_s2) = given(told.accel_noise_m_s2) {
         corner = corner.with_accel_noise(noise_m_s2)?;
     }

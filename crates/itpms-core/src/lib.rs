@@ -110,7 +110,7 @@
 //! | [`monitor`] | a car's estimator under its monitor |
 //! | [`wheel_speed`] | radius analysis: which tires differ from the others, from four wheel speeds alone |
 //! | [`torsion`] | torsional analysis: by how much a tire's pressure has changed, from the tooth pulses of its wheel alone |
-//! | [`real`] | `f32` or `f64` |
+//! | `real` | [`Real`]: `f32` or `f64` |
 //!
 //! # Features
 //!
@@ -132,7 +132,7 @@ pub mod model;
 pub mod monitor;
 #[cfg(test)]
 mod random;
-pub mod real;
+mod real;
 mod single_wheel;
 pub mod spectrum;
 mod suspension;
@@ -141,15 +141,15 @@ pub mod warning;
 pub mod wheel_speed;
 
 #[doc(inline)]
-pub use self::car::{CarEstimate, CarEstimator, EstimatorOptions};
+pub use self::car::{CarEstimator, EstimatorOptions};
 #[doc(inline)]
 pub use self::diagnosis::{Malfunction, Sensor};
 #[doc(inline)]
 pub use self::estimator::Estimator;
 #[doc(inline)]
 pub use self::model::{
-    CarConfig, CarSample, Corner, CornerConfig, CornerEstimate, CornerSample, ParameterError, PressureMap,
-    QuarterCar, RadiusDifferences, Validity, VehicleCalibration, Warning,
+    CarConfig, CarEstimate, CarSample, Corner, CornerConfig, CornerEstimate, CornerSample, ParameterError,
+    PressureMap, QuarterCar, Validity, VehicleCalibration, Warning,
 };
 #[doc(inline)]
 pub use self::monitor::{MonitorConfig, MonitoredCar, MonitoredWheels};

@@ -7,9 +7,9 @@ use crate::common;
 use std::sync::LazyLock;
 
 use common::car_ride::{CarRide, car, cast, config, drive};
+use itpms_core::Real;
 use itpms_core::car::CarEstimator;
 use itpms_core::model::CarSample;
-use itpms_core::real::Real;
 
 static ROWS: LazyLock<Vec<CarSample<f64>>> = LazyLock::new(|| CarRide::new(5).rows());
 

@@ -8,9 +8,9 @@ use std::sync::LazyLock;
 
 use common::quarter_plant::Random;
 use common::ride::{Ride, Row, estimator, feed};
+use itpms_core::Real;
 use itpms_core::estimator::Estimator;
 use itpms_core::model::CornerEstimate;
-use itpms_core::real::Real;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 

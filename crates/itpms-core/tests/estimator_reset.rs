@@ -13,7 +13,8 @@ const RESET_S: f64 = 10.0;
 #[test]
 fn a_reset_drive_stays_at_placard_and_lets_go_afterwards() {
     let ride = Ride::new(7);
-    let mut tire = estimator::<f64>(ride.rate_hz).with_calibration_drive(RESET_S).unwrap();
+    let mut tire = estimator::<f64>(ride.rate_hz);
+    tire.begin_calibration(RESET_S).unwrap();
     let start_s = ride.rows()[0].time_s;
     let mut free_sd: f64 = 0.0;
     for row in ride.rows() {
@@ -68,8 +69,8 @@ fn what_was_learned_of_another_car_is_refused_and_changes_nothing() {
 #[test]
 fn a_reset_of_no_length_is_refused() {
     for seconds in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let tire = estimator::<f64>(500.0);
-        assert_eq!(tire.with_calibration_drive(seconds).unwrap_err().name, "calibrate_s");
+        let mut tire = estimator::<f64>(500.0);
+        assert_eq!(tire.begin_calibration(seconds).unwrap_err().name, "calibrate_s");
     }
 }
 

@@ -6,9 +6,9 @@ use crate::common;
 
 use common::quarter_plant::Random;
 use common::ride::{Ride, estimator, feed};
+use itpms_core::Real;
 use itpms_core::conditioning::{GridSample, Resampler};
 use itpms_core::estimator::Estimator;
-use itpms_core::real::Real;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 

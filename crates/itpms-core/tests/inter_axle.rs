@@ -6,10 +6,10 @@ use crate::common;
 
 use std::sync::LazyLock;
 
-use common::car_ride::{CarRide, PLACARD_KPA, RATE_HZ, car, config, drive, sound};
-use itpms_core::car::{CarEstimate, CarEstimator, Sources};
+use common::car_ride::{CarRide, PLACARD_KPA, RATE_HZ, calibrated, car, config, drive, sound};
+use itpms_core::car::{CarEstimator, EstimatorOptions, Sources};
 use itpms_core::estimator::Estimator;
-use itpms_core::model::{CarConfig, CarSample, CornerEstimate, CornerSample};
+use itpms_core::model::{CarConfig, CarEstimate, CarSample, CornerEstimate, CornerSample};
 
 static RIDE: LazyLock<CarRide> = LazyLock::new(|| CarRide::new(5));
 static ROWS: LazyLock<Vec<CarSample<f64>>> = LazyLock::new(|| RIDE.rows());
@@ -35,7 +35,8 @@ fn within_four_sd(estimates: &[CarEstimate<f64>], truth_kpa: fn(f64) -> [f64; 4]
 #[test]
 fn a_shared_road_tells_all_four_pressures() {
     for sources in [Sources::SpectrumAndSharedRoad, Sources::SharedRoad] {
-        let mut car = car(&config::<f64>()).with_sources(sources);
+        let mut car = car(&config::<f64>());
+        car.set_options(&EstimatorOptions { sources, ..EstimatorOptions::default() });
         let estimates = drive(&mut car, &ROWS);
         within_four_sd(&estimates, RIDE.pressure_kpa);
         let last = estimates.last().unwrap();
@@ -64,7 +65,7 @@ fn no_sd_is_below_the_vehicle_file_s_own_before_a_reset() {
     let of_file = |k_n_per_m: f64| 0.015f64.hypot(0.01) * k_n_per_m / 713.91;
     // The softest of these tires has 180 kPa.
     assert!(least(car(&config())) > 0.98 * of_file(713.91 * 180.0 + 60_880.0));
-    let reset = least(car(&config()).with_calibration_drive(5.0).unwrap());
+    let reset = least(calibrated(5.0));
     assert!((0.012..0.015).contains(&(reset * 713.91 / 233e3)), "{reset}");
 }
 
@@ -87,7 +88,7 @@ fn what_all_tires_are_wrong_by_alike_is_in_their_correlations() {
     };
     let told = ends_with(car(&config()));
     assert!(told.iter().all(|share| *share > 0.9), "{told:?}");
-    let reset = ends_with(car(&config()).with_calibration_drive(5.0).unwrap());
+    let reset = ends_with(calibrated(5.0));
     assert!(reset.iter().all(|share| share.abs() < 0.2), "{reset:?}");
     let alone = ends_with(car(&CarConfig { wheelbase_m: None, ..config() }));
     assert!(alone.iter().all(|share| *share > 0.9), "{alone:?}");
@@ -153,7 +154,7 @@ fn a_puncture_during_a_reset_is_read() {
     let pressure_kpa: fn(f64) -> [f64; 4] =
         |t| [PLACARD_KPA - 50.0 * (t - 15.0).clamp(0.0, 2.0), PLACARD_KPA, PLACARD_KPA, PLACARD_KPA];
     let ride = CarRide { seconds: 30.0, pressure_kpa, ..CarRide::new(34) };
-    let mut car = car(&config::<f64>()).with_calibration_drive(28.0).unwrap();
+    let mut car = calibrated::<f64>(28.0);
     let estimates = drive(&mut car, &ride.rows());
     for estimate in &estimates[(18.0 * RATE_HZ) as usize..] {
         for (corner, truth_kpa) in estimate.corners.iter().zip(pressure_kpa(estimate.time_s)) {
@@ -170,7 +171,7 @@ fn a_fall_of_all_four_after_a_reset_is_read() {
         pressure_kpa: |t| [PLACARD_KPA * (1.0 - 0.2 * ((t - 20.0) / 60.0).clamp(0.0, 1.0)); 4],
         ..CarRide::new(33)
     };
-    let mut car = car(&config::<f64>()).with_calibration_drive(15.0).unwrap();
+    let mut car = calibrated::<f64>(15.0);
     let estimates = drive(&mut car, &ride.rows());
     let off_at = |time_s: f64| {
         let estimate = &estimates[(time_s * RATE_HZ) as usize - 1];
@@ -325,7 +326,8 @@ fn a_shared_road_that_is_given_up_leaves_the_corners_to_themselves() {
             row
         })
         .collect();
-    let mut alone = car(&config::<f64>()).with_sources(Sources::Spectrum);
+    let mut alone = car(&config::<f64>());
+    alone.set_options(&EstimatorOptions { sources: Sources::Spectrum, ..EstimatorOptions::default() });
     let (together, alone) = (drive(&mut car(&config::<f64>()), &rows), drive(&mut alone, &rows));
     let (together, alone) = (together.last().unwrap(), alone.last().unwrap());
     assert!(together.tracks.iter().all(|track| !track.shared));
@@ -418,7 +420,7 @@ fn what_a_night_takes_from_all_tires_is_read_within_seconds() {
     let mut rows = ride.rows();
     let after = |row: &&mut CarSample<f64>| row.time_s >= 20.0;
     rows.iter_mut().filter(after).for_each(|row| row.time_s += NIGHT_S);
-    let estimates = drive(&mut car(&config::<f64>()).with_calibration_drive(10.0).unwrap(), &rows);
+    let estimates = drive(&mut calibrated::<f64>(10.0), &rows);
     for estimate in estimates.iter().filter(|estimate| estimate.time_s > NIGHT_S + 24.0) {
         for corner in estimate.corners.map(|corner| corner.unwrap()) {
             let off = corner.pressure_kpa - (PLACARD_KPA - 30.0);

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 use crate::common;
 
-use common::car_ride::{CarRide, PLACARD_KPA, car, config, drive};
+use common::car_ride::{CarRide, PLACARD_KPA, calibrated, car, config, drive};
 use itpms_core::model::CarSample;
 
 /// The speed reads 6 % more from one moment on, as from another source: the rear axle meets the front's road 9 ms earlier than believed.
@@ -15,7 +15,7 @@ fn a_speed_whose_scale_changes_on_the_way_is_found_out() {
         let mut rows = ride.rows();
         let changes = |row: &&mut CarSample<f64>| row.time_s > 25.0;
         rows.iter_mut().filter(changes).for_each(|row| row.speed_m_s *= scale);
-        let estimates = drive(&mut car(&config::<f64>()).with_calibration_drive(10.0).unwrap(), &rows);
+        let estimates = drive(&mut calibrated::<f64>(10.0), &rows);
         // A reset takes what there is for the placard's pressure.
         for corner in estimates.iter().flat_map(|estimate| estimate.corners.map(|corner| corner.unwrap())) {
             let off = corner.pressure_kpa - PLACARD_KPA;

@@ -4,7 +4,8 @@
 use crate::common;
 
 use common::car_ride::{CarRide, PLACARD_KPA, RATE_HZ, car, config, drive};
-use itpms_core::car::{CarEstimate, CarEstimator};
+use itpms_core::car::CarEstimator;
+use itpms_core::model::CarEstimate;
 use itpms_core::model::{CarSample, Corner, CornerSample};
 
 /// The rear right wheel's sensor reads twice of what it should for four seconds, and is then kept away: the front right tire,

@@ -1,7 +1,8 @@
 //! The estimator of a drive's car, whichever was chosen.
 
-use itpms_core::car::{CarEstimate, CarEstimator};
+use itpms_core::car::CarEstimator;
 use itpms_core::estimator::OutsideStiffness;
+use itpms_core::model::CarEstimate;
 use itpms_core::model::{CalibrationError, CarSample, Corner, ParameterError, VehicleCalibration};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar, MonitoredWheels};
 use itpms_core::warning::MonitorReport;

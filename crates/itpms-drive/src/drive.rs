@@ -1,7 +1,8 @@
 //! The estimator of a drive's car, and what it says after a row.
 
-use itpms_core::car::{CarEstimate, CarEstimator};
+use itpms_core::car::CarEstimator;
 use itpms_core::conditioning::{SpeedHold, is_a_cars};
+use itpms_core::model::CarEstimate;
 use itpms_core::model::{BodyFit, Corner, CornerEstimate, Misfit, QuarterCar};
 use itpms_core::monitor::MonitorConfig;
 use itpms_core::torsion::TorsionChange;
@@ -80,7 +81,7 @@ impl Drive {
             )));
         }
         let corners = vehicle.car_config(corners);
-        let config = MonitorConfig::new(&corners).with_limits(settings.regulation.into());
+        let config = MonitorConfig { limits: settings.regulation.into(), ..MonitorConfig::new(&corners) };
         let mut car = AnyCar::without_corners();
         if !alone && settings.calibration_kpa.iter().any(Option::is_some) {
             let what = "pressures of the calibration other than the placards' (--pressure-kpa) are of use for wheel speeds alone";

@@ -307,12 +307,9 @@ fn vehicle(file: &Vehicle, drives: &[KnownDrive], learned: &Learned) -> Vehicle 
         let line = [tire.stiffness_per_kpa(), tire.stiffness_at_zero(), tire.stiffness_per_kpa_sd()];
         let [per_kpa, at_zero, per_kpa_sd] = line.map(rounded);
         // Five digits of what is positive are positive: neither is refused.
-        if let Ok(car) = itpms_core::model::quarter_car::QuarterCar::new(
-            car.sprung_mass_kg(),
-            digits[0],
-            digits[1],
-            digits[2],
-        ) {
+        if let Ok(car) =
+            itpms_core::model::QuarterCar::new(car.sprung_mass_kg(), digits[0], digits[1], digits[2])
+        {
             corner.quarter_car = car;
         }
         if let Ok(tire) = itpms_core::model::PressureMap::new(per_kpa, at_zero)

@@ -4,7 +4,7 @@
 
 use std::collections::VecDeque;
 
-use itpms_core::conditioning::Odometer;
+use itpms_analysis::odometer::Odometer;
 use itpms_core::model::{Corner, ParameterError};
 use itpms_data::{LogRow, Vehicle};
 use itpms_road::{RoadConfig, RoadPoint, RoadRecorder, RoadRow, Segment, window_for};

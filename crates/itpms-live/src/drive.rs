@@ -3,8 +3,8 @@
 //! Owned by the engine, which hands it row after row. Knows nothing of sources, threads and outputs: the same rows give the
 //! same estimates, here and in `itpms estimate`.
 
-use itpms_core::car::CarEstimate;
-use itpms_core::conditioning::Odometer;
+use itpms_analysis::odometer::Odometer;
+use itpms_core::model::CarEstimate;
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_core::warning::{Change, MonitorReport};
 use itpms_data::out::RateGate;
@@ -51,7 +51,7 @@ impl Drive {
     pub fn new(vehicle: &Vehicle, clock: Clock, options: &DriveOptions) -> Result<Self, LiveError> {
         let config = vehicle.car_config(&clock.corners);
         let refused = |error: &dyn std::fmt::Display| LiveError::Refused(error.to_string());
-        let config = MonitorConfig::new(&config).with_limits(options.regulation.into());
+        let config = MonitorConfig { limits: options.regulation.into(), ..MonitorConfig::new(&config) };
         let mut car = Box::new(MonitoredCar::unconfigured());
         // Without corners there is nothing to configure: wheel speeds are all there is.
         let alone = clock.corners.is_empty();

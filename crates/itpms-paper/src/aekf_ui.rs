@@ -9,10 +9,10 @@ use nalgebra::{Matrix2, Matrix5, Vector2, Vector5};
 use crate::config::{FactorTiming, FilterConfig, Forgetting};
 use crate::ekf_ui::{self, InputEstimate, Outlook, Prediction};
 use crate::forgetting::{self, Evidence, ResidualMemory};
+use crate::quarter_car::state;
 use crate::record::{Divergence, StepRecord, StepStatus};
-use itpms_core::model::quarter_car::state;
+use itpms_core::Real;
 use itpms_core::model::{CornerSample, ParameterError, QuarterCar};
-use itpms_core::real::Real;
 
 /// Stiffest spring still taken for a tire, in N/m: some thirty times a truck's.
 pub(super) const MAX_STIFFNESS_N_PER_M: f64 = 3e7;

@@ -13,9 +13,9 @@ use crate::informed_config::InformedConfig;
 use crate::informed_record::{InformedRecord, InformedStatus, StiffnessUpdate};
 use crate::motion::{Motion, MotionStep, TIRE_FORCE};
 use crate::parameter::ParameterMemory;
-use itpms_core::model::quarter_car::state;
+use crate::quarter_car::state;
+use itpms_core::Real;
 use itpms_core::model::{CornerSample, ParameterError, QuarterCar};
-use itpms_core::real::Real;
 
 /// Longest interval in s between two samples over which the force may be taken for a straight line: two and a half
 /// of the slowest log's.

@@ -1,10 +1,10 @@
 //! One of the paper's filters on each corner of a car. They know nothing of each other: front and rear over the same road is the default
 //! estimator's.
 
+use itpms_core::Real;
 use itpms_core::conditioning::SampleClock;
 use itpms_core::model::{CarEstimate, CarSample, Corner, ParameterError, TrackState};
 use itpms_core::monitor::{Monitor, MonitorConfig};
-use itpms_core::real::Real;
 use itpms_core::warning::MonitorReport;
 
 use crate::{EstimatorKind, PaperEstimator};

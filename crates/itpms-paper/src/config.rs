@@ -5,9 +5,9 @@
 
 use nalgebra::{Vector2, Vector5};
 
-use itpms_core::model::quarter_car::state;
+use crate::quarter_car::state;
+use itpms_core::Real;
 use itpms_core::model::{ParameterError, positive};
-use itpms_core::real::Real;
 
 /// Which input estimate the correction of eq. (17) subtracts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]

@@ -6,8 +6,10 @@
 use nalgebra::{Matrix2, Matrix2x5, Matrix5, Matrix5x2, Vector2, Vector5};
 
 use crate::config::CorrectionInput;
+use itpms_core::Real;
 use itpms_core::model::QuarterCar;
-use itpms_core::real::Real;
+
+use crate::quarter_car;
 
 /// The prediction stage's result, before any forgetting.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,9 +26,9 @@ pub struct Prediction<T: Real> {
 #[allow(non_snake_case)]
 pub fn predict<T: Real>(car: &QuarterCar<T>, x: &Vector5<T>, u: T, P: &Matrix5<T>, dt_s: T) -> Prediction<T> {
     // (13)  Aₖ₋₁ = ∂fₖ₋₁/∂x = I + Δt ∂f/∂x  at x̂⁺ₖ₋₁, u*ₖ₋₁
-    let A = Matrix5::identity() + car.derivative_jacobian(x, u) * dt_s;
+    let A = Matrix5::identity() + quarter_car::derivative_jacobian(car, x, u) * dt_s;
     // (7), (8), (14)  x̂⁻ₖ = x̂⁺ₖ₋₁ + Δt f(x̂⁺ₖ₋₁, u*ₖ₋₁)
-    let state = x + car.derivative(x, u) * dt_s;
+    let state = x + quarter_car::derivative(car, x, u) * dt_s;
     Prediction { state, transition: A, propagated: A * P * A.transpose() }
 }
 
@@ -59,10 +61,10 @@ pub fn look_out<T: Real>(
 ) -> Outlook<T> {
     Outlook {
         // (15)  Hₖ = ∂h/∂x at x̂⁻ₖ,  D*ₖ = ∂h/∂u* (which does not depend on u* here)
-        H: car.output_jacobian(x_prior, u_previous),
-        D: car.input_jacobian(x_prior),
+        H: quarter_car::output_jacobian(car, x_prior, u_previous),
+        D: quarter_car::input_jacobian(car, x_prior),
         // (19)  zₖ = yₖ - h(x̂⁻ₖ, u*ₖ₋₁)
-        z: y - car.output(x_prior, u_previous),
+        z: y - quarter_car::output(car, x_prior, u_previous),
     }
 }
 
@@ -120,7 +122,7 @@ pub fn correct<T: Real>(
 ) -> (Vector5<T>, Matrix5<T>) {
     let (Outlook { H, D, z }, InputEstimate { K, S, u, .. }) = (outlook, input);
     let innovation = match reading {
-        CorrectionInput::Current => y - car.output(x_prior, *u),
+        CorrectionInput::Current => y - quarter_car::output(car, x_prior, *u),
         CorrectionInput::Previous => *z,
     };
     // (17)  x̂⁺ = x̂⁻ + K[y - h(x̂⁻, u*)]

@@ -1,12 +1,12 @@
 //! The paper's filters behind the face of [`itpms_core::Estimator`]: samples of one corner in, [`CornerEstimate`]s out.
 
+use itpms_core::Real;
 use itpms_core::conditioning::{GridSample, Resampler, SampleClock, SampleCounts};
 use itpms_core::estimator::CALIBRATION_SD;
 use itpms_core::model::{
     CornerConfig, CornerEstimate, CornerSample, Diagnostics, Level, ParameterError, Validity, Warning,
     positive,
 };
-use itpms_core::real::Real;
 use itpms_road::{EstimatorOnRepeatedRoad, RoadRepetition};
 
 use crate::{

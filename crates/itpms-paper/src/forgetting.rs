@@ -7,7 +7,7 @@
 use nalgebra::{Matrix2, Matrix2x5, Matrix5, Matrix5x2, Vector2, Vector5};
 
 use crate::config::GradientDescent;
-use itpms_core::real::Real;
+use itpms_core::Real;
 
 /// Fading sums of the residual's outer products (eq. 31-33).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -126,6 +126,7 @@ pub fn iterative_factor<T: Real>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::quarter_car::output_jacobian;
     use itpms_core::model::QuarterCar;
 
     struct Scene {
@@ -141,7 +142,7 @@ mod tests {
         l[(3, 1)] = 5e-3;
         l[(4, 2)] = -20.0;
         Scene {
-            h: QuarterCar::paper_table_2().output_jacobian(&x, 0.007),
+            h: output_jacobian(&QuarterCar::paper_table_2(), &x, 0.007),
             f: l * l.transpose(),
             q: Vector5::repeat(1e-8),
             r: Vector2::new(0.5, 0.5),

@@ -3,8 +3,8 @@
 //! Used by [`crate::aekf_ui_informed`]; knows nothing of the recursion.
 
 use crate::parameter::ParameterForgetting;
+use itpms_core::Real;
 use itpms_core::model::{CornerConfig, ParameterError, positive};
-use itpms_core::real::Real;
 
 /// Settings of the corrected filter.
 #[derive(Debug, Clone, Copy, PartialEq)]

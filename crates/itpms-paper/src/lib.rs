@@ -5,6 +5,7 @@
 //! | module | idea |
 //! |---|---|
 //! | [`config`] | what a published filter is given: start, covariances, the readings of the ambiguous equations |
+//! | [`quarter_car`] | the state, its motion and its Jacobians (eq. 1-4) |
 //! | [`ekf_ui`] | the recursion with unknown input, one function a stage (eq. 6-17) |
 //! | [`forgetting`] | the residual's covariance and the factor drawn from it (eq. 18-37) |
 //! | [`aekf_ui`] | both put together: [`AekfUi`], which is the EKF-UI when set not to forget |
@@ -38,6 +39,7 @@ mod kind;
 pub mod lean;
 pub mod motion;
 pub mod parameter;
+pub mod quarter_car;
 pub mod record;
 
 pub use aekf_ui::AekfUi;

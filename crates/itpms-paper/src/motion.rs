@@ -5,9 +5,9 @@
 
 use nalgebra::{Matrix2x4, Matrix4, Matrix5, RowVector4, Vector2, Vector4};
 
+use crate::quarter_car::{output, state};
+use itpms_core::Real;
 use itpms_core::model::QuarterCar;
-use itpms_core::model::quarter_car::{output, state};
-use itpms_core::real::Real;
 
 /// Place of the tire's force behind the four motion states of [`state`].
 pub const TIRE_FORCE: usize = 4;
@@ -98,6 +98,7 @@ mod tests {
     use nalgebra::Vector5;
 
     use super::*;
+    use crate::quarter_car;
 
     const LEAK: f64 = 0.6;
 
@@ -115,9 +116,11 @@ mod tests {
         for k_t in [90_000.0, 233_000.0] {
             let full = Vector5::new(x[0], x[1], x[2], x[3], k_t);
             let road = x[2] + force / k_t;
-            let derivative = car.derivative(&full, road);
+            let derivative = quarter_car::derivative(&car, &full, road);
             assert!((motion.A * x + motion.b * force - derivative.fixed_rows::<4>(0)).amax() < 1e-12);
-            assert!((motion.H * x + motion.D * force - car.output(&full, road)).amax() < 1e-12);
+            assert!(
+                (motion.H * x + motion.D * force - quarter_car::output(&car, &full, road)).amax() < 1e-12
+            );
         }
     }
 

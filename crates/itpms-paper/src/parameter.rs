@@ -3,8 +3,8 @@
 //!
 //! Called by [`crate::aekf_ui_informed`] for the tire stiffness; knows nothing of cars.
 
+use itpms_core::Real;
 use itpms_core::model::ParameterError;
-use itpms_core::real::Real;
 
 /// When and how strongly to forget.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -4,8 +4,8 @@
 
 use nalgebra::{Matrix2, Matrix5, Vector2, Vector5};
 
-use itpms_core::model::quarter_car::state;
-use itpms_core::real::Real;
+use crate::quarter_car::state;
+use itpms_core::Real;
 
 /// How a filter left its range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

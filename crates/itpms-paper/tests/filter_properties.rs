@@ -2,8 +2,8 @@
 // Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
 #![allow(clippy::unwrap_used)]
 
+use itpms_core::Real;
 use itpms_core::model::{CornerConfig, CornerSample, QuarterCar};
-use itpms_core::real::Real;
 use itpms_paper::{
     AekfUi, AekfUiInformed, CorrectionInput, FilterConfig, Forgetting, GradientDescent, InformedConfig,
     InformedRecord, InformedStatus, StepRecord, StepStatus,

@@ -6,7 +6,8 @@ use crate::common;
 
 use common::quarter_plant::{MB, MW, Random, drive, fig_6_kpa, pressure, rms, stiffness};
 use itpms_core::model::CornerSample;
-use itpms_core::model::quarter_car::{QuarterCar, state};
+use itpms_core::model::QuarterCar;
+use itpms_paper::quarter_car::{self, state};
 use itpms_paper::{
     AekfUi, CorrectionInput, FilterConfig, Forgetting, GradientDescent, StepRecord, StepStatus,
 };
@@ -33,10 +34,10 @@ fn without_noise(
     for k in 0..(40.0 / dt) as usize {
         let t = k as f64 * dt;
         x[state::TIRE_STIFFNESS] = stiffness(fig_6_kpa(t));
-        let y = car.output(&x, road);
+        let y = quarter_car::output(&car, &x, road);
         let sample = CornerSample { body_accel_m_s2: y[0], wheel_accel_m_s2: y[1] };
         see(t, &sample, &filter.step(dt, &sample));
-        x += car.derivative(&x, road) * dt;
+        x += quarter_car::derivative(&car, &x, road) * dt;
         road += road_step * random.normal();
     }
 }
@@ -102,7 +103,7 @@ fn every_stiffness_explains_the_accelerations_equally_well() {
         let (mut unexplained, mut force_error, mut force) = (vec![], vec![], vec![]);
         without_noise(&mut filter(config), 1e-3, |t, y, record| {
             if t > 3.0 {
-                let fit = car.output(&record.state, record.road_m);
+                let fit = quarter_car::output(&car, &record.state, record.road_m);
                 unexplained.push((fit[0] - y.body_accel_m_s2).hypot(fit[1] - y.wheel_accel_m_s2));
                 // Eq. (1) added up: the tire's force needs no stiffness.
                 let tire_force = MB * y.body_accel_m_s2 + MW * y.wheel_accel_m_s2;

@@ -6,8 +6,8 @@
 use crate::common;
 
 use common::quarter_plant::{Drive, Random, drive, fig_6_kpa};
+use itpms_core::Real;
 use itpms_core::model::{CornerSample, ParameterError, QuarterCar};
-use itpms_core::real::Real;
 use itpms_paper::{
     AekfUi, AekfUiLean, CorrectionInput, FactorTiming, FilterConfig, Forgetting, GradientDescent, LeanError,
     LeanRecord, StepRecord, StepStatus,

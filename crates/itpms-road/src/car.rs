@@ -1,11 +1,11 @@
 //! The causal road under the wheels of a car that is being estimated.
 
+use itpms_core::Real;
 use itpms_core::conditioning::SampleClock;
 use itpms_core::model::{
     CarConfig, CarEstimate, CarSample, CornerConfig, CornerEstimate, CornerSample, ParameterError,
     QuarterCar, Validity,
 };
-use itpms_core::real::Real;
 
 use crate::{RoadConfig, RoadFilter};
 

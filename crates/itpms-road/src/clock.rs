@@ -1,7 +1,7 @@
 //! Time as it comes with the samples: what to make of each stamp, and how far apart they usually are.
 //!
 //! Called by [`crate::filter`]; knows no state and no sensor.
-use itpms_core::real::Real;
+use itpms_core::Real;
 
 /// A step in s no log has: its rows count as one.
 const SHORTEST_STEP_S: f64 = 1e-6;

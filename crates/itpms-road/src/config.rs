@@ -1,8 +1,8 @@
 //! What the road estimate is given: the corner, its sensors, how rough the road may be, and how late the sensors are.
 //!
 //! Made by whoever owns an estimator; read by [`crate::RoadFilter`] and [`crate::RoadRecorder`].
+use itpms_core::Real;
 use itpms_core::model::{ParameterError, QuarterCar, positive};
-use itpms_core::real::Real;
 
 /// How rough the road is believed to be at long waves: the natural logarithm `c` of the one-sided density of its
 /// vertical velocity in (m/s)²/Hz, the road level of the pressure estimators. On an ISO 8608 road of waviness 2 the

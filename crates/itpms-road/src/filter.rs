@@ -8,8 +8,8 @@ use crate::config::{RoadConfig, RoadLevel};
 use crate::level::LevelTracker;
 use crate::model::{CoreState, FIRST_INTERVAL_S, Model, Transition, road_bandwidth, state};
 use crate::recursion::{Correction, Lean, Recursion};
+use itpms_core::Real;
 use itpms_core::model::{CornerSample, ParameterError, QuarterCar, Validity, positive};
-use itpms_core::real::Real;
 
 /// Accelerations beyond this, in m/s², are no road but a broken signal.
 const LARGEST_M_S2: f64 = 2_000.0;

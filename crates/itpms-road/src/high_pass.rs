@@ -2,7 +2,7 @@
 //!
 //! Called by [`crate::recorder`] backwards in time; the filter has the same high-pass inside its model.
 
-use itpms_core::real::Real;
+use itpms_core::Real;
 
 /// Steps differing less than this share use the same coefficients.
 const STEP_TOLERANCE: f64 = 1e-3;

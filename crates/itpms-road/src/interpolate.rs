@@ -2,7 +2,7 @@
 //!
 //! Called by [`crate::recorder`]; knows points in time and heights, nothing else.
 
-use itpms_core::real::Real;
+use itpms_core::Real;
 
 /// Points of the widest stencil.
 pub(crate) const WIDTH: usize = 8;

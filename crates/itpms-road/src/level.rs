@@ -3,7 +3,7 @@
 //!
 //! Called by [`crate::filter`] with every wheel acceleration and height. The first part does not depend on the
 //! filter's own estimate, and the second only ever raises the level, so that a level too low cannot confirm itself.
-use itpms_core::real::Real;
+use itpms_core::Real;
 
 /// Memory of the power in s: long enough for 20 % in the level, short enough for a change of surface.
 const MEMORY_S: f64 = 2.0;

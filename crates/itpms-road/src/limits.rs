@@ -6,8 +6,8 @@ use nalgebra::Complex;
 
 use crate::config::RoadConfig;
 use crate::model::Model;
+use itpms_core::Real;
 use itpms_core::model::{ParameterError, positive};
-use itpms_core::real::Real;
 
 /// Points of the integral over a band, evenly spaced in the logarithm of frequency.
 const BAND_POINTS: usize = 128;

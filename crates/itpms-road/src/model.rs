@@ -4,8 +4,8 @@
 //! Called by [`crate::filter`] and [`crate::limits`]. Knows nothing of samples, time stamps or missing values.
 
 use crate::config::RoadConfig;
+use itpms_core::Real;
 use itpms_core::model::QuarterCar;
-use itpms_core::real::Real;
 use nalgebra::{Matrix2, SMatrix, SVector};
 
 /// Number of states.

@@ -12,8 +12,8 @@ use crate::high_pass::HighPass;
 use crate::interpolate::{HALF, WIDTH, height_at};
 use crate::row::{RoadPoint, RoadRow};
 use crate::segment::{Later, Segment};
+use itpms_core::Real;
 use itpms_core::model::CornerSample;
-use itpms_core::real::Real;
 use thiserror::Error;
 
 /// Length of a segment in s: the backward pass corrects slow drift only, and is linear over so short a time to a

@@ -4,7 +4,7 @@
 //! Called by [`crate::filter`]. Knows nothing of time stamps, missing values or levels.
 
 use crate::model::{CORE, CoreState, Matrix, Model, State, Transition, state, symmetrise};
-use itpms_core::real::Real;
+use itpms_core::Real;
 use nalgebra::{Matrix2, Vector2};
 
 /// Steps further from the one at hand than this share of it get their own discretisation.

@@ -1,6 +1,6 @@
 //! A row of a road record, on its way in and out of [`crate::RoadRecorder`].
 
-use itpms_core::real::Real;
+use itpms_core::Real;
 
 /// One row in the window: memory for [`crate::RoadRecorder`].
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -6,7 +6,7 @@
 use crate::filter::RoadFilter;
 use crate::model::{CoreMatrix, CoreState, Transition};
 use crate::recursion::Correction;
-use itpms_core::real::Real;
+use itpms_core::Real;
 
 /// A stretch of the forward pass, condensed to what the backward pass needs: memory for [`crate::RoadRecorder`],
 /// about 120 numbers.

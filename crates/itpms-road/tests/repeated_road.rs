@@ -4,8 +4,8 @@
 use crate::common;
 
 use common::ride::{Ride, Row, normalised};
+use itpms_core::Real;
 use itpms_core::model::{CornerConfig, CornerEstimate, Validity};
-use itpms_core::real::Real;
 use itpms_road::{EstimatorOnRepeatedRoad, RoadPeriod, RoadRepetition};
 
 const PERIOD_S: f64 = 0.66;

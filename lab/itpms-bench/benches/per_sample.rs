@@ -6,7 +6,7 @@ use std::hint::black_box;
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use itpms_bench::car::{Extent, RunningCar};
 use itpms_bench::{HOP, PUBLISHED_WARM_UP, RATE_HZ, Running, WARM_UP, published, road, sample};
-use itpms_core::real::Real;
+use itpms_core::Real;
 use itpms_paper::EstimatorKind;
 
 fn scalar<T: Real>(c: &mut Criterion, name: &str) {

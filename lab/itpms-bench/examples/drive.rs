@@ -5,8 +5,8 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use itpms_bench::car::{shipped, taken};
+use itpms_core::Real;
 use itpms_core::model::CarSample;
-use itpms_core::real::Real;
 use itpms_sim::error::ScenarioError;
 use itpms_sim::scenario::Scenario;
 use itpms_sim::simulation::Simulation;

@@ -1,10 +1,10 @@
 //! Bytes that an estimator occupies: `cargo run -p itpms-bench --example sizes`.
 
+use itpms_core::Real;
 use itpms_core::car::CarEstimator;
 use itpms_core::conditioning::Resampler;
 use itpms_core::estimator::Estimator;
 use itpms_core::monitor::{Monitor, MonitoredCar};
-use itpms_core::real::Real;
 use itpms_paper::{AekfUi, AekfUiInformed, AekfUiLean};
 use itpms_road::RoadFilter;
 

@@ -11,9 +11,9 @@ use std::sync::Mutex;
 use std::{env, thread};
 
 use itpms_bench::car::{taken, told};
+use itpms_core::Real;
 use itpms_core::model::{CarSample, CornerSample};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
-use itpms_core::real::Real;
 use itpms_sim::scenario::Scenario;
 use itpms_sim::simulation::Simulation;
 

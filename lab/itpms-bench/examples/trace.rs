@@ -4,8 +4,8 @@
 
 use itpms_bench::car::{shipped, taken};
 use itpms_bench::{RATE_HZ, SPEED_M_S, sample};
+use itpms_core::Real;
 use itpms_core::model::{CarSample, CornerConfig, CornerEstimate, CornerSample};
-use itpms_core::real::Real;
 use itpms_paper::{AnyEstimator, EstimatorKind};
 use itpms_sim::scenario::Scenario;
 use itpms_sim::simulation::Simulation;

@@ -3,10 +3,11 @@
 
 use std::sync::Arc;
 
-use itpms_core::car::{CarEstimate, CarEstimator};
+use itpms_core::Real;
+use itpms_core::car::CarEstimator;
+use itpms_core::model::CarEstimate;
 use itpms_core::model::{CarConfig, CarSample, CornerConfig, CornerSample, QuarterCar};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
-use itpms_core::real::Real;
 use itpms_road::RoadUnderCar;
 use itpms_sim::scenario::Scenario;
 use itpms_sim::simulation::Simulation;

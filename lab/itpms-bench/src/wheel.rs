@@ -1,8 +1,8 @@
 //! One wheel for the benchmarks: a signal good enough to keep every branch busy, and each estimator warmed up until it has seen some
 //! seconds of it.
 
+use itpms_core::Real;
 use itpms_core::model::{CornerConfig, CornerEstimate, CornerSample, QuarterCar};
-use itpms_core::real::Real;
 use itpms_paper::{AekfUi, AekfUiLean, FilterConfig, Forgetting};
 use itpms_paper::{AnyEstimator, EstimatorKind};
 use itpms_road::{RoadConfig, RoadFilter};

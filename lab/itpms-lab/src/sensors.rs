@@ -1,6 +1,6 @@
 //! What a car of a study has to find its pressures with.
 
-use itpms_core::car::CarEstimate;
+use itpms_core::model::CarEstimate;
 use itpms_core::model::{CarConfig, CarSample, Corner, ParameterError};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar, MonitoredWheels};
 use itpms_core::torsion::{CarTorsion, TorsionConfig};

@@ -114,7 +114,8 @@ pub(super) fn information<const C: usize, const N: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use itpms_core::model::quarter_car::{QuarterCar, state};
+    use itpms_core::model::QuarterCar;
+    use itpms_paper::quarter_car::{self, state};
     use nalgebra::{Matrix4, Vector4, Vector5};
     use rand::SeedableRng;
     use rand_distr::{Distribution, StandardNormal};
@@ -124,15 +125,16 @@ mod tests {
         Fisher::new(&CornerConfig::paper(), &BoundSetting::paper())
     }
 
-    /// The same spectral matrix from the state-space model: `g = C (sI - A)^-1 B + D` with the core's Jacobians.
+    /// The same spectral matrix from the state-space model: `g = C (sI - A)^-1 B + D` with the Jacobians of `itpms-paper`.
     fn spectral_matrix_by_state_space(f: f64, k_t: f64) -> Spectral {
         let car = QuarterCar::<f64>::paper_table_2();
         let mut x = Vector5::zeros();
         x[state::TIRE_STIFFNESS] = k_t;
         let complex = |v: f64| Complex::new(v, 0.0);
-        let a: Matrix4<_> = car.derivative_jacobian(&x, 0.0).fixed_view::<4, 4>(0, 0).map(complex);
-        let h = car.output_jacobian(&x, 0.0).fixed_view::<2, 4>(0, 0).map(complex);
-        let d = car.input_jacobian(&x).map(complex);
+        let a: Matrix4<_> =
+            quarter_car::derivative_jacobian(&car, &x, 0.0).fixed_view::<4, 4>(0, 0).map(complex);
+        let h = quarter_car::output_jacobian(&car, &x, 0.0).fixed_view::<2, 4>(0, 0).map(complex);
+        let d = quarter_car::input_jacobian(&car, &x).map(complex);
         let b = Vector4::new(complex(0.0), complex(0.0), complex(0.0), d[1]);
         let s = Complex::new(0.0, std::f64::consts::TAU * f);
         let g = h * (Matrix4::identity() * s - a).try_inverse().unwrap() * b + d;

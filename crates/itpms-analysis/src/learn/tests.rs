@@ -7,7 +7,8 @@ use super::*;
 const PLACARD_KPA: f64 = 241.3;
 
 fn file() -> CarConfig<f64> {
-    let corner = CornerConfig::<f64>::paper().with_uncertainty(ParameterUncertainty::of(Confidence::Rough));
+    let uncertainty = ParameterUncertainty::of(Confidence::Rough);
+    let corner = CornerConfig { uncertainty, ..CornerConfig::paper() };
     CarConfig { corners: [Some(corner); 4], wheelbase_m: Some(2.7) }
 }
 

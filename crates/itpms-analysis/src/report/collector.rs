@@ -3,7 +3,6 @@
 //! Called by whoever runs an estimator over a log, once per sample. A few thousand buckets per curve, whether the
 //! drive lasts a minute or a day.
 
-use itpms_core::conditioning::Odometer;
 use itpms_core::model::{Corner, CornerConfig, CornerEstimate, Level, PressureUnit, Validity, Warning};
 use itpms_core::warning::MonitorReport;
 use itpms_core::wheel_speed::RadiusReport;
@@ -16,6 +15,7 @@ use super::wheels::WheelSpeedCollector;
 use super::witness::Witness;
 use super::{CornerReport, NisCheck, Provenance, ReportData, TimeCurves, Z_95};
 use crate::bound::{BoundSetting, CornerBound};
+use crate::odometer::Odometer;
 use crate::spectrum::PowerLaw;
 
 /// Buckets of every curve over time; at most twice as many points are drawn.

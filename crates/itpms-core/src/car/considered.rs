@@ -114,8 +114,10 @@ mod tests {
     use crate::model::{Confidence, ParameterUncertainty};
 
     fn typical() -> Considered<f64> {
-        let corner =
-            CornerConfig::<f64>::paper().with_uncertainty(ParameterUncertainty::of(Confidence::Typical));
+        let corner = CornerConfig {
+            uncertainty: ParameterUncertainty::of(Confidence::Typical),
+            ..CornerConfig::<f64>::paper()
+        };
         let config = CarConfig { corners: [Some(corner); 4], wheelbase_m: Some(2.7) };
         configured(|considered: &mut Considered<f64>| considered.configure(&config))
     }
@@ -149,7 +151,7 @@ mod tests {
             stiffness_over_mass_relative_sd: Some(0.02),
             ..ParameterUncertainty::of(Confidence::Rough)
         };
-        let corner = CornerConfig::<f64>::paper().with_uncertainty(rough);
+        let corner = CornerConfig { uncertainty: rough, ..CornerConfig::<f64>::paper() };
         let config = CarConfig { corners: [Some(corner); 4], wheelbase_m: Some(2.7) };
         let considered = configured(|considered: &mut Considered<f64>| considered.configure(&config));
         let covariance = considered.uncalibrated(&stiffness);
@@ -171,7 +173,7 @@ mod tests {
         );
         assert!((covariance[(0, 3)].sqrt() - 0.03).abs() < 1e-12);
         let measured = ParameterUncertainty::of(Confidence::Measured);
-        let corner = CornerConfig::<f64>::paper().with_uncertainty(measured);
+        let corner = CornerConfig { uncertainty: measured, ..CornerConfig::<f64>::paper() };
         let config = CarConfig { corners: [Some(corner); 4], wheelbase_m: Some(2.7) };
         let considered = configured(|considered: &mut Considered<f64>| considered.configure(&config));
         let stored = considered.stored(&stiffness);

@@ -13,14 +13,13 @@ mod radii;
 use self::conclusion::Concluded;
 use self::considered::Considered;
 use self::fusion::Fusion;
-use crate::conditioning::{Moment, SampleClock, SampleCounts};
+use crate::conditioning::{Moment, SampleClock};
 use crate::estimator::{CornerEstimator, OutsideStiffness, Pace};
 use crate::memory::{Blank, Placed, blank};
 use crate::model::{
-    BodyFit, CalibrationError, CarConfig, CarSample, Corner, Inflation, Misfit, ParameterError, QuarterCar,
-    RadiusDifferences, StrutReading, VehicleCalibration,
+    BodyFit, CalibrationError, CarConfig, CarEstimate, CarSample, Corner, Inflation, Misfit, ParameterError,
+    QuarterCar, RadiusDifferences, StrutReading, VehicleCalibration,
 };
-pub use crate::model::{CarEstimate, TrackState};
 use crate::real::Real;
 use crate::suspension::{BodyEquation, Learning};
 
@@ -165,48 +164,24 @@ impl<T: Real> CarEstimator<T> {
     }
 
     /// Uses the estimator otherwise; before the first sample. In place: a car by value on the stack is as large as a car.
-    pub(crate) fn set_options(&mut self, options: &EstimatorOptions) {
+    pub fn set_options(&mut self, options: &EstimatorOptions) {
         self.sources = options.sources;
         if let Some(fusion) = self.fusion.as_mut() {
             fusion.set_inflation(options.inflation);
         }
     }
 
-    /// The same with other sources of information; before the first sample.
-    #[must_use]
-    pub fn with_sources(self, sources: Sources) -> Self {
-        Self { sources, ..self }
-    }
-
-    /// The same for a car whose tires may gain air at other times; before the first sample.
-    #[must_use]
-    pub fn with_inflation(mut self, inflation: Inflation) -> Self {
-        if let Some(fusion) = self.fusion.as_mut() {
-            fusion.set_inflation(inflation);
-        }
-        self
-    }
-
-    /// The same for a drive whose first seconds are known to be at placard pressure: a calibration.
-    ///
-    /// # Errors
-    /// The length must be positive and finite.
-    pub fn with_calibration_drive(mut self, seconds: f64) -> Result<Self, ParameterError> {
-        self.begin_calibration(seconds)?;
-        Ok(self)
-    }
-
     /// Takes the stiffness of a corner's tire that another source follows from the next sample on, in the place of what the corner's
     /// own frames show, until `None` is given.
-    pub fn follow(&mut self, corner: Corner, stiffness: Option<OutsideStiffness<T>>) {
+    pub(crate) fn follow(&mut self, corner: Corner, stiffness: Option<OutsideStiffness<T>>) {
         if let Some(estimator) = self.corners[corner].as_mut() {
             estimator.follow(stiffness);
         }
     }
 
-    /// Takes how the tires' radii differ from the next sample on, as [`RadiusMonitor`](crate::wheel_speed::RadiusMonitor) finds it in wheel
+    /// Takes how the tires' radii differ from the next sample on, as [`MonitoredWheels`](crate::monitor::MonitoredWheels) finds it in wheel
     /// speeds, until `None` is given. A car without four corners whose axles share the road learns nothing from it.
-    pub fn follow_radii(&mut self, radii: Option<RadiusDifferences<T>>) {
+    pub(crate) fn follow_radii(&mut self, radii: Option<RadiusDifferences<T>>) {
         self.radii.set(radii);
     }
 
@@ -233,7 +208,7 @@ impl<T: Real> CarEstimator<T> {
     }
 
     /// Ends the calibration that is to begin or under way, as where a log ends with it; what it taught is there then.
-    pub fn end_calibration(&mut self) {
+    pub(crate) fn end_calibration(&mut self) {
         (self.calibration_s, self.calibration_ends_s) = (None, f64::NEG_INFINITY);
         self.conclude_in = 0;
         self.corners.iter_mut().flatten().for_each(CornerEstimator::end_calibration);
@@ -256,19 +231,10 @@ impl<T: Real> CarEstimator<T> {
         self.fusion.as_ref().filter(|_| self.calibration_s.is_none())?.calibration()
     }
 
-    /// The same for a car that was calibrated on an earlier drive; before the first sample.
+    /// Begins with what a calibration on an earlier drive taught; before the first sample.
     ///
     /// # Errors
     /// An implausible calibration, or one of other corners or other placard pressures.
-    pub fn with_calibration(mut self, calibration: &VehicleCalibration<T>) -> Result<Self, CalibrationError> {
-        self.load_calibration(calibration)?;
-        Ok(self)
-    }
-
-    /// The same in place.
-    ///
-    /// # Errors
-    /// As for [`with_calibration`](Self::with_calibration).
     pub fn load_calibration(&mut self, calibration: &VehicleCalibration<T>) -> Result<(), CalibrationError> {
         calibration.check()?;
         self.fusion.as_mut().map_or(Ok(()), |fusion| fusion.load_calibration(calibration))
@@ -387,21 +353,6 @@ impl<T: Real> CarEstimator<T> {
     /// How well body and wheel of a corner go together, and what does not, if the car has that corner.
     pub fn fit(&self, corner: Corner) -> Option<(BodyFit<T>, Option<Misfit>)> {
         self.corners[corner].as_ref().map(CornerEstimator::fit)
-    }
-
-    /// What it learns from.
-    pub fn sources(&self) -> Sources {
-        self.sources
-    }
-
-    /// What was found in the samples of a corner so far, if the car has it.
-    pub fn counts(&self, corner: Corner) -> Option<SampleCounts> {
-        self.corners[corner].as_ref().map(CornerEstimator::counts)
-    }
-
-    /// How often the estimator of a corner started again, if the car has it.
-    pub fn restarts(&self, corner: Corner) -> Option<u32> {
-        self.corners[corner].as_ref().map(CornerEstimator::restarts)
     }
 
     /// What the last minute has shown of each strut, in the order of [`Corner::ALL`]; `None` where too little was seen. Computed when asked.

@@ -10,7 +10,7 @@ pub(crate) mod wheel_lift;
 pub use self::resampler::{GridSample, Resampler, SampleCounts};
 pub use self::sample_clock::{Moment, SampleClock};
 pub(crate) use self::speed::STANDING_M_S;
-pub use self::speed::{Odometer, SpeedHold, is_a_cars};
+pub use self::speed::{SpeedHold, is_a_cars};
 
 /// Least rate in Hz of the grid that estimators work on.
 pub const LEAST_GRID_HZ: f64 = 400.0;

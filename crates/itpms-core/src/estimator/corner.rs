@@ -40,7 +40,6 @@ pub(crate) struct CornerEstimator<T: Real> {
     calibration_s: f64,
     calibration_ends_s: Option<f64>,
     pinned_s: f64,
-    restarts: u32,
     /// What the whole car says of this corner, while it says anything.
     fused: Placed<FusedStiffness<T>>,
     contact: ContactWatch<T>,
@@ -60,7 +59,7 @@ pub(crate) struct CornerEstimator<T: Real> {
 
 blank!(CornerEstimator<T> {
     config, resampler, informed, reading, read_s, calibration_s, calibration_ends_s,
-    pinned_s, restarts, fused, contact, strut, friction_variance,
+    pinned_s, fused, contact, strut, friction_variance,
     fit, misfit, judged_from_s, has_fitted, learned_before_s, concluded,
 });
 
@@ -84,7 +83,6 @@ impl<T: Real> CornerEstimator<T> {
         self.calibration_s = 0.0;
         self.calibration_ends_s = None;
         self.pinned_s = f64::NEG_INFINITY;
-        self.restarts = 0;
         self.fused.clear();
         self.contact = ContactWatch::new(&config.quarter_car);
         let noise = config.accel_noise_or_usual_m_s2();
@@ -350,17 +348,11 @@ impl<T: Real> CornerEstimator<T> {
         self.begin_reading();
         self.learned_before_s = T::zero();
         self.concluded.clear();
-        self.restarts = self.restarts.saturating_add(1);
     }
 
     /// What was found in the samples so far.
     pub(crate) fn counts(&self) -> SampleCounts {
         self.resampler.counts()
-    }
-
-    /// How often the estimator started again.
-    pub(crate) fn restarts(&self) -> u32 {
-        self.restarts
     }
 
     /// Standard deviation in N/m of what the vehicle file leaves open: masses and stiffnesses of a wheel times one factor look the

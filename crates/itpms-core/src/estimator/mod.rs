@@ -11,9 +11,7 @@ pub(crate) use self::fused_stiffness::FusedStiffness;
 use self::pulses::PulseLevel;
 use crate::conditioning::{SampleClock, SampleCounts};
 use crate::memory::{Blank, blank};
-use crate::model::{
-    BodyFit, Corner, CornerConfig, CornerEstimate, CornerSample, Misfit, ParameterError, QuarterCar,
-};
+use crate::model::{Corner, CornerConfig, CornerEstimate, CornerSample, ParameterError, QuarterCar};
 use crate::real::Real;
 pub(crate) use crate::single_wheel::Pace;
 pub use crate::single_wheel::{CALIBRATION_SD, OutsideStiffness, StiffnessPseudoMeasurement};
@@ -63,16 +61,6 @@ impl<T: Real> Estimator<T> {
         self.body_equation.configure(&[Some(*config), None, None, None], sample_rate_hz);
         self.clock = clock;
         Ok(())
-    }
-
-    /// The same for a drive whose first seconds are known to be at placard pressure: a calibration. While it lasts the estimate
-    /// stays there and learns load, damping and road.
-    ///
-    /// # Errors
-    /// The length must be positive and finite.
-    pub fn with_calibration_drive(mut self, seconds: f64) -> Result<Self, ParameterError> {
-        self.begin_calibration(seconds)?;
-        Ok(self)
     }
 
     /// Says that the tire has its placard pressure from the next sample on, for `seconds`: a calibration.
@@ -160,19 +148,9 @@ impl<T: Real> Estimator<T> {
         self.corner.quarter_car()
     }
 
-    /// How well body and wheel go together, and what does not.
-    pub fn fit(&self) -> (BodyFit<T>, Option<Misfit>) {
-        self.corner.fit()
-    }
-
     /// What was found in the samples so far.
     pub fn counts(&self) -> SampleCounts {
         self.corner.counts()
-    }
-
-    /// How often the estimator started again.
-    pub fn restarts(&self) -> u32 {
-        self.corner.restarts()
     }
 }
 

@@ -57,12 +57,6 @@ impl<T: Real> CornerConfig<T> {
         Ok(Self { initial_kpa: Some(positive("initial_kpa", initial_kpa)?), ..self })
     }
 
-    /// The same with parameters that are known otherwise.
-    #[must_use]
-    pub fn with_uncertainty(self, uncertainty: ParameterUncertainty<T>) -> Self {
-        Self { uncertainty, ..self }
-    }
-
     /// The paper's simulated corner: Table 2, eq. (5), placard 241.3 kPa (35 psi), noise 0.05 m/s²; measured.
     #[must_use]
     pub fn paper() -> Self {

@@ -64,9 +64,9 @@ impl PressureUnit {
         }
     }
 
-    /// A pressure of so many kPa as a number in this unit, as exact as with `places` decimal places in kPa.
+    /// A pressure of so many kPa as a number in this unit, as exact as with `places` decimal places in kPa; `{:+}` writes its sign.
     #[must_use]
-    pub fn number(self, kpa: f64, places: usize) -> PressureNumber {
+    pub fn number(self, kpa: f64, places: usize) -> impl fmt::Display {
         PressureNumber { value: kpa / self.kpa(), places: places + self.more_places() }
     }
 }
@@ -77,9 +77,8 @@ impl fmt::Display for PressureUnit {
     }
 }
 
-/// A pressure to be shown, without its unit; `{:+}` writes its sign.
-#[derive(Debug, Clone, Copy)]
-pub struct PressureNumber {
+/// A pressure to be shown, without its unit.
+struct PressureNumber {
     value: f64,
     places: usize,
 }

@@ -11,7 +11,7 @@ pub(crate) const SEEN: [[f64; 3]; 4] =
 /// [`CarEstimator::follow_radii`](crate::CarEstimator::follow_radii).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct RadiusDifferences<T> {
+pub(crate) struct RadiusDifferences<T> {
     /// The changes.
     pub change_1e3: [T; 3],
     /// Their covariance in the order 00, 10, 11, 20, 21, 22, with what loads may have done.

@@ -33,38 +33,12 @@ impl<T: Real> MonitorConfig<T> {
         }
     }
 
-    /// The same with other limits.
-    #[must_use]
-    pub fn with_limits(self, limits: Limits<T>) -> Self {
-        Self { limits, ..self }
-    }
-
-    /// The same with an estimator that is used otherwise.
-    #[must_use]
-    pub fn with_options(self, options: EstimatorOptions) -> Self {
-        Self { options, ..self }
-    }
-
-    /// The same with other references in kPa.
-    ///
-    /// # Errors
-    /// A reference must be positive and finite.
-    pub fn with_references(self, reference_kpa: [Option<T>; 4]) -> Result<Self, ParameterError> {
-        let config = Self { reference_kpa, ..self };
-        config.check_references()?;
-        Ok(config)
-    }
-
-    fn check_references(&self) -> Result<(), ParameterError> {
+    /// Whether a monitor can go by it.
+    pub(super) fn check(&self) -> Result<(), ParameterError> {
+        self.limits.check()?;
         for reference in self.reference_kpa.into_iter().flatten() {
             positive("reference_kpa", reference)?;
         }
         Ok(())
-    }
-
-    /// Whether a monitor can go by it.
-    pub(super) fn check(&self) -> Result<(), ParameterError> {
-        self.limits.check()?;
-        self.check_references()
     }
 }

@@ -47,9 +47,9 @@ const ROLLBACK_HOLDOFF_S: f64 = 60.0;
 /// Longest time in s that counts between two decisions: a hole in the record is no evidence.
 const LONGEST_STEP_S: f64 = 0.5;
 
-/// A running monitor. A value: clone it, save it, go on. Per sample: [`screen`](Self::screen) what the sensors say, ask whether
-/// the estimator is to take anything back ([`take_rollback_request`](Self::take_rollback_request)), give it what `screen` returns, and let
-/// [`judge`](Self::judge) look at what comes out; [`MonitoredCar`] does so.
+/// A running monitor, for an estimator that is none of this crate's. A value: clone it, save it, go on. Per sample: [`screen`](Self::screen)
+/// what the sensors say, give the estimator what `screen` returns, and let [`judge`](Self::judge) look at what comes out; [`MonitoredCar`]
+/// does so, and asks whether the estimator is to take anything back.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Monitor<T: Real> {
@@ -195,7 +195,7 @@ impl<T: Real> Monitor<T> {
 
     /// The corners whose sensors have just turned out to have been wrong for some seconds; once. What was learned in them is to
     /// be taken back ([`CarEstimator::rollback`](crate::car::CarEstimator::rollback)).
-    pub fn take_rollback_request(&mut self) -> Wheels {
+    pub(crate) fn take_rollback_request(&mut self) -> Wheels {
         core::mem::replace(&mut self.rollback_requested, Wheels::NONE)
     }
 
@@ -425,11 +425,6 @@ impl<T: Real> Monitor<T> {
     /// What there is to say now.
     pub fn report(&self) -> &MonitorReport<T> {
         &self.report
-    }
-
-    /// Its configuration.
-    pub fn config(&self) -> &MonitorConfig<T> {
-        &self.config
     }
 }
 

@@ -1,10 +1,10 @@
 //! An estimator under a monitor: bad sensors are kept from it, what it says is judged, and corners start again when
 //! their sensors are back.
 
-use crate::car::{CarEstimate, CarEstimator};
+use crate::car::CarEstimator;
 use crate::estimator::OutsideStiffness;
 use crate::memory::{Blank, blank};
-use crate::model::{CalibrationError, CarSample, Corner, ParameterError, VehicleCalibration};
+use crate::model::{CalibrationError, CarEstimate, CarSample, Corner, ParameterError, VehicleCalibration};
 use crate::monitor::{Monitor, MonitorConfig, MonitoredWheels};
 use crate::real::Real;
 use crate::warning::MonitorReport;
@@ -86,19 +86,20 @@ impl<T: Real> MonitoredCar<T> {
         self.monitor.denies_standstill()
     }
 
-    /// Ends the calibration that is under way: see [`CarEstimator::end_calibration`].
+    /// Ends the calibration that is to begin or under way, as where a log ends with it; what it taught is there then.
     pub fn end_calibration(&mut self) {
         self.estimator.end_calibration();
         self.monitor.end_calibration();
     }
 
-    /// Takes the stiffness of a corner's tire that another source follows: see [`CarEstimator::follow`].
+    /// Takes the stiffness of a corner's tire that another source follows from the next sample on, in the place of what the corner's
+    /// own frames show, until `None` is given.
     pub fn follow(&mut self, corner: Corner, stiffness: Option<OutsideStiffness<T>>) {
         self.estimator.follow(corner, stiffness);
     }
 
-    /// Takes what the wheel speeds of the same car have shown with their last sample: a second witness of how the tires differ
-    /// ([`CarEstimator::follow_radii`]).
+    /// Takes what the wheel speeds of the same car have shown with their last sample: a second witness of how the tires
+    /// differ. A car without four corners whose axles share the road learns nothing from it.
     pub fn follow_wheels(&mut self, wheels: &MonitoredWheels<T>) {
         if wheels.has_news() {
             self.estimator.follow_radii(wheels.differences());

@@ -106,17 +106,17 @@ impl<T: Real> MonitoredWheels<T> {
 
     /// Whether [`differences`](Self::differences) may be others after the last sample.
     #[must_use]
-    pub fn has_news(&self) -> bool {
+    pub(crate) fn has_news(&self) -> bool {
         self.radii.has_news()
     }
 
-    /// By how much the radii differ from those at the calibration: see [`RadiusMonitor::differences`].
+    /// By how much the ratios of the radii have changed since the calibration; `None` without one.
     #[must_use]
-    pub fn differences(&self) -> Option<RadiusDifferences<T>> {
+    pub(crate) fn differences(&self) -> Option<RadiusDifferences<T>> {
         self.radii.differences()
     }
 
-    /// Whether the yaw rate is left out: see [`RadiusMonitor::doubts_yaw_rate`].
+    /// Whether the yaw rate went against what the wheels show of bends: it is left out from then on, as if there were none.
     #[must_use]
     pub fn doubts_yaw_rate(&self) -> bool {
         self.radii.doubts_yaw_rate()

@@ -4,7 +4,7 @@ use crate::memory::blank;
 
 /// A tire's stiffness as a source of evidence outside the estimator follows it, as on a road that repeats itself: whoever
 /// knows better than the frames of a corner gives it to [`Estimator::follow`](crate::Estimator::follow) or
-/// [`CarEstimator::follow`](crate::CarEstimator::follow).
+/// [`MonitoredCar::follow`](crate::MonitoredCar::follow).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct OutsideStiffness<T> {

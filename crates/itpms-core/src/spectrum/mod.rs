@@ -8,6 +8,7 @@ pub(crate) mod reconstruction;
 pub(crate) mod transfer;
 
 pub(crate) use self::frame::{Frame, FrameClock};
+pub(crate) use self::reconstruction::SIGNALS;
 pub use self::reconstruction::{
-    LEAK_RAD_S, RELATIVE_ACCELERATION, RELATIVE_VELOCITY, Reconstruction, SIGNALS, WHEEL_JERK, WHEEL_VELOCITY,
+    LEAK_RAD_S, RELATIVE_ACCELERATION, RELATIVE_VELOCITY, Reconstruction, WHEEL_JERK, WHEEL_VELOCITY,
 };

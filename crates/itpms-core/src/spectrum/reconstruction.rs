@@ -20,7 +20,7 @@ const LARGEST_OFFSET_M_S2: f64 = 40.0;
 pub(crate) const LAG: usize = 3;
 
 /// Number of signals.
-pub const SIGNALS: usize = 5;
+pub(crate) const SIGNALS: usize = 5;
 /// `L v_w`: wheel velocity.
 pub const WHEEL_VELOCITY: usize = 0;
 /// `L ȧ_w`: wheel jerk.

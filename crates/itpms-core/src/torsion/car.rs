@@ -1,4 +1,4 @@
-//! The four wheels of a car: edges in, [`TorsionEvidence`] out. It calibrates and stands still with the wheel speeds' monitor, which asks it
+//! The four wheels of a car: edges in, by how much the pressures have changed out. It calibrates and stands still with the wheel speeds' monitor, which asks it
 //! ([`MonitoredWheels::update_with_pulses`](crate::monitor::MonitoredWheels::update_with_pulses)).
 
 use super::{TorsionCalibration, TorsionChange, TorsionConfig, TorsionEvidence, TorsionPiece, TorsionWheel};
@@ -19,26 +19,17 @@ pub struct CarTorsion<T: Real> {
 blank!(CarTorsion<T> { wheels, reference_kpa, above_kpa });
 
 impl<T: Real> CarTorsion<T> {
-    /// Wheels with these sensors and tires, in the order of [`Corner::ALL`], and the pressures they should have in kPa; uncalibrated.
-    ///
-    /// # Errors
-    /// A number that no wheel has.
-    pub fn new(wheels: &[TorsionConfig<T>; 4], placard_kpa: &[T; 4]) -> Result<Self, ParameterError> {
-        let mut car = Self::unconfigured();
-        car.configure(wheels, placard_kpa)?;
-        Ok(car)
-    }
-
     /// Memory for a car, as a constant of zeros; [`configure`](Self::configure) fills it where it lies.
     #[must_use]
     pub const fn unconfigured() -> Self {
         Self::BLANK
     }
 
-    /// Begins anew with these wheels, uncalibrated.
+    /// Begins anew with wheels of these sensors and tires, in the order of [`Corner::ALL`], and the pressures they should have in kPa;
+    /// uncalibrated.
     ///
     /// # Errors
-    /// As for [`new`](Self::new).
+    /// A number that no wheel has.
     pub fn configure(
         &mut self,
         wheels: &[TorsionConfig<T>; 4],
@@ -121,7 +112,7 @@ impl<T: Real> CarTorsion<T> {
 
     /// What the pieces since the calibration say of the pressures.
     #[must_use]
-    pub fn evidence(&self) -> TorsionEvidence<T> {
+    pub(crate) fn evidence(&self) -> TorsionEvidence<T> {
         let mut evidence = TorsionEvidence { reference_kpa: self.reference_kpa, ..TorsionEvidence::BLANK };
         let places = evidence.change_kpa.iter_mut().zip(&mut evidence.information);
         for ((change, information), (wheel, above)) in places.zip(self.wheels.iter().zip(&self.above_kpa)) {

@@ -17,7 +17,7 @@ const COMMON_SD_KPA: f64 = 6.7;
 /// By how much the pressures have changed since the calibration, as the pieces alone say.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct TorsionEvidence<T> {
+pub(crate) struct TorsionEvidence<T> {
     /// Changes against what the pressures should be, in kPa, in the order of [`Corner::ALL`](crate::model::Corner::ALL).
     pub change_kpa: [T; 4],
     /// Their information in 1/kPa², without what stays unknown however much is driven; zero where nothing was seen.

@@ -1,8 +1,8 @@
 //! Torsional analysis: a road shakes the belt of a tire around its rim, and at which frequency it does so most depends on how stiff the
 //! sidewalls are, that is, on the pressure. From the times at which the teeth of one wheel's speed sensor pass, [`TorsionWheel`] finds
 //! that frequency, piece by piece of some 30 s, and by how much the pressure has changed since a calibration. It needs no other wheel, so
-//! that it sees all four alike; [`CarTorsion`] is the four of a car, whose [`TorsionEvidence`] a
-//! [`RadiusMonitor`](crate::wheel_speed::RadiusMonitor) weighs together with radii.
+//! that it sees all four alike; [`CarTorsion`] is the four of a car, whose evidence
+//! [`MonitoredWheels`](crate::monitor::MonitoredWheels::update_with_pulses) weigh together with radii.
 //!
 //! `docs/math/wheel-speed.md`, "Torsion", derives it. It knows of nothing else here.
 //!
@@ -37,8 +37,7 @@ use nalgebra::SVector;
 pub use self::calibration::{TorsionCalibration, TorsionCurve};
 pub use self::car::CarTorsion;
 pub use self::config::TorsionConfig;
-pub use self::evidence::TorsionEvidence;
-pub(crate) use self::evidence::level_variance_kpa2;
+pub(crate) use self::evidence::{TorsionEvidence, level_variance_kpa2};
 use self::fit::{BINS, Fitted, Spectrum, fit};
 use self::reference::Reference;
 use self::speed::Speed;
@@ -158,10 +157,7 @@ impl<T: Real> TorsionWheel<T> {
     }
 
     /// Begins anew with this sensor and tire, uncalibrated.
-    ///
-    /// # Errors
-    /// As for [`new`](Self::new).
-    pub fn configure(&mut self, config: &TorsionConfig<T>) -> Result<(), ParameterError> {
+    fn configure(&mut self, config: &TorsionConfig<T>) -> Result<(), ParameterError> {
         config.check()?;
         *self = Self::BLANK;
         self.config = *config;

@@ -213,16 +213,15 @@ impl<T: Real> fmt::Display for Reading<T> {
 }
 
 /// The sentence of an alert with its pressures in a unit.
-#[derive(Debug, Clone, Copy)]
-pub struct AlertIn<'a, T> {
+struct AlertIn<'a, T> {
     alert: &'a Alert<T>,
     unit: PressureUnit,
 }
 
-impl<T> Alert<T> {
+impl<T: Real> Alert<T> {
     /// The alert's sentence with its pressures in this unit.
     #[must_use]
-    pub fn shown_in(&self, unit: PressureUnit) -> AlertIn<'_, T> {
+    pub fn shown_in(&self, unit: PressureUnit) -> impl fmt::Display {
         AlertIn { alert: self, unit }
     }
 }

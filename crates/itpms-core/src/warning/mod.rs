@@ -8,7 +8,7 @@ pub(crate) mod low;
 pub(crate) mod reference_pressure;
 pub(crate) mod report;
 
-pub use self::alert::{Alert, AlertIn, Basis, Cause, Reading};
+pub use self::alert::{Alert, Basis, Cause, Reading};
 pub use self::limits::{Limits, Regulation};
 pub use self::report::{Change, Doubt, MonitorReport, WheelReport, WheelState};
 

@@ -3,9 +3,9 @@
 //! Made by the monitor; read by displays, files and studies. Holds no logic beyond reading it.
 
 use crate::memory::{Blank, Placed, blank};
-use crate::model::{Corner, Validity, Warning, Wheels};
+use crate::model::{Corner, Validity, Warning};
 use crate::real::Real;
-use crate::warning::{Alert, Cause};
+use crate::warning::Alert;
 
 /// Places of a wheel's alerts.
 const OF_A_WHEEL: usize = Slot::NoInformation as usize + 1;
@@ -166,12 +166,6 @@ impl<T: Real> MonitorReport<T> {
     /// The alerts that name this wheel.
     pub fn alerts_of(&self, corner: Corner) -> impl Iterator<Item = &Alert<T>> {
         self.alerts().filter(move |alert| alert.wheels.contains(corner))
-    }
-
-    /// The wheels with a malfunction.
-    pub fn malfunctioning(&self) -> Wheels {
-        let broken = self.alerts().filter(|alert| matches!(alert.cause, Cause::Malfunction(_)));
-        broken.fold(Wheels::NONE, |all, alert| all | alert.wheels)
     }
 
     /// True if every wheel is known to be fine: the only time to say "all good".

@@ -64,7 +64,7 @@ impl<T: Real> LoadUncertainty<T> {
     }
 }
 
-/// What a [`RadiusMonitor`](super::RadiusMonitor) knows of a car beforehand.
+/// What [`MonitoredWheels`](crate::monitor::MonitoredWheels) know of a car beforehand.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WheelSpeedConfig<T> {

@@ -1,19 +1,22 @@
 //! Radius analysis: a tire that loses air rolls on a smaller radius and turns faster than the others. From four wheel speeds, and
-//! what a bus says of yaw rate, acceleration and brakes, [`RadiusMonitor`] finds which tires differ from the others since a calibration.
+//! what a bus says of yaw rate, acceleration and brakes, it finds which tires differ from the others since a calibration.
+//! [`MonitoredWheels`](crate::monitor::MonitoredWheels) are its way in and out.
 //!
-//! A loss of all four alike is not seen in radii, but by tooth pulses ([`RadiusMonitor::see_pulses`]). `docs/math/wheel-speed.md` derives it.
+//! A loss of all four alike is not seen in radii, but by tooth pulses
+//! ([`update_with_pulses`](crate::monitor::MonitoredWheels::update_with_pulses)). `docs/math/wheel-speed.md` derives it.
 //! It knows of nothing else here than [`model`](crate::model) and what [`torsion`](crate::torsion) says.
 //!
 //! ```
-//! use itpms_core::wheel_speed::{DrivenAxle, RadiusMonitor, RadiusState, WheelSpeedConfig, WheelSpeedSample};
+//! use itpms_core::MonitoredWheels;
+//! use itpms_core::wheel_speed::{DrivenAxle, RadiusState, WheelSpeedConfig, WheelSpeedSample};
 //!
 //! # fn main() -> Result<(), itpms_core::ParameterError> {
 //! // Wheelbase, tracks, driven axle.
-//! let mut monitor = RadiusMonitor::<f32>::new(&WheelSpeedConfig::new(2.66, 1.56, 1.57, DrivenAxle::Front))?;
-//! // The pressures have just been set: the next five minutes of usable driving teach how the tires differ.
-//! monitor.begin_calibration(300.0);
+//! let mut wheels = MonitoredWheels::<f32>::new(&WheelSpeedConfig::new(2.66, 1.56, 1.57, DrivenAxle::Front))?;
+//! // The pressures have just been set: the next five minutes teach how the tires differ.
+//! wheels.begin_calibration(300.0)?;
 //! for k in 0..1000 {
-//!     let report = monitor.update(&WheelSpeedSample {
+//!     wheels.update(&WheelSpeedSample {
 //!         time_s: f64::from(k) / 80.0,
 //!         wheel_speed_m_s: [20.01, 20.0, 19.97, 19.98],
 //!         yaw_rate_rad_s: 0.001,
@@ -21,10 +24,10 @@
 //!         accel_y_m_s2: f32::NAN,
 //!         brake: Some(false),
 //!     });
-//!     assert_eq!(report.state, RadiusState::Calibrating);
+//!     assert_eq!(wheels.radii().state, RadiusState::Calibrating);
 //! }
 //! // Once it is there: to be stored, and loaded at the next start.
-//! assert!(monitor.calibration().is_none());
+//! assert!(wheels.calibration().is_none());
 //! # Ok(())
 //! # }
 //! ```
@@ -101,7 +104,7 @@ impl<T> Blank for Phase<T> {
 /// Finds which tires roll on a smaller radius than at the calibration; less than 4 kB in `f32`.
 #[derive(Debug, Clone, Copy)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct RadiusMonitor<T> {
+pub(crate) struct RadiusMonitor<T> {
     config: WheelSpeedConfig<T>,
     configured: bool,
     phase: Phase<T>,
@@ -130,27 +133,11 @@ blank!(RadiusMonitor<T> { config, configured, phase, learned_s, calibration, rad
     report });
 
 impl<T: Real> RadiusMonitor<T> {
-    /// A monitor of this car, uncalibrated.
-    ///
-    /// # Errors
-    /// A length or a radius over pressure that no car has.
-    pub fn new(config: &WheelSpeedConfig<T>) -> Result<Self, ParameterError> {
-        let mut monitor = Self::unconfigured();
-        monitor.configure(config)?;
-        Ok(monitor)
-    }
-
-    /// Memory for a monitor, as a constant of zeros; [`configure`](Self::configure) fills it where it lies.
-    #[must_use]
-    pub const fn unconfigured() -> Self {
-        Self::BLANK
-    }
-
     /// Begins anew with this car, uncalibrated.
     ///
     /// # Errors
-    /// As for [`new`](Self::new); the monitor is unconfigured then.
-    pub fn configure(&mut self, config: &WheelSpeedConfig<T>) -> Result<(), ParameterError> {
+    /// A length or a radius over pressure that no car has; the monitor is unconfigured then.
+    pub(crate) fn configure(&mut self, config: &WheelSpeedConfig<T>) -> Result<(), ParameterError> {
         *self = Self::BLANK;
         self.report.time_s = f64::NAN;
         self.report.forget(RadiusState::Uncalibrated);
@@ -160,15 +147,10 @@ impl<T: Real> RadiusMonitor<T> {
         Ok(())
     }
 
-    /// The pressures are as they should be: learns how the tires differ during so much usable driving in s (300 to 600; at least 10
-    /// are taken). An earlier calibration is forgotten.
-    pub fn begin_calibration(&mut self, usable_s: T) {
-        self.begin_calibration_at(usable_s, &[T::one(); 4]);
-    }
-
-    /// The pressures are known, and not as they should be: each is so much of what it should be (0.2 to 5; anything else counts as 1).
+    /// Learns how the tires differ during so much usable driving in s (300 to 600; at least 10 are taken) at pressures that are known: each
+    /// is so much of what it should be (0.2 to 5; anything else counts as 1). An earlier calibration is forgotten.
     /// A tire that is low at the calibration is reported as low from its end on.
-    pub fn begin_calibration_at(&mut self, usable_s: T, pressure_share: &[T; 4]) {
+    pub(crate) fn begin_calibration_at(&mut self, usable_s: T, pressure_share: &[T; 4]) {
         if !self.configured {
             return;
         }
@@ -187,13 +169,13 @@ impl<T: Real> RadiusMonitor<T> {
 
     /// What the last calibration taught; `None` before its end.
     #[must_use]
-    pub fn calibration(&self) -> Option<&RadiusCalibration<T>> {
+    pub(crate) fn calibration(&self) -> Option<&RadiusCalibration<T>> {
         self.calibration.as_ref()
     }
 
     /// The pressures are not known to be as they should be from here on: the calibration that goes on ends with what it has seen. Whether
     /// that was enough (10 s of usable driving); if not, nothing was learned.
-    pub fn end_calibration(&mut self) -> bool {
+    pub(crate) fn end_calibration(&mut self) -> bool {
         if !matches!(self.phase, Phase::Learning(_)) {
             return self.calibration.is_some();
         }
@@ -209,7 +191,7 @@ impl<T: Real> RadiusMonitor<T> {
     /// Begins a drive with a stored calibration. Loads may have changed since, and tires lost air. Whether it was one that a car can
     /// have; what is none changes nothing.
     #[must_use]
-    pub fn load_calibration(&mut self, calibration: &RadiusCalibration<T>) -> bool {
+    pub(crate) fn load_calibration(&mut self, calibration: &RadiusCalibration<T>) -> bool {
         if !self.configured || !calibration.is_sane() {
             return false;
         }
@@ -220,13 +202,13 @@ impl<T: Real> RadiusMonitor<T> {
 
     /// Whether half a second ended with the last sample, so that [`differences`](Self::differences) may be others.
     #[must_use]
-    pub fn has_news(&self) -> bool {
+    pub(crate) fn has_news(&self) -> bool {
         self.ended
     }
 
     /// By how much the ratios of the radii have changed since the calibration; `None` without one.
     #[must_use]
-    pub fn differences(&self) -> Option<RadiusDifferences<T>> {
+    pub(crate) fn differences(&self) -> Option<RadiusDifferences<T>> {
         if self.phase != Phase::Watching {
             return None;
         }
@@ -241,23 +223,23 @@ impl<T: Real> RadiusMonitor<T> {
 
     /// What was reported last.
     #[must_use]
-    pub fn report(&self) -> &RadiusReport<T> {
+    pub(crate) fn report(&self) -> &RadiusReport<T> {
         &self.report
     }
 
     /// Whether the yaw rate went against what the wheels show of bends: it is left out from then on, as if there were none.
     #[must_use]
-    pub fn doubts_yaw_rate(&self) -> bool {
+    pub(crate) fn doubts_yaw_rate(&self) -> bool {
         self.yaw.is_doubted()
     }
 
     /// What tooth pulses say of the pressures from here on, by themselves: it counts in every decision.
-    pub fn see_pulses(&mut self, torsion: &TorsionEvidence<T>) {
+    pub(crate) fn see_pulses(&mut self, torsion: &TorsionEvidence<T>) {
         self.torsion = *torsion;
     }
 
     /// Takes in a sample, of 10 Hz or more; speeds that no wheel has, and times that go back, are left out.
-    pub fn update(&mut self, sample: &WheelSpeedSample<T>) -> &RadiusReport<T> {
+    pub(crate) fn update(&mut self, sample: &WheelSpeedSample<T>) -> &RadiusReport<T> {
         let time_s = sample.time_s;
         if !self.configured || !time_s.is_finite() {
             return &self.report;

@@ -119,9 +119,15 @@ fn config<T: Real>() -> WheelSpeedConfig<T> {
     WheelSpeedConfig::new(wheelbase, track, track, DrivenAxle::Front)
 }
 
+fn monitor<T: Real>(config: &WheelSpeedConfig<T>) -> Result<RadiusMonitor<T>, ParameterError> {
+    let mut monitor = RadiusMonitor::BLANK;
+    monitor.configure(config)?;
+    Ok(monitor)
+}
+
 fn calibrated<T: Real>(drive: &mut Drive, usable_s: f64) -> RadiusMonitor<T> {
-    let mut monitor = RadiusMonitor::new(&config()).unwrap();
-    monitor.begin_calibration(T::lit(usable_s));
+    let mut monitor = monitor(&config()).unwrap();
+    monitor.begin_calibration_at(T::lit(usable_s), &[T::one(); 4]);
     let end_s = drive.time_s + 4.0 * usable_s;
     while monitor.calibration().is_none() {
         assert!(drive.time_s < end_s, "not learned in {end_s} s");
@@ -290,7 +296,7 @@ fn a_loss_while_the_car_was_parked_is_found_by_a_stored_calibration() {
     for (wheel, loss, limit_s) in [(1, 3e-3, 600.0), (2, 4.5e-3, 600.0)] {
         let mut later = Drive::new(12 + wheel as u64, 60.0, 0.04);
         later.radius[wheel] -= loss;
-        let mut monitor = RadiusMonitor::new(&config()).unwrap();
+        let mut monitor = monitor(&config()).unwrap();
         assert!(monitor.load_calibration(&stored));
         let alarm = found(&mut monitor, &mut later, limit_s);
         // At first it may only be known that one of them is.
@@ -305,7 +311,7 @@ fn a_loss_while_the_car_was_parked_is_found_by_a_stored_calibration() {
     let mut loaded = Drive::new(13, 60.0, 0.04);
     loaded.radius[2] -= 2.5e-3;
     loaded.radius[3] -= 2.5e-3;
-    let mut monitor = RadiusMonitor::new(&config()).unwrap();
+    let mut monitor = monitor(&config()).unwrap();
     assert!(monitor.load_calibration(&stored));
     assert_eq!(found(&mut monitor, &mut loaded, 1800.0), None);
 }
@@ -313,7 +319,7 @@ fn a_loss_while_the_car_was_parked_is_found_by_a_stored_calibration() {
 #[test]
 fn known_pressures_at_the_calibration_are_counted_in() {
     let mut drive = Drive::new(21, 60.0, 0.04);
-    let mut monitor = RadiusMonitor::<f32>::new(&config()).unwrap();
+    let mut monitor = monitor::<f32>(&config()).unwrap();
     monitor.begin_calibration_at(300.0, &[1.0, 1.0, 1.0, 0.68]);
     while monitor.calibration().is_none() {
         monitor.update(&drive.next());
@@ -333,9 +339,8 @@ fn known_pressures_at_the_calibration_are_counted_in() {
 
 #[test]
 fn coupled_wheels_under_torque_say_nothing() {
-    let mut monitor =
-        RadiusMonitor::<f64>::new(&WheelSpeedConfig { limited_slip: true, ..config() }).unwrap();
-    monitor.begin_calibration(20.0);
+    let mut monitor = monitor::<f64>(&WheelSpeedConfig { limited_slip: true, ..config() }).unwrap();
+    monitor.begin_calibration_at(20.0, &[1.0; 4]);
     let mut drive = Drive::new(3, 60.0, 0.04);
     for _ in 0..3600 {
         // Always under torque: what the axle hides is not learned either.
@@ -347,7 +352,7 @@ fn coupled_wheels_under_torque_say_nothing() {
 
 #[test]
 fn a_configuration_that_no_car_has_is_refused() {
-    let refused = |config: WheelSpeedConfig<f64>| RadiusMonitor::new(&config).err().map(|error| error.name);
+    let refused = |config: WheelSpeedConfig<f64>| monitor(&config).err().map(|error| error.name);
     assert_eq!(refused(config()), None);
     assert_eq!(refused(WheelSpeedConfig { wheelbase_m: f64::NAN, ..config() }), Some("wheelbase_m"));
     assert_eq!(refused(WheelSpeedConfig { track_rear_m: 0.0, ..config() }), Some("track_rear_m"));
@@ -368,7 +373,7 @@ fn a_calibration_that_no_car_has_changes_nothing() {
     broken[1].covariance_1e6[2][2] = -1.0;
     broken[2].covariance_1e6[0][1] = 1e3;
     for broken in broken {
-        let mut monitor = RadiusMonitor::new(&config()).unwrap();
+        let mut monitor = monitor(&config()).unwrap();
         assert!(!monitor.load_calibration(&broken));
         assert!(monitor.calibration().is_none());
         assert_eq!(monitor.report().state, RadiusState::Uncalibrated);

@@ -1,12 +1,13 @@
 //! A car of four quarter cars on two tracks, rear wheels behind front ones on the same road. Written from eq. (1) without
 //! the crate's own model: a road of slope -2 over distance, Runge-Kutta at 4 kHz, a Butterworth low-pass, sensors.
 
-use itpms_core::car::{CarEstimate, CarEstimator};
+use itpms_core::Real;
+use itpms_core::car::CarEstimator;
+use itpms_core::model::CarEstimate;
 use itpms_core::model::{
     CarConfig, CarSample, Confidence, CornerConfig, CornerSample, ParameterUncertainty, PressureMap,
     QuarterCar,
 };
-use itpms_core::real::Real;
 
 use super::quarter_plant::{KS, Random, runge_kutta, stiffness};
 use super::ride::{PLANT_HZ, low_pass};
@@ -121,7 +122,7 @@ pub fn config<T: Real>() -> CarConfig<T> {
         let placard = T::lit(PLACARD_KPA);
         let measured = ParameterUncertainty::of(Confidence::Measured);
         let corner = CornerConfig::new(car, PressureMap::paper_eq_5(), placard).unwrap();
-        corner.with_uncertainty(measured).with_accel_noise(T::lit(0.05))
+        CornerConfig { uncertainty: measured, ..corner }.with_accel_noise(T::lit(0.05))
     };
     let corners = [0, 0, 1, 1].map(|axle| Some(corner(axle).unwrap()));
     CarConfig { corners, wheelbase_m: Some(T::lit(WHEELBASE_M)) }
@@ -144,6 +145,13 @@ pub fn cast<T: Real>(row: &CarSample<f64>) -> CarSample<T> {
 /// The estimator of a car.
 pub fn car<T: Real>(config: &CarConfig<T>) -> CarEstimator<T> {
     CarEstimator::new(config, RATE_HZ).unwrap()
+}
+
+/// The same, its first seconds being a calibration.
+pub fn calibrated<T: Real>(seconds: f64) -> CarEstimator<T> {
+    let mut car = car(&config());
+    car.begin_calibration(seconds).unwrap();
+    car
 }
 
 /// What it says after each row.

@@ -2,9 +2,9 @@
 //! without the crate's own model: a road of slope -2, Runge-Kutta at 4 kHz, a Butterworth low-pass, sensors.
 
 use super::quarter_plant::{Random, derivative, runge_kutta, stiffness};
+use itpms_core::Real;
 use itpms_core::estimator::Estimator;
 use itpms_core::model::{CornerConfig, CornerEstimate};
-use itpms_core::real::Real;
 
 /// Steps of the plant per second.
 pub const PLANT_HZ: f64 = 4000.0;

@@ -7,7 +7,7 @@ mod reset;
 use itpms_core::conditioning::SampleClock;
 use itpms_core::model::{CarSample, Corner, CornerSample, Level, Loss, Validity, Warning};
 use itpms_core::monitor::{Monitor, MonitorConfig};
-use itpms_core::warning::{Basis, Cause, Change, Doubt, Limits, MonitorReport, Regulation, WheelState};
+use itpms_core::warning::{Basis, Cause, Change, Doubt, MonitorReport, Regulation, WheelState};
 
 use reported::{Drive, FINE, RATE_HZ, Reported, car, estimate, low, state};
 
@@ -332,7 +332,7 @@ fn a_tire_that_looks_low_while_the_tracks_part_is_waited_for() {
 
 #[test]
 fn limits_are_those_of_the_rule_and_overfull_is_said() {
-    let us = MonitorConfig::new(&car()).with_limits(Limits::from(Regulation::Fmvss138));
+    let us = MonitorConfig { limits: Regulation::Fmvss138.into(), ..MonitorConfig::new(&car()) };
     // 0.86 of the placard's pressure: low for the one rule, not for the other.
     let said = Reported { sd: 2.0, ..low(0.86 * 241.3) };
     assert!(Drive::with(us).on(60.0, &said).alerts().next().is_none());
@@ -341,7 +341,8 @@ fn limits_are_those_of_the_rule_and_overfull_is_said() {
     assert_eq!(state(&report, Corner::RearLeft), WheelState::Over);
     assert!(matches!(report.alerts().next().unwrap().cause, Cause::OverInflated(_)));
     // A warm reference instead of the placard's.
-    let warm = MonitorConfig::new(&car()).with_references([None, None, Some(270.0), None]).unwrap();
+    let reference_kpa = [None, None, Some(270.0), None];
+    let warm = MonitorConfig { reference_kpa, ..MonitorConfig::new(&car()) };
     assert!(Drive::with(warm).on(30.0, &Reported { sd: 3.0, ..low(225.0) }).alerts().next().is_some());
 }
 

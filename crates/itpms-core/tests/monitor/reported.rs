@@ -1,11 +1,11 @@
 //! Estimates made up for the monitor, and a drive of them.
 
-use itpms_core::car::{CarEstimate, TrackState};
 use itpms_core::conditioning::SampleClock;
 use itpms_core::model::{
     CarConfig, CarSample, Corner, CornerConfig, CornerEstimate, CornerSample, Diagnostics, Level, Loss,
     Validity, Warning,
 };
+use itpms_core::model::{CarEstimate, TrackState};
 use itpms_core::monitor::{Monitor, MonitorConfig};
 use itpms_core::warning::{MonitorReport, WheelState};
 

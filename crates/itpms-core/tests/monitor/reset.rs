@@ -2,7 +2,7 @@
 
 use itpms_core::model::Corner;
 use itpms_core::monitor::MonitorConfig;
-use itpms_core::warning::{Limits, MonitorReport, Regulation};
+use itpms_core::warning::{MonitorReport, Regulation};
 
 use super::reported::{Drive, FINE, RATE_HZ, Reported, car, low};
 
@@ -67,7 +67,7 @@ fn a_reset_moves_the_reference_within_bounds_and_only_with_information() {
     assert!((after(r141(), at(290.0)) - 1.08 * 241.3).abs() < 1e-6);
     assert!((after(r141(), at(200.0)) - 0.97 * 241.3).abs() < 1e-6);
     assert_eq!(after(r141(), Reported { gate: 0.0, ..at(260.0) }), 241.3);
-    assert_eq!(after(r141().with_limits(Limits::from(Regulation::Fmvss138)), at(260.0)), 241.3);
+    assert_eq!(after(MonitorConfig { limits: Regulation::Fmvss138.into(), ..r141() }, at(260.0)), 241.3);
     // Read with a speed that is not known, the tire is taken for a cold one: no more than the placard's.
     assert_eq!(after(r141(), Reported { speed_m_s: f64::NAN, ..at(260.0) }), 241.3);
     for seconds in [0.0, -1.0, f64::NAN] {

@@ -75,8 +75,8 @@ mod write;
 
 use std::path::Path;
 
-use itpms_core::model::quarter_car::{ParameterError, QuarterCar};
 use itpms_core::model::{CarConfig, Corner, CornerConfig, PressureMap};
+use itpms_core::model::{ParameterError, QuarterCar};
 use itpms_core::torsion::TorsionConfig;
 use itpms_core::wheel_speed::WheelSpeedConfig;
 use itpms_files::{AtomicFile, input};

@@ -6,7 +6,7 @@
 use nalgebra::Matrix5;
 
 use crate::lean::jacobian::{AccelerationRows, StateVector};
-use itpms_core::real::Real;
+use itpms_core::Real;
 
 /// Upper triangle of a symmetric 5x5 matrix by rows: 00 01 02 03 04 11 12 13 14 22 23 24 33 34 44.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -132,6 +132,7 @@ mod tests {
 
     use super::*;
     use crate::lean::jacobian::Corner;
+    use crate::quarter_car;
     use itpms_core::model::QuarterCar;
 
     fn packed(m: &Matrix5<f64>) -> Covariance<f64> {
@@ -162,14 +163,14 @@ mod tests {
         let (x, road, dt) = (Vector5::new(0.012, -0.21, -0.004, 0.35, 198_000.0), 0.007, 2e-3);
         let corner = Corner::new(&car);
         let p = symmetric();
-        let a = Matrix5::identity() + car.derivative_jacobian(&x, road) * dt;
+        let a = Matrix5::identity() + quarter_car::derivative_jacobian(&car, &x, road) * dt;
         let full = a * p * a.transpose();
         let step = corner.acceleration_rows(&x.into(), road, dt);
         let found = packed(&p).propagated(&step, dt);
         assert!((found.to_matrix() - full).amax() < 1e-13 * full.amax());
 
         let rows = corner.acceleration_rows(&x.into(), road, 1.0);
-        let seen = full * car.output_jacobian(&x, road).transpose();
+        let seen = full * quarter_car::output_jacobian(&car, &x, road).transpose();
         let [f_0, f_1] = found.times_acceleration_rows(&rows);
         assert!((Vector5::from(f_0) - seen.column(0)).amax() < 1e-13 * seen.column(0).amax());
         assert!((Vector5::from(f_1) - seen.column(1)).amax() < 1e-13 * seen.column(1).amax());

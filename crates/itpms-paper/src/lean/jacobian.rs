@@ -3,13 +3,13 @@
 //!
 //! Called by [`crate::lean`]; knows nothing of covariances, noise or measurements.
 
-use itpms_core::model::QuarterCar;
-use itpms_core::model::quarter_car::state::{
+use crate::quarter_car::state::{
     BODY_POSITION, BODY_VELOCITY, TIRE_STIFFNESS, WHEEL_POSITION, WHEEL_VELOCITY,
 };
-use itpms_core::real::Real;
+use itpms_core::Real;
+use itpms_core::model::QuarterCar;
 
-/// A state, or a row or column of a 5x5 matrix, in the order and units of [`itpms_core::model::quarter_car::state`].
+/// A state, or a row or column of a 5x5 matrix, in the order and units of [`crate::quarter_car::state`].
 pub type StateVector<T> = [T; 5];
 
 /// The corner with its masses inverted: divisions are paid for once.
@@ -114,13 +114,15 @@ mod tests {
     use nalgebra::{Matrix5, Vector5};
 
     use super::*;
+    use crate::quarter_car;
 
     #[test]
     fn the_products_are_those_of_the_full_jacobians() {
         let car = QuarterCar::<f64>::paper_table_2();
         let (x, road, dt) = (Vector5::new(0.012, -0.21, -0.004, 0.35, 198_000.0), 0.007, 2e-3);
         let corner = Corner::new(&car);
-        let (h, a) = (car.output_jacobian(&x, road), car.derivative_jacobian(&x, road));
+        let (h, a) =
+            (quarter_car::output_jacobian(&car, &x, road), quarter_car::derivative_jacobian(&car, &x, road));
         let rows = corner.acceleration_rows(&x.into(), road, 1.0);
         let scaled = corner.acceleration_rows(&x.into(), road, dt);
         // Every column of a basis in which no element is zero.
@@ -136,6 +138,6 @@ mod tests {
             assert!((found - stepped).amax() < 1e-13 * stepped.amax());
         }
         let y = corner.accelerations(&x.into(), road);
-        assert!((nalgebra::Vector2::from(y) - car.output(&x, road)).amax() < 1e-13);
+        assert!((nalgebra::Vector2::from(y) - quarter_car::output(&car, &x, road)).amax() < 1e-13);
     }
 }

@@ -16,11 +16,11 @@ use thiserror::Error;
 
 use crate::aekf_ui::{MAX_MOTION, MAX_STIFFNESS_N_PER_M};
 use crate::config::{CorrectionInput, FactorTiming, FilterConfig, Forgetting};
+use crate::quarter_car::state::TIRE_STIFFNESS;
 use crate::record::{Divergence, StepStatus};
 use covariance::Covariance;
-use itpms_core::model::quarter_car::state::TIRE_STIFFNESS;
+use itpms_core::Real;
 use itpms_core::model::{CornerSample, ParameterError, QuarterCar};
-use itpms_core::real::Real;
 use jacobian::{AccelerationRows, Corner, StateVector};
 pub use record::LeanRecord;
 
@@ -109,7 +109,7 @@ impl<T: Real> AekfUiLean<T> {
         })
     }
 
-    /// `x⁺`, in the order and units of [`itpms_core::model::quarter_car::state`].
+    /// `x⁺`, in the order and units of [`crate::quarter_car::state`].
     pub fn state(&self) -> Vector5<T> {
         self.believed.x.into()
     }

@@ -6,7 +6,7 @@
 use nalgebra::{Matrix2, Vector2};
 
 use crate::record::StepStatus;
-use itpms_core::real::Real;
+use itpms_core::Real;
 
 /// One step seen from outside. After [`StepStatus::Updated`] every field is that step's; after any other status the
 /// fields of the measurement are NaN and the rest is what the filter holds.

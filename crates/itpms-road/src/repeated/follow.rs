@@ -6,7 +6,7 @@
 //! filter, with no likelihood to search. Fed with passes; knows nothing of samples, pressures or of how the period
 //! was found.
 
-use itpms_core::real::Real;
+use itpms_core::Real;
 use nalgebra::{Complex, Matrix4, SVector, Vector4};
 
 use super::given::{Belief, Corner, Held};

@@ -2,7 +2,7 @@
 //!
 //! Knows nothing of samples or pressures, nor how the period was found.
 
-use itpms_core::real::Real;
+use itpms_core::Real;
 
 use super::follow::{Follower, Verdict};
 use super::given::{Belief, Corner, Held};

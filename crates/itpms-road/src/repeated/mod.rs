@@ -23,13 +23,13 @@ mod pass;
 mod search;
 mod transfer;
 
+use itpms_core::Real;
 use itpms_core::conditioning::{LEAST_GRID_HZ, Resampler, SampleClock};
 use itpms_core::estimator::{CALIBRATION_SD, OutsideStiffness};
 use itpms_core::model::{
     CarConfig, CarEstimate, CarSample, Corner, CornerConfig, CornerEstimate, CornerSample, Level,
     ParameterError, QuarterCar,
 };
-use itpms_core::real::Real;
 use itpms_core::spectrum::{
     RELATIVE_ACCELERATION, RELATIVE_VELOCITY, Reconstruction, WHEEL_JERK, WHEEL_VELOCITY,
 };

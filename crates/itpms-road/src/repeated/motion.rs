@@ -3,7 +3,7 @@
 //!
 //! Knows nothing of roads: what a pass says comes as a score and an information matrix.
 
-use itpms_core::real::Real;
+use itpms_core::Real;
 use nalgebra::{Matrix4, Vector4};
 
 use super::given::Held;

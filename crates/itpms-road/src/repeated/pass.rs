@@ -5,7 +5,7 @@
 
 use nalgebra::{Complex, SVector};
 
-use itpms_core::real::Real;
+use itpms_core::Real;
 
 /// Harmonics in use.
 pub(crate) const HARMONICS: usize = 24;

@@ -5,7 +5,7 @@
 //! stiffness. A road that does not repeat correlates by chance alone, a wheel out of balance with one frequency only:
 //! what is found here is a candidate, to be confirmed by harmonics.
 
-use itpms_core::real::Real;
+use itpms_core::Real;
 
 /// Rate in Hz at which the signal is compared with its past.
 const RATE_HZ: f64 = 100.0;

@@ -1,8 +1,8 @@
 //! What a wheel makes of the road at one frequency, and what its sensors' noise makes of the road as reconstructed
 //! (docs/math/informed.md, eq. 8-12, without friction).
 
+use itpms_core::Real;
 use itpms_core::model::QuarterCar;
-use itpms_core::real::Real;
 use itpms_core::spectrum::LEAK_RAD_S;
 use nalgebra::Complex;
 

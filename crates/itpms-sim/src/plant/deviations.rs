@@ -2,7 +2,7 @@
 //!
 //! Part of a scenario; the plants turn it into parameters.
 
-use itpms_core::model::quarter_car::{ParameterError, QuarterCar};
+use itpms_core::model::{ParameterError, QuarterCar};
 use serde::{Deserialize, Serialize};
 
 use crate::error::{InvalidValue, not_negative, within};

@@ -5,7 +5,7 @@
 //! a point of the body at `(x, y)` is at height `z - x pitch + y roll`. Everything is a deviation from the unloaded car
 //! at rest (`simulation.md`, eq. 6-7).
 
-use itpms_core::model::quarter_car::{ParameterError, QuarterCar};
+use itpms_core::model::{ParameterError, QuarterCar};
 
 use super::matrix::{inverse, times};
 use super::oscillator::Oscillator;

@@ -167,8 +167,8 @@ impl CornerSpec {
         confidence: Confidence,
     ) -> Result<CornerConfig<f64>, InvalidValue> {
         let map = self.tire.map()?;
-        let known = ParameterUncertainty::of(confidence);
-        let mut told = CornerConfig::new(self.quarter_car()?, map, self.placard_kpa)?.with_uncertainty(known);
+        let mut told = CornerConfig::new(self.quarter_car()?, map, self.placard_kpa)?;
+        told.uncertainty = ParameterUncertainty::of(confidence);
         let noise = self.accel_noise_m_s2.unwrap_or(self.wheel_sensor.unwrap_or(*usual).noise_m_s2);
         if noise > 0.0 {
             told = told.with_accel_noise(noise)?;

@@ -9,7 +9,7 @@ use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
 use itpms_core::model::{CornerSample, QuarterCar};
 use itpms_paper::{AekfUi, AekfUiLean, FilterConfig, LeanRecord, StepRecord, StepStatus};
-use itpms_core::real::Real;
+use itpms_core::Real;
 use itpms_firmware::{Counter, instructions};
 use panic_semihosting as _;
 

@@ -2,7 +2,7 @@
 
 use itpms_bench::peers::corner::Drive;
 use itpms_bench::peers::{Peer, STEPS, on_kfilter, on_minikalman, on_nalgebra, ours};
-use itpms_core::real::Real;
+use itpms_core::Real;
 
 /// What a filter computes with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -1,7 +1,7 @@
 //! The paper's corner: its equations, where a filter starts, and a drive. Knows no filter.
 
+use itpms_core::Real;
 use itpms_core::model::QuarterCar;
-use itpms_core::real::Real;
 use itpms_paper::FilterConfig;
 use nalgebra::{Vector2, Vector5};
 

@@ -21,7 +21,7 @@ pub mod on_nalgebra;
 pub mod ours;
 pub mod unknown_input;
 
-use itpms_core::real::Real;
+use itpms_core::Real;
 use minikalman::matrix::MatrixDataType;
 use nalgebra_of_kfilter::RealField as RealOfKfilter;
 

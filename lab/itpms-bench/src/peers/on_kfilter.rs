@@ -1,6 +1,6 @@
 //! Both recursions on kfilter's `Kalman`: its `predict` and `update`, over a system and a measurement of one's own.
 
-use itpms_core::real::Real;
+use itpms_core::Real;
 use kfilter::kalman::{Kalman, KalmanFilter, KalmanPredict, KalmanPredictInput, KalmanUpdate};
 use kfilter::measurement::{LinearisableMeasurement, Measurement};
 use kfilter::system::{InputSystem, LinearisableSystem, NoInputSystem, System};

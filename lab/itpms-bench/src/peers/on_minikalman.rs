@@ -1,6 +1,6 @@
 //! Both recursions on minikalman's extended filter, in buffers on the stack: its `predict_nonlinear` and `correct_nonlinear`.
 
-use itpms_core::real::Real;
+use itpms_core::Real;
 use minikalman::buffers::types::{
     DirectProcessNoiseCovarianceMatrixBuffer, EstimateCovarianceMatrixBuffer,
     InnovationCovarianceMatrixBuffer, InnovationVectorBuffer, KalmanGainMatrixBuffer,

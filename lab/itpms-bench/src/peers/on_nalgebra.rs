@@ -1,6 +1,6 @@
 //! Both recursions written out with `nalgebra`'s static matrices, as one would do without a library for filters: no guards, no record.
 
-use itpms_core::real::Real;
+use itpms_core::Real;
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 
 use crate::peers::corner::{self, Corner};

@@ -1,7 +1,7 @@
 //! The filters of this project, with their guards and their records.
 
+use itpms_core::Real;
 use itpms_core::model::{CornerSample, QuarterCar};
-use itpms_core::real::Real;
 use itpms_paper::{AekfUi, AekfUiLean, StepStatus};
 
 use crate::peers::corner::{STEP_S, setting};

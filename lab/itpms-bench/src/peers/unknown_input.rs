@@ -1,7 +1,7 @@
 //! What stands between a library's prediction and its correction: the road, found by least squares (eq. 16), and the one-step factor
 //! (eq. 28-33). Plain numbers, so that it is the same for every library.
 
-use itpms_core::real::Real;
+use itpms_core::Real;
 
 use crate::peers::corner;
 

@@ -2,7 +2,7 @@
 //!
 //! Called by `drive`, which holds what it says against what was done to the car.
 
-use itpms_core::car::CarEstimate;
+use itpms_core::model::CarEstimate;
 use itpms_core::model::{CarConfig, CarSample, Corner, CornerSample, ParameterError, Wheels};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar, MonitoredWheels};
 use itpms_core::warning::MonitorReport;
@@ -49,7 +49,7 @@ impl Watched {
         for corner in Corner::ALL {
             config.corners[corner.index()] = Some(scenario.corner_config(corner)?);
         }
-        let config = MonitorConfig::new(&config).with_limits(procedure.rule.limits());
+        let config = MonitorConfig { limits: procedure.rule.limits(), ..MonitorConfig::new(&config) };
         Ok(Self::Car { car: Box::new(MonitoredCar::new(&config, scenario.rate_hz)?), estimate: None })
     }
 

@@ -6,7 +6,7 @@
 use std::fmt;
 
 use itpms_core::model::CornerConfig;
-use itpms_core::model::quarter_car::{ParameterError, QuarterCar};
+use itpms_core::model::{ParameterError, QuarterCar};
 use nalgebra::DMatrix;
 use serde::Serialize;
 

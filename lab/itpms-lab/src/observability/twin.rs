@@ -4,7 +4,7 @@
 //! drive the road made for them. Each drive is integrated by itself, from its own road and its own stiffness.
 
 use itpms_core::model::CornerConfig;
-use itpms_core::model::quarter_car::state;
+use itpms_paper::quarter_car::{self, state};
 use nalgebra::Vector5;
 use serde::Serialize;
 
@@ -148,7 +148,7 @@ fn heights(setting: &BoundSetting) -> Vec<f64> {
         .collect()
 }
 
-/// The core's model over a sampled road by the Adams-Bashforth rule of fourth order. It looks at the road at the
+/// The quarter car over a sampled road by the Adams-Bashforth rule of fourth order. It looks at the road at the
 /// samples alone, so a road given there is all there is to know of it.
 fn integrate(corner: &CornerConfig<f64>, road: &[f64], pressure_kpa: impl Fn(f64) -> f64) -> Vec<Step> {
     let car = &corner.quarter_car;
@@ -158,7 +158,7 @@ fn integrate(corner: &CornerConfig<f64>, road: &[f64], pressure_kpa: impl Fn(f64
     let mut steps = Vec::with_capacity(road.len());
     for (i, &road_m) in road.iter().enumerate() {
         x[state::TIRE_STIFFNESS] = corner.tire.stiffness_n_per_m(pressure_kpa(time(i)));
-        let now = car.derivative(&x, road_m);
+        let now = quarter_car::derivative(car, &x, road_m);
         let wheel_m = x[state::WHEEL_POSITION];
         steps.push(Step {
             wheel_m,

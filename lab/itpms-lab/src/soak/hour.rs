@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use itpms_core::car::CarEstimate;
+use itpms_core::model::CarEstimate;
 use itpms_core::model::{CarConfig, Corner};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_core::warning::{Alert, Change, Limits, MonitorReport};

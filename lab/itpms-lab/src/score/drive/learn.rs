@@ -2,7 +2,7 @@
 //!
 //! Called by the plan of the four-wheel parts.
 
-use itpms_core::car::CarEstimate;
+use itpms_core::model::CarEstimate;
 use itpms_core::model::{CarConfig, Corner, VehicleCalibration};
 use itpms_core::warning::MonitorReport;
 use itpms_sim::simulation::{SimRow, Simulation};

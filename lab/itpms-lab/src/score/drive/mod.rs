@@ -24,7 +24,8 @@ mod puncture;
 mod real;
 mod real_list;
 
-use itpms_core::car::{CarEstimate, EstimatorOptions, Sources};
+use itpms_core::car::{EstimatorOptions, Sources};
+use itpms_core::model::CarEstimate;
 use itpms_core::model::{CarConfig, Corner};
 use itpms_core::monitor::MonitorConfig;
 use itpms_sim::scenario::{CornerSpec, Scenario};
@@ -199,7 +200,7 @@ impl Drive {
         let config = self.told()?;
         let set_up = |setup: &Setup| {
             let options = EstimatorOptions { sources: setup.sources, ..EstimatorOptions::default() };
-            let config = MonitorConfig::new(&config).with_options(options);
+            let config = MonitorConfig { options, ..MonitorConfig::new(&config) };
             let mut car = Equipped::new(&config, scenario)?;
             if let Some(seconds) = setup.reset_s {
                 car.begin_calibration(seconds)?;
