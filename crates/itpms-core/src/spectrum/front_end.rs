@@ -76,10 +76,15 @@ impl<T: Real> FrontEnd<T> {
         self.friction_states = [[[T::zero(); 2]; 4]; ELEMENTS];
     }
 
-    /// Takes a grid step and the forces of the friction's elements; gives all signals three steps earlier, and those of the band, which
-    /// are later by [`band_delay_s`].
-    pub(crate) fn push(&mut self, sample: &GridSample<T>, units: [T; ELEMENTS]) -> [Signals<T>; 2] {
-        let mut all = Signals { motion: self.reconstruction.push(sample), friction: units };
+    /// Takes a grid step; `friction` gives the forces of its elements for the wheel's acceleration less the body's, offsets taken off.
+    /// Gives all signals three steps earlier, and those of the band, which are later by [`band_delay_s`].
+    pub(crate) fn push(
+        &mut self,
+        sample: &GridSample<T>,
+        friction: impl FnOnce(T) -> [T; ELEMENTS],
+    ) -> [Signals<T>; 2] {
+        let motion = self.reconstruction.push(sample);
+        let mut all = Signals { motion, friction: friction(self.reconstruction.relative_accel()) };
         let (steps, dt) = self.reconstruction.steps();
         for (unit, channel) in all.friction.iter_mut().zip(&mut self.friction) {
             *unit = channel.step(*unit, steps, dt).2;

@@ -133,6 +133,11 @@ impl<T: Real> Reconstruction<T> {
         signals
     }
 
+    /// The newest acceleration of the wheel less the body's, offsets taken off.
+    pub(super) fn relative_accel(&self) -> T {
+        self.wheel.acceleration[0] - self.body.acceleration[0]
+    }
+
     /// Steps so far, and how long each is in s.
     pub(super) fn steps(&self) -> (u32, T) {
         (self.steps, self.dt)

@@ -10,42 +10,26 @@ const SLIP_M: [f64; ELEMENTS] = [1e-4, 3e-4, 1e-3];
 /// Leak in rad/s of the integral that makes the relative velocity: well below the body's own frequency, whose motion decides which way a
 /// strut slips.
 const LEAK_RAD_S: f64 = core::f64::consts::TAU * 0.15;
-/// Time constant in s of the offset that is taken off the relative acceleration.
-const OFFSET_S: f64 = 10.0;
-/// What lies this far out is no offset and must not drag it along.
-const LARGEST_OFFSET_M_S2: f64 = 40.0;
 
 /// The elements' forces for a slip force of one newton each.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct MaxwellSlip<T> {
-    offset: T,
-    steps: u32,
     last_accel: T,
     velocity: T,
     force: [T; ELEMENTS],
 }
 
-blank!(MaxwellSlip<T> { offset, steps, last_accel, velocity, force });
+blank!(MaxwellSlip<T> { last_accel, velocity, force });
 
 impl<T: Real> MaxwellSlip<T> {
     pub(crate) fn new() -> Self {
         let zero = T::zero();
-        Self { offset: zero, steps: 0, last_accel: zero, velocity: zero, force: [zero; ELEMENTS] }
+        Self { last_accel: zero, velocity: zero, force: [zero; ELEMENTS] }
     }
 
-    /// The signal was interrupted: start again, keep the offset.
-    pub(crate) fn restart(&mut self) {
-        *self = Self { offset: self.offset, steps: self.steps, ..Self::new() };
-    }
-
-    /// Takes the acceleration of the wheel less that of the body; gives the force of each element, -1 to 1.
-    pub(crate) fn push(&mut self, relative_accel_m_s2: T, dt: T) -> [T; ELEMENTS] {
-        self.steps = self.steps.saturating_add(1);
-        let gain = (dt * T::lit(1.0 / OFFSET_S)).at_least(T::one() / T::whole(self.steps));
-        let limit = T::lit(LARGEST_OFFSET_M_S2);
-        self.offset += gain * (relative_accel_m_s2.clamp(-limit, limit) - self.offset);
-        let accel = relative_accel_m_s2 - self.offset;
+    /// Takes the acceleration of the wheel less that of the body, without the sensors' offsets; gives the force of each element, -1 to 1.
+    pub(crate) fn push(&mut self, accel: T, dt: T) -> [T; ELEMENTS] {
         let half_leak = T::lit(0.5 * LEAK_RAD_S) * dt;
         let step = T::lit(0.5) * dt * (accel + self.last_accel);
         self.velocity = ((T::one() - half_leak) * self.velocity + step) / (T::one() + half_leak);

@@ -104,15 +104,15 @@ impl<T: Real> Strut<T> {
         if sample.after_gap {
             self.begin_again(sample.time_s);
         }
-        let units = self.slip.push(sample.wheel_accel_m_s2 - sample.body_accel_m_s2, self.dt);
-        let [all, band] = self.front_end.push(sample, units);
+        let (slip, dt) = (&mut self.slip, self.dt);
+        let [all, band] = self.front_end.push(sample, |relative_accel| slip.push(relative_accel, dt));
         self.spectra(sample, &band);
         [all, band].map(|signals| signals.without_friction(&self.slip_force_n, self.masses_kg))
     }
 
     #[inline(never)]
     fn begin_again(&mut self, time_s: f64) {
-        self.slip.restart();
+        self.slip = MaxwellSlip::new();
         self.front_end.restart();
         self.clock.restart();
         (self.begun, self.invalid_hops) = (false, SETTLING_HOPS);

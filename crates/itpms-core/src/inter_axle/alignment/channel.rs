@@ -136,7 +136,7 @@ mod tests {
                 invalid: false,
                 unloaded: pulse,
             };
-            let [_, band] = front_end.push(&sample, [0.0; ELEMENTS]);
+            let [_, band] = front_end.push(&sample, |_| [0.0; ELEMENTS]);
             let entry = channel.push(&sample, &band.motion, || 0.0);
             let Some(entry) = entry else { continue };
             // The wheel's jerk is the pulse itself, differentiated: what integrates, the high-pass lets ring for longer.
