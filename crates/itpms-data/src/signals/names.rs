@@ -42,6 +42,8 @@ enum Word {
     Temperature,
     /// As a group's name: what other instruments have measured.
     Reference,
+    /// A unit in which nothing but a speed over ground is given, so that of a corner it is its wheel's.
+    OverGround,
     /// Says nothing: `signal`, `value`, a unit.
     Filler,
     /// Makes it something else: another axis, a limit, a status.
@@ -79,7 +81,7 @@ const WORDS: [(&str, Word); 170] = [
     ("signal", Word::Filler), ("sig", Word::Filler), ("value", Word::Filler), ("val", Word::Filler), ("sensor", Word::Filler),
     ("sens", Word::Filler), ("sns", Word::Filler), ("m", Word::Filler), ("s", Word::Filler), ("s2", Word::Filler),
     ("ms2", Word::Filler), ("mps2", Word::Filler), ("mps", Word::Filler), ("g", Word::Filler), ("mg", Word::Filler),
-    ("km", Word::Filler), ("h", Word::Filler), ("kmh", Word::Filler), ("kph", Word::Filler), ("mph", Word::Filler),
+    ("km", Word::OverGround), ("h", Word::Filler), ("kmh", Word::OverGround), ("kph", Word::OverGround), ("mph", Word::OverGround),
     ("reference", Word::Reference), ("truth", Word::Reference), ("kpa", Word::Filler), ("bar", Word::Filler), ("psi", Word::Filler), ("mm", Word::Filler),
     ("x", Word::Longitudinal), ("y", Word::Lateral), ("lat", Word::Lateral), ("lateral", Word::Lateral), ("lon", Word::Longitudinal),
     ("long", Word::Longitudinal), ("longitudinal", Word::Longitudinal), ("pedal", Word::Other), ("gyro", Word::Filler), ("yaw", Word::Yaw),
@@ -97,9 +99,21 @@ const WORDS: [(&str, Word); 170] = [
     ("motor", Word::Machine), ("fan", Word::Machine), ("wind", Word::Machine), ("brake", Word::Machine), ("estimated", Word::Other),
 ];
 
+/// What comma's logs call the message of a car's signals, where its fields are columns: no state of anything.
+const MESSAGE: &str = "carState_";
+
 /// The column this signal's name and group speak of.
 pub(crate) fn meaning(group: &str, name: &str) -> Option<(Slot, Fit)> {
-    let (own, around) = (words(name), words(group));
+    meaning_in(group, name, "")
+}
+
+/// The same of a signal whose unit is stated beside its name.
+pub(crate) fn meaning_in(group: &str, name: &str, unit: &str) -> Option<(Slot, Fit)> {
+    let (own, around) = (words(name.strip_prefix(MESSAGE).unwrap_or(name)), words(group));
+    // `v_FL` is a damper's as well as a wheel's, unless its unit tells; without one it is asked for.
+    let over_ground = own.contains(&Word::OverGround) || words(unit).contains(&Word::OverGround);
+    let alone = |word: &Word| *word == Word::Speed || is_of_a_corner(word);
+    let bare_speed = over_ground || unit.is_empty() && own.iter().all(alone);
     let has = |word| own.contains(&word);
     let says = |word| own.contains(&word) || around.contains(&word);
     if has(Word::Other) || says(Word::Machine) || has(Word::Temperature) && !says(Word::Tire) {
@@ -119,8 +133,10 @@ pub(crate) fn meaning(group: &str, name: &str) -> Option<(Slot, Fit)> {
             let field = if around.contains(&Word::Reference) { Field::Pressure } else { Field::TireSensor };
             says(Word::Tire).then_some((field, fit(true)))
         } else if has(Word::Speed) || says(Word::Speed) && own.iter().all(names_a_corner_or_nothing) {
-            let of_a_wheel = says(Word::Wheel) && !has(Word::Vertical) && !has(Word::Acceleration);
-            of_a_wheel.then_some((Field::WheelSpeed, fit(true)))
+            let of_a_wheel = (says(Word::Wheel) || bare_speed && !says(Word::Body))
+                && !has(Word::Vertical)
+                && !has(Word::Acceleration);
+            of_a_wheel.then_some((Field::WheelSpeed, fit(says(Word::Wheel))))
         } else if has(Word::Road) && (has(Word::Height) || has(Word::Vertical)) {
             Some((Field::Road, fit(true)))
         } else if says(Word::Acceleration) {
@@ -179,7 +195,7 @@ fn names_corner(words: &[Word]) -> bool {
 }
 
 fn names_a_corner_or_nothing(word: &Word) -> bool {
-    is_of_a_corner(word) || *word == Word::Filler
+    is_of_a_corner(word) || matches!(word, Word::Filler | Word::OverGround)
 }
 
 fn is_of_a_corner(word: &Word) -> bool {
@@ -287,6 +303,17 @@ mod tests {
             ("", "InlineAcc", "accel_x_m_s2"),
             ("carState.wheelSpeeds", "fl", "fl_wheel_speed_m_s"),
             ("carState", "vEgo", "speed_m_s"),
+            ("carState.wheelSpeeds", "rr", "rr_wheel_speed_m_s"),
+            ("", "carState_wheelSpeeds_fl", "fl_wheel_speed_m_s"),
+            ("", "carState_vEgo", "speed_m_s"),
+            // German: vorne, hinten; links, rechts.
+            ("", "Radgeschwindigkeit VL", "fl_wheel_speed_m_s"),
+            ("", "Radgeschwindigkeit HR [km/h]", "rr_wheel_speed_m_s"),
+            ("", "v_VL [km/h]", "fl_wheel_speed_m_s"),
+            ("", "v_VR_kmh", "fr_wheel_speed_m_s"),
+            ("", "v_HL", "rl_wheel_speed_m_s"),
+            ("", "az_Rad_HR", "rr_wheel_accel_m_s2"),
+            ("", "az_Aufbau_VR", "fr_body_accel_m_s2"),
             ("", "Gierrate", "yaw_rate_rad_s"),
             ("", "LongitudinalAcceleration", "accel_x_m_s2"),
         ] {
@@ -309,6 +336,13 @@ mod tests {
             ("Engine", "Speed"),
             ("", "VehicleSpeedLimit"),
             ("", "BodyAccZ"),
+            // Of the body or of the wheel.
+            ("", "az_VL"),
+            // A damper's or a wheel's.
+            ("", "v_VL [m/s]"),
+            ("", "v_Aufbau_VL [km/h]"),
+            ("", "vz_VL [km/h]"),
+            ("", "v_VL_VR [km/h]"),
             ("", "FL_FR_BodyAccZ"),
             ("", "FL_WheelAccZ_Status"),
             ("", "BrakePressure_FL"),

@@ -119,8 +119,8 @@ pub fn resolve_knowing(
 impl Unread {
     /// What is to be reported of it if its name says that it is this column.
     fn as_column(&self, slot: Slot) -> Option<Remark> {
-        let Candidate { group, name, .. } = &self.candidate;
-        let meant = || names::meaning(group, name).is_some_and(|(meant, _)| meant == slot);
+        let Candidate { group, name, unit } = &self.candidate;
+        let meant = || names::meaning_in(group, name, unit).is_some_and(|(meant, _)| meant == slot);
         let (signal, why) = (self.candidate.full_name(), self.why.clone());
         (fits_own_name(&self.candidate, slot) || meant()).then_some(Remark::Unread { slot, signal, why })
     }
@@ -244,7 +244,7 @@ impl Fits {
             let own = columns.iter().find(|(_, _, column)| *column == plain);
             let (slot, step) = match own {
                 Some((slot, name, _)) => (*slot, usize::from(*name != candidate.name)),
-                None => match names::meaning(&candidate.group, &candidate.name) {
+                None => match names::meaning_in(&candidate.group, &candidate.name, &candidate.unit) {
                     Some((slot, Fit::AllWords)) => (slot.index(), 2),
                     Some((slot, Fit::SomeWords)) => (slot.index(), 3),
                     None => continue,
