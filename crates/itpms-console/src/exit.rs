@@ -54,9 +54,11 @@ fn remedy(error: &DataError) -> &'static str {
         Problem::Units { .. } => {
             "; if they are right: --trust-units, else state the units in a map: --signals"
         }
-        // A table of another's: it has a clock, but not under this name.
-        Problem::MissingColumn { column, .. } if *column == Slot::Time.name() => {
-            "; other names or units: itpms signals LOG --write-map map.toml, then --signals map.toml"
+        // A table of another's: it has a clock, but not under this name, or wheel speeds of an unknown unit.
+        Problem::MissingColumn { column, .. }
+            if *column == Slot::Time.name() || column.contains("_wheel_speed_") =>
+        {
+            "; other names or units: itpms signals LOG --write-map map.toml, then --signals map.toml (there, the unit of a name that states none: fl_wheel_speed_m_s = { signal = \"...\", unit = \"km/h\" })"
         }
         _ => "",
     }

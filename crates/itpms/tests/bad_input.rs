@@ -95,7 +95,7 @@ fn a_missing_or_a_duplicate_column() {
     });
     assert_eq!(
         text,
-        "drive.csv: column time_s is missing; the nearest name there is Time [s]; other names or units: itpms signals LOG --write-map map.toml, then --signals map.toml"
+        "drive.csv: column time_s is missing; the nearest name there is Time [s]; other names or units: itpms signals LOG --write-map map.toml, then --signals map.toml (there, the unit of a name that states none: fl_wheel_speed_m_s = { signal = \"...\", unit = \"km/h\" })"
     );
     let text = edited(|line, cells| {
         if line == 1 {
@@ -352,6 +352,6 @@ fn a_table_with_other_names_is_told_the_way() {
     let text = refusal_of(&bench, "estimate own.csv --vehicle car.toml -o est.csv");
     assert_eq!(
         text,
-        "own.csv: column time_s is missing; other names or units: itpms signals LOG --write-map map.toml, then --signals map.toml"
+        "own.csv: column time_s is missing; other names or units: itpms signals LOG --write-map map.toml, then --signals map.toml (there, the unit of a name that states none: fl_wheel_speed_m_s = { signal = \"...\", unit = \"km/h\" })"
     );
 }
