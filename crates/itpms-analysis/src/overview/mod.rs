@@ -19,7 +19,7 @@ use excerpt::Excerpt;
 pub use trace::Statistics;
 use trace::Trace;
 
-use crate::transfer::{CrossSpectra, Density};
+use crate::transfer::{CrossSpectra, Density, no_suspension_allows};
 
 /// Steps of time that are a gap.
 const GAP_STEPS: f64 = 1.5;
@@ -99,6 +99,8 @@ pub struct FoundCorner {
     pub hop_hz: Option<f64>,
     /// Segments of the spectra, of two seconds that overlap by half.
     pub segments: usize,
+    /// Body and wheel move as no suspension lets them.
+    against: bool,
     lines: Vec<Density>,
     tracks: Tracks,
     excerpt: Vec<(f64, f64, f64)>,
@@ -212,6 +214,7 @@ impl Corner {
             coherence: self.spectra.coherence(),
             hop_hz: hop.max_by(|a, b| a.wheel.total_cmp(&b.wheel)).map(|line| line.hz),
             segments: self.spectra.segments(),
+            against: no_suspension_allows(&self.spectra),
             tracks: Tracks {
                 body: extremes(&self.body),
                 wheel: extremes(&self.wheel),

@@ -1,7 +1,7 @@
 //! What looks wrong in a log, a sentence each. Plain text; escaping is the page's business.
 
 use super::{Found, FoundCorner, HOP_HZ, Statistics};
-use crate::transfer::{Density, FEWEST_SEGMENTS, INCOHERENT};
+use crate::transfer::{AGAINST, Density, FEWEST_SEGMENTS, INCOHERENT};
 
 /// Mean acceleration in m/s² from which gravity must be in it: half of it.
 const GRAVITY: f64 = 4.9;
@@ -58,6 +58,9 @@ impl FoundCorner {
                 "the body moves more than the wheel where wheels hop ({:.0} to {:.0} Hz): check whether the two are exchanged",
                 HOP_HZ.0, HOP_HZ.1
             ));
+        }
+        if self.against {
+            return Some(AGAINST.to_owned());
         }
         (self.coherence < INCOHERENT).then(|| {
             format!(

@@ -56,6 +56,25 @@ impl Suspension {
     }
 }
 
+/// What is to be reported of motion that [`no_suspension_allows`].
+pub(crate) const AGAINST: &str = "body and wheel move against each other as no damper and no spring lets them: a sensor is upside down, or the columns of body and wheel are exchanged";
+
+/// Whether damper and spring would both be negative beyond their errors, whatever the mass: what turning one sensor over makes of them. Not
+/// where the body does not follow the wheel.
+pub(crate) fn no_suspension_allows(spectra: &CrossSpectra) -> bool {
+    let of_one = Suspension {
+        sprung_mass_kg: 1.0,
+        damping_n_s_per_m: 1.0,
+        spring_n_per_m: 1.0,
+        sprung_mass_relative_sd: 0.0,
+        damping_relative_sd: 0.0,
+        spring_relative_sd: 0.0,
+    };
+    let below = |(mean, error): (f64, f64)| mean < -APART * error;
+    let verdict = CornerCheck::of("", spectra, of_one).verdict;
+    matches!(verdict, Verdict::Compared { damping, spring } if below(damping) && below(spring))
+}
+
 /// What the comparison says.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Verdict {
@@ -104,6 +123,10 @@ impl CornerCheck {
         Self { label: label.to_owned(), suspension, verdict, coherence, fit: None, bins }
     }
 
+    fn is_against(&self) -> bool {
+        matches!(self.verdict, Verdict::Compared { damping, spring } if damping.0 < 0.0 || spring.0 < 0.0)
+    }
+
     /// What was found and what to change, in a sentence.
     #[must_use]
     pub fn sentence(&self) -> String {
@@ -141,8 +164,8 @@ impl CornerCheck {
     }
 
     fn compared_sentence(&self, damping: (f64, f64), spring: (f64, f64)) -> String {
-        if damping.0 < 0.0 || spring.0 < 0.0 {
-            return "Body and wheel move against each other as no damper and no spring lets them: a sensor is upside down, or the columns of body and wheel are exchanged; damper and spring are not judged".to_owned();
+        if self.is_against() {
+            return format!("Damper and spring are not judged: {AGAINST}");
         }
         let s = &self.suspension;
         let part = |name: &str, key: &str, value: f64, sd: f64, (ratio, error): (f64, f64)| {
@@ -255,6 +278,11 @@ mod tests {
 
     /// A body that answers its wheel with these parameters, at 200 Hz for two minutes: the wheel is noise below 30 Hz.
     fn driven(damping: f64, spring: f64, noise: f64) -> CrossSpectra {
+        driven_as(damping, spring, noise, 1.0)
+    }
+
+    /// The same with the sensor of the body `turned`: 1, or -1 for upside down.
+    fn driven_as(damping: f64, spring: f64, noise: f64, turned: f64) -> CrossSpectra {
         let (m, step) = (300.0, 0.005);
         let mut state = 7u64;
         let mut random = || {
@@ -275,7 +303,7 @@ mod tests {
                 v += 0.1 * step * (slow[1] - body);
                 x += 0.1 * step * v;
             }
-            spectra.push(slow[1] + noise * random(), body + noise * random());
+            spectra.push(slow[1] + noise * random(), turned * body + noise * random());
         }
         spectra
     }
@@ -288,6 +316,16 @@ mod tests {
             sprung_mass_relative_sd: 0.05,
             damping_relative_sd: 0.1,
             spring_relative_sd: 0.1,
+        }
+    }
+
+    #[test]
+    fn a_sensor_upside_down_is_told_whatever_the_mass() {
+        for (turned, expected) in [(1.0, false), (-1.0, true)] {
+            let spectra = driven_as(1_500.0, 22_000.0, 0.02, turned);
+            assert_eq!(no_suspension_allows(&spectra), expected);
+            let sentence = CornerCheck::of("fl", &spectra, suspension(1_500.0, 22_000.0)).sentence();
+            assert_eq!(sentence.contains(AGAINST), expected, "{sentence}");
         }
     }
 

@@ -14,6 +14,7 @@ mod corner;
 mod cross;
 mod page;
 
+pub(crate) use corner::{AGAINST, no_suspension_allows};
 pub use corner::{CornerCheck, Suspension, Verdict};
 pub use cross::{CrossSpectra, Density, FEWEST_SEGMENTS, INCOHERENT};
 pub(crate) use page::named;
