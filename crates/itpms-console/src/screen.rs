@@ -53,6 +53,33 @@ fn is_obeyed(c: char) -> bool {
     c.is_control() || matches!(c, '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
+/// Characters of a line where there is no terminal.
+const LINE: usize = 100;
+/// A narrower terminal breaks lines itself.
+const NARROW: usize = 40;
+
+/// Broken at spaces into lines of so many characters; a longer word has a line of its own.
+fn wrapped(text: &str, width: usize) -> String {
+    const INDENT: &str = "    ";
+    let (mut out, mut length) = (String::with_capacity(text.len() + 16), 0);
+    for word in text.split(' ') {
+        let characters = word.chars().count();
+        if !out.is_empty() {
+            if length + 1 + characters > width {
+                out.push('\n');
+                out.push_str(INDENT);
+                length = INDENT.len();
+            } else {
+                out.push(' ');
+                length += 1;
+            }
+        }
+        out.push_str(word);
+        length += characters;
+    }
+    out
+}
+
 /// Where a command speaks.
 #[derive(Debug, Clone, Copy)]
 pub struct Screen {
@@ -99,6 +126,13 @@ impl Screen {
     /// the end ([`Screen::check`]).
     pub fn print(&self, line: impl Display) {
         self.say(&plain(&line.to_string()));
+    }
+
+    /// A sentence of the result for a person alone, broken at the terminal's width, or at 100 characters where there is none; what
+    /// follows is indented.
+    pub fn print_wrapped(&self, line: impl Display) {
+        let width = terminal_size::terminal_size_of(io::stdout()).map_or(LINE, |(width, _)| width.0.into());
+        self.say(&wrapped(&plain(&line.to_string()), width.max(NARROW)));
     }
 
     /// A result of several lines, such as a table or JSON.
@@ -162,5 +196,21 @@ impl Screen {
     #[must_use]
     pub fn progress(&self, label: &str) -> Progress {
         if self.quiet { Progress::hidden() } else { Progress::shown(label) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sentence_is_broken_at_spaces_and_loses_none() {
+        let text = "fl  138.9 kPa, sd 5.1; a_word_that_is_longer_than_a_line, and more";
+        let broken = wrapped(text, 20);
+        assert_eq!(
+            broken,
+            "fl  138.9 kPa, sd\n    5.1;\n    a_word_that_is_longer_than_a_line,\n    and more"
+        );
+        assert_eq!(wrapped(text, 200), text);
     }
 }

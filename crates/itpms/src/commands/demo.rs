@@ -49,8 +49,8 @@ pub(crate) fn run(args: &DemoArgs, screen: &Screen, interrupt: &Interrupt) -> Re
     let done = estimate::perform(&estimate_args, screen, interrupt)?;
     workshop.hand_over()?;
 
-    screen.print_lines(&scenario.description);
-    estimate::print_corners(screen, &done);
+    let story = scenario.description.lines().map(str::to_owned).chain(estimate::corner_lines(&done));
+    story.for_each(|line| screen.print_wrapped(line));
     screen.print(format!("See {} for the whole story.", args.out.join("report.html").display()));
     Ok(())
 }

@@ -13,7 +13,7 @@ use itpms_drive::{Done, FilePaths, Files, Job, Settings, common_corners, wheel_s
 
 use super::reference;
 use crate::args::EstimateArgs;
-pub(crate) use summary::print_corners;
+pub(crate) use summary::corner_lines;
 
 pub(crate) fn run(args: &EstimateArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
     let estimated = perform(args, screen, interrupt)?;

@@ -22,26 +22,20 @@ pub(super) fn print(args: &EstimateArgs, screen: &Screen, estimated: &Estimated)
         drive.rate_hz,
         estimated.done.data.provenance.estimator
     ));
-    print_corners(screen, estimated);
+    corner_lines(estimated).into_iter().for_each(|line| screen.print(line));
 }
 
 /// A line per corner, and one for each alert of the monitor.
-pub(crate) fn print_corners(screen: &Screen, estimated: &Estimated) {
+pub(crate) fn corner_lines(estimated: &Estimated) -> Vec<String> {
     let Estimated { log, done } = estimated;
     let (origin_s, unit) = (done.data.drive.origin_s, done.data.pressure_unit);
     let end_s = log.last_time_s().map_or(f64::NAN, |end_s| end_s - origin_s);
-    for corner in &done.data.corners {
-        screen.print(corner_line(corner, end_s, unit));
-    }
-    for line in done.radii.iter().flat_map(wheel_speed_lines) {
-        screen.print(line);
-    }
-    if let Some(line) = torsion_line(done, unit) {
-        screen.print(line);
-    }
-    for sentence in done.alerts.sentences(origin_s, unit) {
-        screen.print(sentence);
-    }
+    let corners = done.data.corners.iter().map(|corner| corner_line(corner, end_s, unit));
+    let mut lines: Vec<String> = corners.collect();
+    lines.extend(done.radii.iter().flat_map(wheel_speed_lines));
+    lines.extend(torsion_line(done, unit));
+    lines.extend(done.alerts.sentences(origin_s, unit));
+    lines
 }
 
 fn as_json(args: &EstimateArgs, estimated: &Estimated) -> Value {
