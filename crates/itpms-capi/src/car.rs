@@ -16,7 +16,7 @@ use crate::read_config::{Config, Refusal};
 use crate::sample::{itpms_sample, itpms_wheel_speed_sample};
 use crate::status::itpms_status;
 
-const CALIBRATION: Kind = Kind::new(b'C', 1);
+const CALIBRATION: Kind = Kind::new(b'C', 2);
 /// A program with another layout of the estimator has another format.
 const STATE: Kind = Kind::new(b'S', 4);
 

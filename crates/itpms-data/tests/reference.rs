@@ -244,7 +244,11 @@ fn what_wheel_speeds_taught_is_stored_with_the_rest_or_alone() {
         mean_1e3: [-1.48, -1.54, 3.25, 1.5, 0.2, -0.1],
         covariance_1e6,
         radius_1e3: [0.0, 0.0, 0.0, -2.4],
+        leaves_out_yaw_rate: false,
     };
+    let doubtful = itpms_core::wheel_speed::RadiusCalibration { leaves_out_yaw_rate: true, ..radii };
+    let of_doubtful = StoredReference::of_wheel_speeds(&Vehicle::paper(), doubtful, 1_900_000_000);
+    assert_eq!(StoredReference::parse(of_doubtful.to_text().as_bytes()).unwrap(), of_doubtful);
     let beside = old().with_wheel_speeds(Some(radii));
     assert_eq!(StoredReference::parse(beside.to_text().as_bytes()).unwrap(), beside);
     let alone = StoredReference::of_wheel_speeds(&Vehicle::paper(), radii, 1_900_000_000);

@@ -52,7 +52,7 @@ blank!(SampleCounts { accepted, missing, absurd, out_of_order, gaps, saturated, 
 pub struct GridSample<T> {
     /// Time in s.
     pub time_s: f64,
-    /// Seconds since the step before; NaN in the first one.
+    /// Seconds since the step before; zero in the first one.
     pub step_s: T,
     /// Vehicle speed in m/s, NaN when unknown.
     pub speed_m_s: T,
@@ -336,7 +336,11 @@ impl<T: Real> Resampler<T> {
         while self.next_before_s > to_s + self.periods.rounded_s {
             let (body_accel_m_s2, wheel_accel_m_s2) = self.at_next();
             let time_s = self.last_accepted_s - self.next_before_s.to_f64();
-            let step_s = if self.after_gap { T::lit(time_s - self.last_grid_s) } else { self.periods.step_s };
+            let step_s = match (self.after_gap, self.last_grid_s.is_finite()) {
+                (false, _) => self.periods.step_s,
+                (true, true) => T::lit(time_s - self.last_grid_s),
+                (true, false) => T::zero(),
+            };
             let after_gap = core::mem::replace(&mut self.after_gap, false);
             self.last_grid_s = time_s;
             let unloaded = false;

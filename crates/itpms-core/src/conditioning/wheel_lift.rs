@@ -144,7 +144,7 @@ mod tests {
         let mut watch = ContactWatch::new(&car);
         let weight_n = (car.sprung_mass_kg() + car.unsprung_mass_kg()) * GRAVITY_M_S2;
         let look = |(i, share): (usize, &f64)| {
-            watch.look(&step(if i == 0 { f64::NAN } else { 0.125 }, accelerations(&car, share * weight_n)))
+            watch.look(&step(if i == 0 { 0.0 } else { 0.125 }, accelerations(&car, share * weight_n)))
         };
         forces.iter().enumerate().map(look).collect()
     }

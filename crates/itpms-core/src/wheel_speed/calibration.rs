@@ -22,9 +22,11 @@ pub struct RadiusCalibration<T> {
     pub covariance_1e6: [[T; NUMBERS]; NUMBERS],
     /// The radii at which it was learned, against those at the pressures that should be: zero unless pressures were known to differ.
     pub radius_1e3: [T; 4],
+    /// Whether the yaw rate went against the wheels and was left out: so it is from the next start on, until a calibration judges it anew.
+    pub leaves_out_yaw_rate: bool,
 }
 
-blank!(RadiusCalibration<T> { mean_1e3, covariance_1e6, radius_1e3 });
+blank!(RadiusCalibration<T> { mean_1e3, covariance_1e6, radius_1e3, leaves_out_yaw_rate });
 
 impl<T: Real> RadiusCalibration<T> {
     /// Whether it can be of a car: finite, offsets below a fifth, variances that are some, correlations below one.

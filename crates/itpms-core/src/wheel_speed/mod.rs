@@ -157,6 +157,7 @@ impl<T: Real> RadiusMonitor<T> {
         self.phase = Phase::Learning(usable_s.at_least(T::lit(LEAST_CALIBRATION_S)));
         self.learned_s = T::zero();
         self.calibration = None;
+        self.yaw = YawWitness::BLANK;
         self.loads_may_differ = false;
         let beta = self.config.radius_per_ln_pressure * T::lit(SCALE);
         let known = |share: &T| *share >= T::lit(0.2) && *share <= T::lit(5.0);
@@ -196,6 +197,9 @@ impl<T: Real> RadiusMonitor<T> {
             return false;
         }
         self.calibration = Some(*calibration);
+        if calibration.leaves_out_yaw_rate {
+            self.yaw.doubt();
+        }
         self.watch_again(calibration);
         true
     }
@@ -298,6 +302,9 @@ impl<T: Real> RadiusMonitor<T> {
     fn end_block(&mut self) {
         let mut block = self.sums.conclude(&self.config);
         if self.yaw.take(&block, &self.config) {
+            if let Some(calibration) = self.calibration.as_mut() {
+                calibration.leaves_out_yaw_rate = true;
+            }
             self.learn_again();
         }
         if self.yaw.is_doubted() {
@@ -344,7 +351,9 @@ impl<T: Real> RadiusMonitor<T> {
 
     fn learned(&mut self) {
         let belief = self.filter.belief();
-        let mut calibration = RadiusCalibration { radius_1e3: self.radius_1e3, ..RadiusCalibration::BLANK };
+        let (radius_1e3, leaves_out_yaw_rate) = (self.radius_1e3, self.yaw.is_doubted());
+        let mut calibration =
+            RadiusCalibration { radius_1e3, leaves_out_yaw_rate, ..RadiusCalibration::BLANK };
         let rows = calibration.mean_1e3.iter_mut().zip(&mut calibration.covariance_1e6);
         for (state, (mean, row)) in LEARNED.into_iter().zip(rows) {
             *mean = belief.mean.get(state).copied().unwrap_or(T::ZERO);

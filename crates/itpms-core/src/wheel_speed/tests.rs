@@ -182,7 +182,12 @@ fn a_yaw_rate_that_goes_against_the_wheels_is_left_out() {
             let mut monitor = calibrated::<f32>(&mut drive, 300.0);
             assert_eq!(monitor.doubts_yaw_rate(), doubtful, "{seed} {yaw_gain}");
             assert_eq!(found(&mut monitor, &mut drive, 1200.0), None, "{seed} {yaw_gain}");
+            // So it is on a later drive, from its first bend on.
+            let mut later = self::monitor::<f32>(&config()).unwrap();
+            assert!(later.load_calibration(monitor.calibration().unwrap()));
+            assert_eq!(later.doubts_yaw_rate(), doubtful, "{seed} {yaw_gain}");
             if doubtful {
+                assert_eq!(found(&mut later, &mut drive, 1200.0), None, "{seed} {yaw_gain}");
                 continue;
             }
             for side in [0, 2] {

@@ -37,6 +37,11 @@ impl<T: Real> YawWitness<T> {
         self.doubted
     }
 
+    /// The sensor was found to go against the wheels on an earlier drive.
+    pub(super) fn doubt(&mut self) {
+        self.doubted = true;
+    }
+
     /// The next block does not follow the last one.
     pub(super) fn interrupt(&mut self) {
         self.begun = false;

@@ -35,6 +35,8 @@ const COVARIANCES: [(usize, usize, &str); 21] = [
     (4, 5, "front_sides_rear_sides_1e6"),
     (5, 5, "rear_sides_rear_sides_1e6"),
 ];
+/// Whether the yaw rate went against the wheels; left away where it did not.
+const YAW_RATE: &str = "leaves_out_yaw_rate";
 /// The radii while it was learned, against those at the pressures that should be.
 const RADII: [&str; 4] = ["fl_radius_1e3", "fr_radius_1e3", "rl_radius_1e3", "rr_radius_1e3"];
 
@@ -47,10 +49,14 @@ pub(super) fn write(out: &mut String, learned: &RadiusCalibration<f64>) {
     for (row, column, key) in COVARIANCES {
         let _ = writeln!(out, "{key} = {:?}", learned.covariance_1e6[row][column]);
     }
+    if learned.leaves_out_yaw_rate {
+        let _ = writeln!(out, "{YAW_RATE} = true");
+    }
 }
 
 pub(super) fn read(table: &Table<'_>) -> Result<RadiusCalibration<f64>, Problem> {
-    let keys: Vec<&str> = MEANS.into_iter().chain(RADII).chain(COVARIANCES.map(|(_, _, key)| key)).collect();
+    let keys: Vec<&str> =
+        MEANS.into_iter().chain(RADII).chain(COVARIANCES.map(|(_, _, key)| key)).chain([YAW_RATE]).collect();
     table.check_keys(&keys)?;
     let mut covariance_1e6 = [[0.0; 6]; 6];
     for (row, column, key) in COVARIANCES {
@@ -61,6 +67,7 @@ pub(super) fn read(table: &Table<'_>) -> Result<RadiusCalibration<f64>, Problem>
         mean_1e3: numbers(table, MEANS)?,
         covariance_1e6,
         radius_1e3: numbers(table, RADII)?,
+        leaves_out_yaw_rate: table.flag(YAW_RATE)?.unwrap_or(false),
     })
 }
 
