@@ -162,7 +162,7 @@ pub unsafe extern "C" fn itpms_wheels_end_calibration(wheels: *mut itpms_wheels)
     unsafe { with(wheels, Wheels::end_calibration) }
 }
 
-/// Writes what a calibration taught, once it is over, to be stored: 200 bytes in `float`, 384 in `double`; `*written` becomes how many.
+/// Writes what a calibration taught, once it is over, to be stored: 201 bytes in `float`, 385 in `double`; `*written` becomes how many.
 /// It is not the calibration of a car, and no car takes it.
 ///
 /// Errors: NULL_POINTER, MISALIGNED, NOT_A_CAR, NOT_CALIBRATED, TOO_SMALL.
