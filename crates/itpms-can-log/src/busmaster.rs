@@ -47,25 +47,25 @@ impl LineFormat for Busmaster {
 
     fn line(&mut self, text: &[u8]) -> Result<LineContent, &'static str> {
         let text = text.trim_ascii();
-        if let Some(said) = text.strip_prefix(b"***") {
-            return self.header(said.strip_suffix(b"***").unwrap_or(said).trim_ascii());
+        if let Some(text) = text.strip_prefix(b"***") {
+            return self.header(text.strip_suffix(b"***").unwrap_or(text).trim_ascii());
         }
         if text.is_empty() { Ok(LineContent::Nothing) } else { self.message(text) }
     }
 }
 
 impl Busmaster {
-    fn header(&mut self, said: &[u8]) -> Result<LineContent, &'static str> {
-        match said {
+    fn header(&mut self, text: &[u8]) -> Result<LineContent, &'static str> {
+        match text {
             b"HEX" => self.base = Base::Hexadecimal,
             b"DEC" => self.base = Base::Decimal,
             b"SYSTEM MODE" => self.stamps = Stamps::TimeOfDay,
             b"ABSOLUTE MODE" => self.stamps = Stamps::SinceBeginning,
             b"RELATIVE MODE" => self.stamps = Stamps::Differences,
             b"PROTOCOL CAN" => {}
-            said if said.starts_with(b"PROTOCOL ") => return Err("PROTOCOL CAN"),
-            said => {
-                if let Some(date) = said.strip_prefix(b"START DATE AND TIME") {
+            text if text.starts_with(b"PROTOCOL ") => return Err("PROTOCOL CAN"),
+            text => {
+                if let Some(date) = text.strip_prefix(b"START DATE AND TIME") {
                     (self.day_s, self.start_s) =
                         date_of(date).ok_or("a date such as 21:9:2014 14:11:29:843")?;
                     self.stamp_s = 0.0;

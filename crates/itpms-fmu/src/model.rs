@@ -137,7 +137,7 @@ impl Model {
     }
 
     fn begin(&self, corners: &[Corner], rate_hz: f64) -> Result<Drive, ModelError> {
-        let vehicle = self.told()?;
+        let vehicle = self.as_set()?;
         let wheel_speeds = match self.value(Role::Car(OfCar::UsesWheelSpeeds)) > 0.5 {
             false => WheelSpeedUse::None,
             true if corners.is_empty() => WheelSpeedUse::Alone,
@@ -154,19 +154,19 @@ impl Model {
     }
 
     /// The vehicle with the parameters as they were set.
-    fn told(&self) -> Result<Vehicle, ModelError> {
+    fn as_set(&self) -> Result<Vehicle, ModelError> {
         let mut vehicle = self.file.clone();
         vehicle.wheelbase_m =
             Some(self.value(Role::Car(OfCar::Wheelbase))).filter(|length_m| *length_m != 0.0);
         for (corner, config) in Corner::ALL.into_iter().zip(&mut vehicle.corners) {
             if let Some(config) = config {
-                self.tell(corner, config)?;
+                self.apply(corner, config)?;
             }
         }
         Ok(vehicle)
     }
 
-    fn tell(&self, corner: Corner, config: &mut CornerConfig<f64>) -> Result<(), ModelError> {
+    fn apply(&self, corner: Corner, config: &mut CornerConfig<f64>) -> Result<(), ModelError> {
         let of = |of| self.value(Role::Corner(corner, of));
         let is_new = |what| Some(of(what)) != parameter(&self.file, corner, what);
         config.quarter_car = QuarterCar::new(
@@ -179,8 +179,8 @@ impl Model {
         if is_new(OfCorner::StiffnessPerKpa) || is_new(OfCorner::StiffnessAtZero) {
             config.tire = PressureMap::new(of(OfCorner::StiffnessPerKpa), of(OfCorner::StiffnessAtZero))?;
         }
-        let told = CornerConfig::new(config.quarter_car, config.tire, of(OfCorner::Placard))?;
-        config.placard_kpa = told.placard_kpa;
+        let checked = CornerConfig::new(config.quarter_car, config.tire, of(OfCorner::Placard))?;
+        config.placard_kpa = checked.placard_kpa;
         Ok(())
     }
 

@@ -50,12 +50,12 @@ pub enum PackageError {
 ///
 /// # Errors
 /// It is in none of these places.
-pub fn find_library(told: Option<&Path>, program: &Path) -> Result<PathBuf, PackageError> {
+pub fn find_library(given: Option<&Path>, program: &Path) -> Result<PathBuf, PackageError> {
     let name = library_name();
     let folder = program.parent().unwrap_or(Path::new("."));
-    let places = told.map_or_else(
+    let places = given.map_or_else(
         || vec![folder.join(&name), folder.join("deps").join(&name)],
-        |told| vec![told.to_owned()],
+        |given| vec![given.to_owned()],
     );
     let searched = places.iter().map(|place| place.display().to_string()).collect::<Vec<_>>().join(", ");
     places.into_iter().find(|place| place.is_file()).ok_or(PackageError::NoLibrary { name, searched })

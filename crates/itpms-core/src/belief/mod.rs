@@ -69,7 +69,7 @@ const PARKED_SD: f64 = 0.06;
 const PARKED_S: f64 = 1800.0;
 /// Seconds of shared road after which the belief counts.
 pub(crate) const ENOUGH_S: f64 = 2.0;
-/// Sd to which unsprung masses are held until a calibration teaches them, as a share of them: mass and stiffness of a wheel are not told
+/// Sd to which unsprung masses are held until a calibration teaches them, as a share of them: mass and stiffness of a wheel are not known
 /// apart, and what the vehicle file leaves open of both is considered outside.
 const HELD_MASS_SD: f64 = 0.01;
 /// The least that a strut damps, friction included, as a share of its damper in the vehicle file: dampers wear out, and none drives its
@@ -308,7 +308,7 @@ impl<T: Real> Belief<T> {
         self.bank.inflate_tire(corner, T::lit(UNWATCHED_SD));
     }
 
-    /// What a tire was before its sensors were suspected is of no use once later frames have told.
+    /// What a tire was before its sensors were suspected is of no use once later frames were learned from.
     pub(crate) fn drop_settled(&mut self, corner: Corner, time_s: f64) {
         self.pre_fault[corner].take_if(|tire| tire.is_settled(time_s));
     }

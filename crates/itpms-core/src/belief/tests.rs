@@ -296,13 +296,14 @@ fn tires_change_alike_further_than_each_by_itself() {
     let difference = variance([1.0, 0.0, -1.0, 0.0]);
     assert!((difference / (2.0 * 3600.0 * 8e-4f64.powi(2)) - 1.0).abs() < 1e-9, "{difference}");
     // While somebody says what the tires have, nothing does.
-    let told = gaussian::Circumstances { tires_set: true, ..gaussian::Circumstances::of_a_car(MASS_SD) };
-    bank.hypotheses[0].wander(&gaussian::Wandering::over(60.0, &told));
+    let calibrating =
+        gaussian::Circumstances { tires_set: true, ..gaussian::Circumstances::of_a_car(MASS_SD) };
+    bank.hypotheses[0].wander(&gaussian::Wandering::over(60.0, &calibrating));
     assert_eq!((bank.hypotheses[0].covariance.dense() - before).fixed_view::<4, 4>(TIRE, TIRE), tires);
 }
 
 /// Friction that is not known is another damping and another spring within a minute, another tire within half an hour, and no more than
-/// what it is said to be.
+/// what the file has it be.
 #[test]
 fn friction_that_is_not_known_widens_struts_at_once_and_tires_slowly() {
     let mut bank = bank(&[0.0; 4]);

@@ -343,7 +343,6 @@ impl<T: Real> Resampler<T> {
             };
             let after_gap = core::mem::replace(&mut self.after_gap, false);
             self.last_grid_s = time_s;
-            let unloaded = false;
             sink(GridSample {
                 time_s,
                 step_s,
@@ -352,7 +351,7 @@ impl<T: Real> Resampler<T> {
                 wheel_accel_m_s2,
                 after_gap,
                 invalid,
-                unloaded,
+                unloaded: false,
             });
             self.next_before_s -= self.periods.step_s;
         }

@@ -31,7 +31,7 @@ const ODD: f64 = 0.7;
 const NOT_ODD: f64 = 1.7;
 const CROSSED: f64 = -1.5;
 /// Power of a body over its sensor's noise in the hop band from which it says what a wheel's hop does to it.
-const HEARD: f64 = 3.0;
+const ABOVE_NOISE: f64 = 3.0;
 /// How much more than the other bodies a body moves that is a wheel, and how much less than the other wheels
 /// a wheel that is a body, as a log of powers.
 const LIKE_A_WHEEL: f64 = 2.0;
@@ -214,9 +214,10 @@ impl<T: Real> CrossSensorPlausibility<T> {
             self.drop_gain_suspicions();
             return;
         }
-        let heard = |corner: Corner| {
+        let is_above_noise = |corner: Corner| {
             let i = corner.index();
-            let loud = block.hop[(i, i)] > T::lit(HEARD / OVER_NOISE) * self.noise(corner, HOP_WIDTH_HZ);
+            let loud =
+                block.hop[(i, i)] > T::lit(ABOVE_NOISE / OVER_NOISE) * self.noise(corner, HOP_WIDTH_HZ);
             loud && self.newest_ratio[corner].is_finite() && block.hop[(4 + i, 4 + i)] > T::zero()
         };
         let words = self.odd.iter().chain(&self.pairs).chain(&self.reversed).chain(&self.corners);
@@ -224,7 +225,7 @@ impl<T: Real> CrossSensorPlausibility<T> {
             words.chain(&self.body_gains).filter_map(FaultLatch::fault).chain(self.wheel_gains.faults());
         let active = active.fold(Wheels::NONE, |all, fault| all | fault.malfunction.wheels());
         let explained = Corner::ALL.map(|corner| active.contains(corner));
-        if Corner::ALL.into_iter().all(heard) {
+        if Corner::ALL.into_iter().all(is_above_noise) {
             let hop = |corner: Corner| {
                 let i = corner.index();
                 let transmissibility = (block.hop[(4 + i, 4 + i)] / block.hop[(i, i)]).ln();

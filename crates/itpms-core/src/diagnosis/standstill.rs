@@ -130,7 +130,7 @@ mod tests {
     fn drive(
         standstill: &mut Standstill<f64>,
         from_s: f64,
-        told: f64,
+        speed_m_s: f64,
         rms: [f64; 4],
         seconds: f64,
     ) -> Vec<f64> {
@@ -139,10 +139,10 @@ mod tests {
             let wave = (core::f64::consts::TAU * 11.0 * time_s).sin() * core::f64::consts::SQRT_2;
             let corner =
                 |rms: f64| CornerSample { body_accel_m_s2: 9.81, wheel_accel_m_s2: 9.81 + rms * wave };
-            CarSample { time_s, speed_m_s: told, corners: rms.map(|rms| Some(corner(rms))) }
+            CarSample { time_s, speed_m_s, corners: rms.map(|rms| Some(corner(rms))) }
         };
         let samples = (0..(200.0 * seconds) as u32).map(sample);
-        samples.map(|sample| standstill.take(sample.time_s, told, &sample)).collect()
+        samples.map(|sample| standstill.take(sample.time_s, speed_m_s, &sample)).collect()
     }
 
     #[test]

@@ -12,7 +12,7 @@ const USED: core::ops::Range<usize> = 1..6;
 /// Memory in s.
 const MEMORY_S: f64 = 20.0;
 /// Power over that of the sensors' noise from which on a frame counts.
-const HEARD: f64 = 4.0;
+const ABOVE_NOISE: f64 = 4.0;
 
 /// Running powers of body and wheel, the sensors' noise taken off, and their cross power.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,9 +42,9 @@ impl<T: Real> Coherence<T> {
     /// Takes the bins of a frame, body and wheel, that is so many seconds newer than the last; `noise`: power of either sensor's noise,
     /// per bin.
     pub(super) fn learn(&mut self, frame: &[[Complex<T>; 2]; BINS], noise: &[T; BINS], seconds: T) {
-        let heard = USED.map(|bin| frame[bin][0].norm_sqr()).fold(T::zero(), |sum, power| sum + power)
+        let over_noise = USED.map(|bin| frame[bin][0].norm_sqr()).fold(T::zero(), |sum, power| sum + power)
             / USED.map(|bin| noise[bin]).fold(T::zero(), |sum, power| sum + power);
-        if !(heard > T::lit(HEARD)) {
+        if !(over_noise > T::lit(ABOVE_NOISE)) {
             return;
         }
         self.learned_s += seconds;

@@ -10,7 +10,7 @@ use itpms_core::Real;
 use nalgebra::{Complex, Matrix4, SVector, Vector4};
 
 use super::given::{Belief, Corner, Held};
-use super::motion::{Gaussian, Motion, NOW, RATE, SLIP, STATES, Said, THEN};
+use super::motion::{Gaussian, Motion, NOW, PassLikelihood, RATE, SLIP, STATES, THEN};
 use super::pass::{HARMONICS, Harmonics, Pass, PassClock};
 use super::transfer::{noise_gain, wheel_over_road};
 
@@ -139,10 +139,10 @@ impl<T: Real> Follower<T> {
     ) -> Verdict {
         self.motion.predict(seconds, held);
         let mut motion = self.motion;
-        let told = motion.update(|state, near| self.said(pass, clock, corner, state, near));
+        let is_updated = motion.update(|state, near| self.likelihood(pass, clock, corner, state, near));
         let (misfit, strangeness) = self.misfit(pass, clock, corner, &motion.all().state);
         self.strangeness = strangeness;
-        if !(told && strangeness < T::lit(STRANGE)) {
+        if !(is_updated && strangeness < T::lit(STRANGE)) {
             return Verdict::Strange;
         }
         self.motion = motion;
@@ -182,18 +182,21 @@ impl<T: Real> Follower<T> {
         (seen - learned + slipped * state[SLIP], slipped)
     }
 
-    /// What a pass says, of which a part is new, at a state: with the force as measured, or as the road would cause it
+    /// What a pass measures, of which a part is new, at a state: with the force as measured, or as the road would cause it
     /// at a state near the one looked for.
-    fn said(
+    fn likelihood(
         &self,
         pass: &Pass<T>,
         clock: &PassClock<T>,
         corner: &Corner<T>,
         state: &Vector4<T>,
         near: Option<&Vector4<T>>,
-    ) -> Said<T> {
-        let mut said =
-            Said { log_likelihood: T::zero(), score: Vector4::zeros(), information: Matrix4::zeros() };
+    ) -> PassLikelihood<T> {
+        let mut likelihood = PassLikelihood {
+            log_likelihood: T::zero(),
+            score: Vector4::zeros(),
+            information: Matrix4::zeros(),
+        };
         for harmonic in 0..clock.used() {
             let (residual, slipped) = self.residual(pass, clock, harmonic, state);
             let force = match near {
@@ -208,15 +211,15 @@ impl<T: Real> Follower<T> {
             let variance =
                 (self.noise(clock, corner, harmonic) + self.variance[harmonic]) * self.excess.max(T::one());
             let weight = T::lit(2.0) * PassClock::<T>::share() / variance;
-            said.log_likelihood -= T::lit(0.5) * weight * residual.norm_sqr();
+            likelihood.log_likelihood -= T::lit(0.5) * weight * residual.norm_sqr();
             for i in 0..STATES {
-                said.score[i] -= weight * (slopes[i].conj() * residual).re;
+                likelihood.score[i] -= weight * (slopes[i].conj() * residual).re;
                 for j in 0..STATES {
-                    said.information[(i, j)] += weight * (slopes[i].conj() * slopes[j]).re;
+                    likelihood.information[(i, j)] += weight * (slopes[i].conj() * slopes[j]).re;
                 }
             }
         }
-        said
+        likelihood
     }
 
     /// The force now over that while the road was learned. Taken from the force learned then, and not measured now, the slope

@@ -39,9 +39,9 @@ const SETTLING_S: f64 = 5.0;
 /// Relative sd of a level that is known well enough not to be learned from such: 6 kPa.
 const KNOWN: f64 = 0.02;
 
-/// What a pass says of the state, at a state: its log-likelihood, the gradient of that, and the Fisher information.
+/// What a pass measures of the state, at a state: its log-likelihood, the gradient of that, and the Fisher information.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Said<T: Real> {
+pub(crate) struct PassLikelihood<T: Real> {
     pub(crate) log_likelihood: T,
     pub(crate) score: Vector4<T>,
     pub(crate) information: Matrix4<T>,
@@ -90,12 +90,12 @@ impl<T: Real> Gaussian<T> {
     }
 
     /// Takes what was reported; gives the log evidence, or nothing if it cannot be taken.
-    fn update(&mut self, said: &Said<T>) -> Option<T> {
-        let shrink = (Matrix4::identity() + self.covariance * said.information).try_inverse()?;
+    fn update(&mut self, likelihood: &PassLikelihood<T>) -> Option<T> {
+        let shrink = (Matrix4::identity() + self.covariance * likelihood.information).try_inverse()?;
         let covariance = shrink * self.covariance;
-        let step = covariance * said.score;
-        let gain = said.score.dot(&step) + shrink.determinant().max(T::lit(1e-30)).ln();
-        let evidence = said.log_likelihood + T::lit(0.5) * gain;
+        let step = covariance * likelihood.score;
+        let gain = likelihood.score.dot(&step) + shrink.determinant().max(T::lit(1e-30)).ln();
+        let evidence = likelihood.log_likelihood + T::lit(0.5) * gain;
         self.state += step;
         self.covariance = (covariance + covariance.transpose()) * T::lit(0.5);
         (evidence.is_finite() && self.state.iter().all(|x| x.is_finite())).then_some(evidence)
@@ -161,17 +161,20 @@ impl<T: Real> Motion<T> {
 
     /// Weighs all modes with a pass; false, and nothing changed, if it cannot be taken.
     ///
-    /// `said` gives what the pass says at a state, with the force as measured or as expected at another one. The first is
+    /// `likelihood` gives what the pass says at a state, with the force as measured or as expected at another one. The first is
     /// near enough to find where to expect it.
-    pub(crate) fn update(&mut self, said: impl Fn(&Vector4<T>, Option<&Vector4<T>>) -> Said<T>) -> bool {
+    pub(crate) fn update(
+        &mut self,
+        likelihood: impl Fn(&Vector4<T>, Option<&Vector4<T>>) -> PassLikelihood<T>,
+    ) -> bool {
         let mut next = *self;
         let mut evidence = [T::zero(); MODES];
         for (gaussian, evidence) in next.modes.iter_mut().zip(&mut evidence) {
             let state = gaussian.state;
             let mut near = *gaussian;
-            let found = near.update(&said(&state, None));
+            let found = near.update(&likelihood(&state, None));
             let near = near.with_doubt();
-            match found.and_then(|_| gaussian.update(&said(&state, Some(&near.state)))) {
+            match found.and_then(|_| gaussian.update(&likelihood(&state, Some(&near.state)))) {
                 Some(value) => *evidence = value,
                 None => return false,
             }

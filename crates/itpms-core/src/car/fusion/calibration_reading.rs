@@ -1,4 +1,4 @@
-//! What the road's spectra say of the pressures during a calibration, whatever the driver has said of them: whether he has set them.
+//! What the road's spectra read of the pressures during a calibration: whether the driver has set them.
 
 use crate::memory::blank;
 use crate::model::Corner;

@@ -19,7 +19,7 @@ const BLOCKS: f64 = 20.0;
 /// The most that a block counts of a ratio's logarithm, where it is judged: a hole under one wheel makes two of a single block. And where
 /// it is reported, and of the hop's.
 const MOST: f64 = 0.35;
-const MOST_TOLD: f64 = 2.0;
+const MOST_REPORTED: f64 = 2.0;
 const MOST_HOP: f64 = 1.0;
 /// Log of a gain that is wrong; and that is fine again.
 const WRONG: f64 = 0.14;
@@ -41,7 +41,7 @@ pub(crate) struct WheelGainBalance<T: Real> {
     over_median: [T; 4],
     over_partner: [T; 4],
     /// The first as it is reported.
-    told: [T; 4],
+    as_reported: [T; 4],
     filled: T,
     /// Logs of the wheels' hop power over that of the others.
     hop: [T; 4],
@@ -50,7 +50,7 @@ pub(crate) struct WheelGainBalance<T: Real> {
     words: [FaultLatch<T>; 4],
 }
 
-blank!(WheelGainBalance<T> { over_median, over_partner, told, filled, hop, largest_deviation, words });
+blank!(WheelGainBalance<T> { over_median, over_partner, as_reported, filled, hop, largest_deviation, words });
 
 impl<T: Real> WheelGainBalance<T> {
     pub(crate) fn new() -> Self {
@@ -58,7 +58,7 @@ impl<T: Real> WheelGainBalance<T> {
         Self {
             over_median: nothing,
             over_partner: nothing,
-            told: nothing,
+            as_reported: nothing,
             filled: T::zero(),
             hop: nothing,
             largest_deviation: nothing,
@@ -87,7 +87,7 @@ impl<T: Real> WheelGainBalance<T> {
         for i in Corner::ALL {
             follow(&mut self.over_median[i], logs[i] - baseline, MOST);
             follow(&mut self.over_partner[i], logs[i] - logs[i.same_axle()], MOST);
-            follow(&mut self.told[i], logs[i] - baseline, MOST_TOLD);
+            follow(&mut self.as_reported[i], logs[i] - baseline, MOST_REPORTED);
         }
         self.filled += share * (T::one() - self.filled);
     }
@@ -115,7 +115,7 @@ impl<T: Real> WheelGainBalance<T> {
                 evidence(agrees && deviation.abs() > wrong, past && deviation.abs() < fine)
             });
             let sensor = Sensor { corner: i, place: Place::Wheel };
-            let gain = (self.told[i] / self.filled.max(T::lit(FILLED))).exp();
+            let gain = (self.as_reported[i] / self.filled.max(T::lit(FILLED))).exp();
             self.words[i].update(at, evidence, PATIENCE, || Malfunction::Gain { sensor, gain });
         }
     }
@@ -196,8 +196,8 @@ mod tests {
         let closed_form = -10.0 * (1.0 - HOP_AGREES.max(WRONG) / deviation.abs()).ln() + 5.0;
         assert!((reported_s - closed_form).abs() < 1.5, "{reported_s} s, {closed_form} s");
         let sensor = Sensor { corner: Corner::FrontRight, place: Place::Wheel };
-        let Some(Malfunction::Gain { sensor: told, gain }) = drive.active() else { unreachable!() };
-        assert!(told == sensor && (0.75..0.9).contains(&gain), "{told:?} {gain}");
+        let Some(Malfunction::Gain { sensor: named, gain }) = drive.active() else { unreachable!() };
+        assert!(named == sensor && (0.75..0.9).contains(&gain), "{named:?} {gain}");
         drive.on(40.0, [0.0; 4], [0.0; 4]);
         assert_eq!(drive.active(), None);
     }

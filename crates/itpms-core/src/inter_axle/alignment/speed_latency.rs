@@ -106,11 +106,11 @@ mod tests {
 
     fn last(later: impl Fn(usize, f64, f64) -> f64) -> Option<Latency<f64>> {
         let mut lag = SpeedLatency::new();
-        let mut said = None;
+        let mut lag_found = None;
         for (i, [growth_per_s, delay_s]) in MOMENTS.into_iter().cycle().take(60).enumerate() {
-            said = lag.take(&Find { later: later(i, growth_per_s, delay_s), delay_s, growth_per_s });
+            lag_found = lag.take(&Find { later: later(i, growth_per_s, delay_s), delay_s, growth_per_s });
         }
-        said
+        lag_found
     }
 
     #[test]
