@@ -11,34 +11,34 @@ pub(crate) const CLOSEST: f64 = 0.05;
 pub(crate) const LONGEST_BRIDGE: f64 = 3.5;
 /// Steps, one after the other, after which stamps that are out of line are believed: where they lie in the past, and so
 /// could be old ones that come late, and where they lie ahead.
-pub(crate) const SET_BACK: u32 = 16;
+const SET_BACK: u32 = 16;
 const LEAPT: u32 = 1;
 /// A stamp that is so far ahead, in s, has to be followed by another one before it is believed.
 const LEAP_S: f64 = 1.0;
 
 /// The time in s before which a stamp's own rounding is smaller than the least distance of two; nor are infinite and NaN ones resolved.
-pub(crate) fn latest_resolved_s(period_s: f64) -> f64 {
+fn latest_resolved_s(period_s: f64) -> f64 {
     CLOSEST / f64::EPSILON * period_s
 }
 
 /// Stamps that are out of line, and whether they follow one another.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct Stray {
+struct Stray {
     first_s: f64,
     last_s: f64,
     /// How many steps one after the other.
-    pub(crate) steps: u32,
+    steps: u32,
 }
 
 blank!(Stray { first_s, last_s, steps });
 
 impl Stray {
     /// None yet.
-    pub(crate) const NONE: Self = Self { first_s: f64::NEG_INFINITY, last_s: f64::NEG_INFINITY, steps: 0 };
+    const NONE: Self = Self { first_s: f64::NEG_INFINITY, last_s: f64::NEG_INFINITY, steps: 0 };
 
     /// Takes another one; it follows the last one if it is at most `longest_s` later.
-    pub(crate) fn take(&mut self, time_s: f64, period_s: f64, longest_s: f64) {
+    fn take(&mut self, time_s: f64, period_s: f64, longest_s: f64) {
         let step_s = time_s - self.last_s;
         // The same time again says nothing.
         if step_s.abs() < CLOSEST * period_s {

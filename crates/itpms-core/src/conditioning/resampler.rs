@@ -1,10 +1,10 @@
 //! From the samples of a real sensor to a uniform grid: checks every value, counts what it refuses, bridges short
 //! holes, and interpolates jittered or slow samples onto equal steps.
 //!
-//! Stands before every estimator, so that none of them ever sees a missing or absurd value. Knows nothing of cars
+//! Stands between the clock and every estimator, so that none of them ever sees a missing or absurd value. Knows nothing of cars
 //! beyond the size an acceleration can have.
 
-use crate::conditioning::clock::{CLOSEST, LONGEST_BRIDGE, SET_BACK, Stray, latest_resolved_s};
+use crate::conditioning::clock::{CLOSEST, LONGEST_BRIDGE};
 use crate::memory::blank;
 use crate::model::ABSURD_M_S2;
 use crate::real::Real;
@@ -35,7 +35,7 @@ pub struct SampleCounts {
     pub missing: u64,
     /// Samples beyond 1000 m/s².
     pub absurd: u64,
-    /// Samples whose time was not finite, too large to be resolved, or not clearly after the one before.
+    /// Samples whose time was not finite or not clearly after the one before, or which the clock did not believe.
     pub out_of_order: u64,
     /// Interruptions too long to bridge.
     pub gaps: u64,
@@ -125,8 +125,6 @@ impl<T: Real> FlatWatch<T> {
 struct Periods<T> {
     sample_s: f64,
     grid_s: f64,
-    /// The latest time that tells two samples apart.
-    latest_s: f64,
     /// The grid's; least and longest distance of two samples, and distances that are none.
     step_s: T,
     closest_s: T,
@@ -135,7 +133,7 @@ struct Periods<T> {
     rounded_s: T,
 }
 
-blank!(Periods<T> { sample_s, grid_s, latest_s, step_s, closest_s, longest_s, on_sample_s, rounded_s });
+blank!(Periods<T> { sample_s, grid_s, step_s, closest_s, longest_s, on_sample_s, rounded_s });
 
 /// Checks and regrids the samples of one corner.
 ///
@@ -162,16 +160,15 @@ pub struct Resampler<T> {
     last_accepted_s: f64,
     /// Whether these two are the same sample's.
     last_was_accepted: bool,
-    /// Refusals in a row, and how far they followed one another.
+    /// Stamps refused in a row.
     refused: u32,
-    stray: Stray,
     stuck_now: bool,
     counts: SampleCounts,
 }
 
 blank!(Resampler<T> {
     periods, before_s, body, wheel, filled, signal_steps, next_before_s, last_grid_s, after_gap, body_watch,
-    wheel_watch, last_raw_s, last_accepted_s, last_was_accepted, refused, stray, stuck_now, counts,
+    wheel_watch, last_raw_s, last_accepted_s, last_was_accepted, refused, stuck_now, counts,
 });
 
 impl<T: Real> Resampler<T> {
@@ -188,7 +185,6 @@ impl<T: Real> Resampler<T> {
             periods: Periods {
                 sample_s,
                 grid_s: 1.0 / (multiple * sample_rate_hz),
-                latest_s: latest_resolved_s(sample_s),
                 step_s: T::lit(1.0 / (multiple * sample_rate_hz)),
                 closest_s: T::lit(CLOSEST * sample_s),
                 longest_s: T::lit(LONGEST_BRIDGE * sample_s),
@@ -209,7 +205,6 @@ impl<T: Real> Resampler<T> {
             last_accepted_s: f64::NEG_INFINITY,
             last_was_accepted: false,
             refused: 0,
-            stray: Stray::NONE,
             stuck_now: false,
             counts: SampleCounts::default(),
         }
@@ -240,7 +235,8 @@ impl<T: Real> Resampler<T> {
     }
 
     /// Takes one raw sample (NaN: missing) and hands every grid step it completes to `sink`. A step comes four samples
-    /// after its time, when both sides of the interpolation are there.
+    /// after its time, when both sides of the interpolation are there. `time_s`: of a [`SampleClock`](super::SampleClock),
+    /// which only goes forwards; NaN for a stamp that it did not believe.
     pub fn push(
         &mut self,
         time_s: f64,
@@ -250,15 +246,13 @@ impl<T: Real> Resampler<T> {
         mut sink: impl FnMut(GridSample<T>),
     ) {
         // Closer ones blow up the interpolation.
-        let resolved = time_s.abs() < self.periods.latest_s;
         let since_raw_s = T::lit(time_s - self.last_raw_s);
-        if !(resolved && since_raw_s >= self.periods.closest_s) {
+        if !(time_s.is_finite() && since_raw_s >= self.periods.closest_s) {
             self.counts.out_of_order += 1;
-            if !(resolved && self.was_set_back(time_s)) {
-                return;
-            }
+            self.refused = self.refused.saturating_add(1);
+            return;
         }
-        (self.refused, self.stray) = (0, Stray::NONE);
+        self.refused = 0;
         if !since_raw_s.is_finite() {
             self.last_accepted_s = time_s;
         }
@@ -290,21 +284,6 @@ impl<T: Real> Resampler<T> {
         (self.last_accepted_s, self.last_was_accepted) = (time_s, true);
         self.append(step_s, body_accel_m_s2, wheel_accel_m_s2, flatness >= Flatness::Flat);
         self.emit(speed_m_s, &mut sink);
-    }
-
-    /// Takes the time of a refused sample. True if refused samples have followed one another for so long that the
-    /// clock must have been wrong before: then all that came until now is another record.
-    fn was_set_back(&mut self, time_s: f64) -> bool {
-        self.refused = self.refused.saturating_add(1);
-        self.stray.take(time_s, self.periods.sample_s, LONGEST_BRIDGE * self.periods.sample_s);
-        if self.stray.steps < SET_BACK {
-            return false;
-        }
-        self.counts.gaps += 1;
-        self.filled = 0;
-        self.last_accepted_s = time_s;
-        (self.body_watch.equal, self.wheel_watch.equal) = (0, 0);
-        true
     }
 
     /// Takes a sample so many s after the last one.
