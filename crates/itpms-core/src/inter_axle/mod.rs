@@ -76,14 +76,14 @@ pub(crate) struct InterAxle<T: Real> {
     rear: [[Placed<Entry<T>>; 2]; 2],
     /// Seconds from front to rear wheel, left and right.
     delay_s: [T; 2],
-    /// Seconds by which filters delay the signals, and by which the speed was found to be late.
-    filter_delay_s: f64,
+    /// Seconds by which the speed was found to be late, and by which filters delay the signals more than that.
     speed_latency_s: f64,
+    delayed_s: T,
     travel: Travel<T>,
 }
 
 blank!(InterAxle<T> {
-    wheelbase_m, wheels, channels, pairs, rear, delay_s, filter_delay_s, speed_latency_s, travel,
+    wheelbase_m, wheels, channels, pairs, rear, delay_s, speed_latency_s, delayed_s, travel,
 });
 
 impl<T: Real> InterAxle<T> {
@@ -123,8 +123,8 @@ impl<T: Real> InterAxle<T> {
         }
         self.rear.iter_mut().flatten().for_each(Placed::clear);
         self.delay_s = [T::zero(); 2];
-        self.filter_delay_s = band_delay_s(grid_period_s) + SENSOR_DELAY_PERIODS / sample_rate_hz;
         self.speed_latency_s = 0.0;
+        self.delayed_s = T::lit(band_delay_s(grid_period_s) + SENSOR_DELAY_PERIODS / sample_rate_hz);
         self.travel = Travel::new();
     }
 
@@ -141,9 +141,9 @@ impl<T: Real> InterAxle<T> {
         signals: &[T; MOTION],
     ) -> Option<Entry<T>> {
         // The road that the signals tell lies as far back as filters delay them: at another speed, another distance.
-        let (travel, delay_s) = (&self.travel, self.filter_delay_s - self.speed_latency_s);
-        let entry = self.channels[corner]
-            .push(sample, signals, || travel.distance_before_m(sample.time_s, delay_s))?;
+        let (travel, delayed_s) = (&self.travel, self.delayed_s);
+        let entry =
+            self.channels[corner].push(sample, signals, || travel.way_before(sample.time_s, delayed_s))?;
         let side = corner.side();
         if corner.axle() == 0 {
             self.pairs[side].front(&entry);
@@ -256,7 +256,8 @@ impl<T: Real> InterAxle<T> {
     }
 
     /// The speed is late by so many seconds more.
-    pub(crate) fn add_speed_latency(&mut self, seconds: f64) {
-        self.speed_latency_s += seconds;
+    pub(crate) fn add_speed_latency(&mut self, seconds: T) {
+        self.speed_latency_s += seconds.to_f64();
+        self.delayed_s -= seconds;
     }
 }

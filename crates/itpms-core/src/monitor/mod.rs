@@ -231,7 +231,7 @@ impl<T: Real> Monitor<T> {
             let watch = &self.wheels[i];
             // A rim has no pressure.
             let rim = watch.flat.is_active() || watch.side_is_off;
-            let (validity, doubt) = if watch.is_forgotten(latest_s, &self.config.limits) {
+            let (validity, doubt) = if watch.is_forgotten(latest_s) {
                 (Validity::NoInformation, watch.forgotten())
             } else if rim {
                 (Validity::Misfit, Doubt::Misfit)

@@ -90,6 +90,8 @@ pub(crate) struct WheelWatch {
     pub(crate) flat: Debouncer,
     pub(crate) uninformed: Debouncer,
     pub(crate) informed_s: f64,
+    /// Until when that is known; minus infinity before anything was.
+    known_until_s: f64,
     /// Seconds in which something was learned since all that had been known was forgotten.
     anew_s: f64,
     /// Seconds of driving since something was last learned.
@@ -107,6 +109,7 @@ blank!(WheelWatch {
     flat,
     uninformed,
     informed_s,
+    known_until_s,
     anew_s,
     driven_s,
     stood_s,
@@ -122,6 +125,7 @@ impl WheelWatch {
             flat: Debouncer::new(),
             uninformed: Debouncer::new(),
             informed_s: f64::NEG_INFINITY,
+            known_until_s: f64::NEG_INFINITY,
             anew_s: 0.0,
             driven_s: 0.0,
             stood_s: 0.0,
@@ -142,7 +146,7 @@ impl WheelWatch {
         let time_s = estimate.time_s;
         let learning = is_learning(estimate);
         if learning {
-            let forgotten = self.is_forgotten(time_s, limits);
+            let forgotten = self.is_forgotten(time_s);
             (self.driven_s, self.stood_s) = (0.0, 0.0);
             self.fitted_s += step_s;
             self.anew_s = if forgotten { self.anew_s + step_s } else { 0.0 };
@@ -154,6 +158,8 @@ impl WheelWatch {
         } else if around.speed_m_s < T::lit(SHOULD_LEARN_M_S) {
             self.stood_s += step_s;
         }
+        let shown_s = if self.stood_s < STANDING_S { limits.no_information_s } else { 0.0 };
+        self.known_until_s = self.informed_s + shown_s;
         let silent = self.driven_s >= limits.no_information_s;
         let uninformed = if silent { Evidence::Prefailed } else { Evidence::Prepassed };
         self.uninformed.update(time_s, step_s, uninformed, UNINFORMED);
@@ -205,10 +211,8 @@ impl WheelWatch {
     }
 
     /// Whether what was learned of the wheel is too long ago to be shown: no one has looked at a tire since the car stopped.
-    pub(crate) fn is_forgotten<T: Real>(&self, time_s: f64, limits: &Limits<T>) -> bool {
-        let age_s = time_s - self.informed_s;
-        let known = age_s < limits.no_information_s && self.stood_s < STANDING_S;
-        !known && self.informed_s != f64::NEG_INFINITY
+    pub(crate) fn is_forgotten(&self, time_s: f64) -> bool {
+        !(time_s < self.known_until_s) && self.known_until_s != f64::NEG_INFINITY
     }
 
     /// Why nothing is known of it then.
@@ -229,9 +233,7 @@ impl WheelWatch {
             Validity::NoInformation => WheelState::Unknown(Doubt::NoInformation),
             Validity::BadSignal | Validity::Diverged => WheelState::Unknown(Doubt::Suspicion),
             Validity::Misfit => WheelState::Unknown(Doubt::Misfit),
-            Validity::Valid
-                if self.is_forgotten(estimate.time_s, limits) || self.informed_s == f64::NEG_INFINITY =>
-            {
+            Validity::Valid if !(estimate.time_s < self.known_until_s) => {
                 WheelState::Unknown(self.forgotten())
             }
             Validity::Valid if reaches > limits.low_share * reference_kpa => WheelState::Fine,

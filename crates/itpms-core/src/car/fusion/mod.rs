@@ -253,7 +253,7 @@ impl<T: Real> Fusion<T> {
     /// Whether the belief is better than what the corners find by themselves: while the shared road may still be found, and
     /// from then on.
     pub(super) fn is_trusted(&self) -> bool {
-        self.learned_s() >= ENOUGH_S || self.inter_axle.travel().unshared_s() < PATIENCE_S
+        self.learned_s() >= ENOUGH_S || self.inter_axle.travel().unshared_s() < T::lit(PATIENCE_S)
     }
 
     /// Seconds of shared road that the belief rests on; half a frame more, so that rounding does not decide when it is enough.

@@ -73,7 +73,7 @@ impl<T: Real> Fusion<T> {
     /// seemed.
     fn correct(&mut self, lag: &Latency<T>) {
         self.queue.clear();
-        self.inter_axle.add_speed_latency(lag.seconds.to_f64());
+        self.inter_axle.add_speed_latency(lag.seconds);
         self.speed_latency = SpeedLatency::new();
         let tires = self.belief.restore_point().map(|before| {
             let variance =

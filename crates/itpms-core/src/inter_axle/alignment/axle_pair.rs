@@ -11,6 +11,7 @@ use crate::inter_axle::alignment::channel::{BOTH, Entry, RELATIVE, SEEN};
 use crate::inter_axle::alignment::delay_line::{DelayLine, Read};
 use crate::inter_axle::alignment::delay_search::{AT_FIRST, DelaySearch, Found, LATER};
 use crate::inter_axle::alignment::opposite_side::{OppositeSide, of_other_side, with_other};
+use crate::inter_axle::alignment::travel::Way;
 use crate::inter_axle::residual::correction::FrfCorrection;
 use crate::inter_axle::residual::expected_products::ExpectedProducts;
 use crate::inter_axle::residual::hop_excess::HopExcess;
@@ -90,8 +91,8 @@ pub(crate) struct AxlePair<T: Real> {
     /// As it was at the belief's checkpoints, the newest first.
     saved: [Placed<SavedCorrection<T>>; 2],
     imbalance: Imbalance<T>,
-    /// Distance in m of the rear wheel at its last entry.
-    distance_m: f64,
+    /// Where the rear wheel was at its last entry.
+    way: Option<Way>,
     coherence: Coherence<T>,
     products: ExpectedProducts<T>,
     /// Whether the road under front and rear is one line.
@@ -110,7 +111,7 @@ pub(crate) struct AxlePair<T: Real> {
 
 blank!(AxlePair<T> {
     side, period_s, noise_density, delay_line, delay_search, aligned, clock, instruments,
-    frf_correction, saved, imbalance, distance_m, coherence, products, on_line, hop_excess, log_snr, used, invalid_hops,
+    frf_correction, saved, imbalance, way, coherence, products, on_line, hop_excess, log_snr, used, invalid_hops,
     learned_until_s, spectral_updates,
 });
 
@@ -125,7 +126,7 @@ impl<T: Real> AxlePair<T> {
         self.frf_correction = FrfCorrection::new();
         self.saved.iter_mut().for_each(Placed::clear);
         self.imbalance = Imbalance::new();
-        self.distance_m = f64::NAN;
+        self.way = None;
         self.coherence = Coherence::new();
         self.products.restart();
         self.on_line = [false; 2];
@@ -148,10 +149,9 @@ impl<T: Real> AxlePair<T> {
 
     /// Takes an entry of the front corner.
     pub(crate) fn front(&mut self, entry: &Entry<T>) {
-        if entry.distance_m.is_finite() {
-            self.delay_line.push(entry);
-        } else {
-            self.delay_line.clear();
+        match entry.way {
+            Some(way) => self.delay_line.push(entry, way),
+            None => self.delay_line.clear(),
         }
     }
 
@@ -184,14 +184,14 @@ impl<T: Real> AxlePair<T> {
             return None;
         }
         let [wheelbase, skew] = self.delay_search.count_from([road.wheelbase, road.skew]);
-        let then_s = self.delay_line.time_at(entry.distance_m - road.length_m(wheelbase))?;
+        let (delay_line, per_second) = (&self.delay_line, T::lit(1.0 / self.period_s));
+        let steps = delay_line.steps_back_at(entry.way?.ahead(-road.length_m(wheelbase)))?;
         let axles = road.axles();
         let rear = axles[1].road_velocity(&with_other(entry.signals, None));
-        let delay_s = T::lit(entry.time_s - then_s);
-        let (delay_line, skew_s) = (&self.delay_line, T::lit(SKEW_UNIT_S) * skew);
+        let delay_s = self.delay_s(entry, steps);
+        let skew_s = T::lit(SKEW_UNIT_S) * skew;
         let stretch =
-            delay_line.read(then_s).map_or(T::zero(), |read| (entry.speed_m_s / read.speed_m_s).ln());
-        let (steps, per_second) = (delay_line.steps_back(then_s), T::lit(1.0 / self.period_s));
+            delay_line.read_back(steps).map_or(T::zero(), |read| (entry.speed_m_s / read.speed_m_s).ln());
         self.delay_search.push(rear, [delay_s, stretch], self.period_s, |later_s| {
             let read = delay_line.read_back(steps + (skew_s + later_s) * per_second)?;
             Some(axles[0].road_velocity(&with_other(read.signals, None)))
@@ -223,7 +223,7 @@ impl<T: Real> AxlePair<T> {
         enqueue: impl FnOnce(AxleFrame<T>),
     ) {
         let front = self.read_front(entry, road);
-        let Some((read, then_s, delay_s)) = front else {
+        let Some((read, steps, delay_s)) = front else {
             self.clock.restart();
             self.instruments.iter_mut().for_each(Instrument::restart);
             self.tune(road);
@@ -237,8 +237,9 @@ impl<T: Real> AxlePair<T> {
         }
         // The front met the same slope at another speed.
         let ratio = entry.speed_m_s / read.speed_m_s;
-        let others =
-            of_other_side(other.delay_line.read(then_s).map(|read| read.signals[RELATIVE]), beside, ratio);
+        let steps = steps + other.delay_line.steps_back(self.delay_line.newest_s());
+        let at_front = other.delay_line.read_back(steps).map(|read| read.signals[RELATIVE]);
+        let others = of_other_side(at_front, beside, ratio);
         let mut both = [T::zero(); BOTH];
         both[..SEEN].copy_from_slice(&with_other(read.signals, others[0]).map(|signal| ratio * signal));
         both[SEEN..].copy_from_slice(&with_other(entry.signals, others[1]));
@@ -267,8 +268,10 @@ impl<T: Real> AxlePair<T> {
 
     /// Takes off what the wheels' imbalance makes of both axles' signals.
     fn clear(&mut self, both: &mut [T; BOTH], entry: &Entry<T>, road: &PairingContext<'_, T>) {
-        let distance_m = T::lit(entry.distance_m - self.distance_m);
-        self.distance_m = entry.distance_m;
+        let (Some(way), Some(before)) = (entry.way, core::mem::replace(&mut self.way, entry.way)) else {
+            return;
+        };
+        let distance_m = way.beyond(before);
         if distance_m >= T::zero() && distance_m < T::lit(LONGEST_WAY_M) {
             let [ahead, behind] = road.velocities(both, self.side);
             self.imbalance.look(ahead - behind, distance_m, entry.speed_m_s);
@@ -283,16 +286,21 @@ impl<T: Real> AxlePair<T> {
         }
     }
 
-    /// What the front reported of the place where the rear is, and how long ago.
-    fn read_front(&self, entry: &Entry<T>, road: &PairingContext<'_, T>) -> Option<(Read<T>, f64, T)> {
+    /// What the front reported of the place where the rear is, how many steps before its newest entry, and how long ago.
+    fn read_front(&self, entry: &Entry<T>, road: &PairingContext<'_, T>) -> Option<(Read<T>, T, T)> {
         if entry.after_gap || !(entry.speed_m_s > T::lit(SLOWEST_M_S)) {
             return None;
         }
         let [wheelbase, skew] = self.used?;
-        let then_s = self.delay_line.time_at(entry.distance_m - road.length_m(wheelbase))?;
-        let read_s = then_s - SKEW_UNIT_S * skew.to_f64();
-        let read = self.delay_line.read(read_s)?;
-        (read.speed_m_s > T::lit(SLOWEST_M_S)).then(|| (read, read_s, T::lit(entry.time_s - then_s)))
+        let there = self.delay_line.steps_back_at(entry.way?.ahead(-road.length_m(wheelbase)))?;
+        let steps = there + T::lit(SKEW_UNIT_S / self.period_s) * skew;
+        let read = self.delay_line.read_back(steps)?;
+        (read.speed_m_s > T::lit(SLOWEST_M_S)).then(|| (read, steps, self.delay_s(entry, there)))
+    }
+
+    /// Seconds from so many steps before the front's newest entry to an entry of the rear.
+    fn delay_s(&self, entry: &Entry<T>, steps: T) -> T {
+        T::lit(entry.time_s - self.delay_line.newest_s()) + steps * T::lit(self.period_s)
     }
 
     /// The other side's incoherence in every bin, if there were frames of it while this side had none before a time in s.
@@ -350,8 +358,8 @@ impl<T: Real> AxlePair<T> {
 
 impl<T: Real> PairingContext<'_, T> {
     /// Distance in m from the rear wheel to the front one, with this relative deviation of wheelbase over speed.
-    fn length_m(&self, wheelbase: T) -> f64 {
-        self.wheelbase_m.to_f64() * (1.0 + wheelbase.to_f64())
+    fn length_m(&self, wheelbase: T) -> T {
+        self.wheelbase_m * (T::one() + wheelbase)
     }
 
     fn axles(&self) -> [Axle<T>; 2] {

@@ -2,6 +2,7 @@
 //! with grid samples and signals of the band; knows nothing of the other corners.
 
 use crate::conditioning::GridSample;
+use crate::inter_axle::alignment::travel::Way;
 use crate::memory::blank;
 use crate::real::Real;
 use crate::spectrum::reconstruction::{
@@ -28,8 +29,8 @@ pub(crate) const RELATIVE: usize = 3;
 pub(crate) struct Entry<T> {
     /// Time in s.
     pub(crate) time_s: f64,
-    /// Distance driven in m.
-    pub(crate) distance_m: f64,
+    /// Where the car was; `None` while the speed is unknown.
+    pub(crate) way: Option<Way>,
     /// Speed in m/s.
     pub(crate) speed_m_s: T,
     /// The signals.
@@ -42,7 +43,7 @@ pub(crate) struct Entry<T> {
     pub(crate) after_gap: bool,
 }
 
-blank!(Entry<T> { time_s, distance_m, speed_m_s, signals, invalid, unloaded, after_gap });
+blank!(Entry<T> { time_s, way, speed_m_s, signals, invalid, unloaded, after_gap });
 
 /// See the [module](self).
 #[derive(Debug, Clone, PartialEq)]
@@ -52,12 +53,13 @@ pub(crate) struct Channel {
     every: u32,
     step: u32,
     invalid: bool,
-    /// When the wheel may last have been in the air.
-    unloaded_s: f64,
+    /// Grid steps for which the filters still hold a wheel that may have been in the air.
+    echo_steps: u32,
+    most_echo_steps: u32,
     after_gap: bool,
 }
 
-blank!(Channel { grid_period_s, every, step, invalid, unloaded_s, after_gap });
+blank!(Channel { grid_period_s, every, step, invalid, echo_steps, most_echo_steps, after_gap });
 
 impl Channel {
     pub(crate) fn new(grid_period_s: f64) -> Self {
@@ -66,7 +68,8 @@ impl Channel {
             every: every(1.0 / grid_period_s),
             step: 0,
             invalid: false,
-            unloaded_s: f64::NEG_INFINITY,
+            echo_steps: 0,
+            most_echo_steps: (ECHO_S / grid_period_s + 0.5) as u32,
             after_gap: true,
         }
     }
@@ -76,20 +79,20 @@ impl Channel {
         self.grid_period_s * f64::from(self.every)
     }
 
-    /// Takes a grid step and its signals; gives an entry, at `distance_m`, when one is due.
+    /// Takes a grid step and its signals; gives an entry, taken at `way`, when one is due.
     pub(crate) fn push<T: Real>(
         &mut self,
         sample: &GridSample<T>,
         signals: &[T; SIGNALS],
-        distance_m: impl FnOnce() -> f64,
+        way: impl FnOnce() -> Option<Way>,
     ) -> Option<Entry<T>> {
         if sample.after_gap {
-            (self.after_gap, self.step) = (true, 0);
+            (self.after_gap, self.step, self.echo_steps) = (true, 0, 0);
         }
         self.invalid |= sample.invalid;
-        if sample.unloaded {
-            self.unloaded_s = sample.time_s;
-        }
+        let echo_steps =
+            if sample.unloaded { self.most_echo_steps } else { self.echo_steps.saturating_sub(1) };
+        self.echo_steps = echo_steps;
         self.step += 1;
         if self.step < self.every {
             return None;
@@ -97,12 +100,12 @@ impl Channel {
         self.step = 0;
         let entry = Entry {
             time_s: sample.time_s,
-            distance_m: distance_m(),
+            way: way(),
             speed_m_s: sample.speed_m_s,
             signals: [WHEEL_VELOCITY, WHEEL_JERK, RELATIVE_ACCELERATION, RELATIVE_VELOCITY]
                 .map(|i| signals[i]),
             invalid: core::mem::take(&mut self.invalid),
-            unloaded: sample.time_s - self.unloaded_s < ECHO_S,
+            unloaded: self.echo_steps > 0,
             after_gap: core::mem::take(&mut self.after_gap),
         };
         Some(entry)
@@ -137,7 +140,7 @@ mod tests {
                 unloaded: pulse,
             };
             let [_, band] = front_end.push(&sample, |_| [0.0; ELEMENTS]);
-            let entry = channel.push(&sample, &band.motion, || 0.0);
+            let entry = channel.push(&sample, &band.motion, || None);
             let Some(entry) = entry else { continue };
             // The wheel's jerk is the pulse itself, differentiated: what integrates, the high-pass lets ring for longer.
             let jerk = entry.signals[1].abs();

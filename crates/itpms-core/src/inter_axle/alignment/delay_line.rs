@@ -3,13 +3,12 @@
 use nalgebra::{SMatrix, SVector};
 
 use crate::inter_axle::alignment::channel::{Entry, KEPT};
-use crate::memory::blank;
+use crate::inter_axle::alignment::travel::Way;
+use crate::memory::{Blank, blank};
 use crate::real::Real;
 
 /// Entries kept: a second at 250 Hz.
 const LENGTH: usize = 256;
-/// Ways are kept modulo this many m, far more than a car drives in the second that is kept.
-const LAP_M: f64 = 256.0;
 /// Points of the interpolation.
 const POINTS: usize = 6;
 
@@ -17,11 +16,9 @@ const POINTS: usize = 6;
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct DelayLine<T: Real> {
-    /// Time in s of the newest entry, and from one to the next.
+    /// Time in s of the newest entry.
     newest_s: f64,
-    period_s: f64,
-    /// Ways in m, modulo [`LAP_M`]: single precision tells a hundredth of a millimeter then, however far the car has come.
-    way_m: SVector<T, LENGTH>,
+    way: SVector<Way, LENGTH>,
     speed_m_s: SVector<T, LENGTH>,
     signals: SMatrix<T, KEPT, LENGTH>,
     invalid: SVector<bool, LENGTH>,
@@ -33,7 +30,7 @@ pub(crate) struct DelayLine<T: Real> {
     rate_hz: T,
 }
 
-blank!(DelayLine<T> { newest_s, period_s, way_m, speed_m_s, signals, invalid, unloaded, newest, filled, rate_hz });
+blank!(DelayLine<T> { newest_s, way, speed_m_s, signals, invalid, unloaded, newest, filled, rate_hz });
 
 /// What was read back.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,8 +43,8 @@ pub(crate) struct Read<T> {
 
 impl<T: Real> DelayLine<T> {
     pub(crate) fn configure(&mut self, period_s: f64) {
-        (self.newest_s, self.period_s) = (0.0, period_s);
-        self.way_m.fill(T::zero());
+        self.newest_s = 0.0;
+        self.way.fill(Way::BLANK);
         self.speed_m_s.fill(T::zero());
         self.signals.fill(T::zero());
         self.invalid.fill(false);
@@ -55,13 +52,14 @@ impl<T: Real> DelayLine<T> {
         (self.newest, self.filled, self.rate_hz) = (0, 0, T::lit(1.0 / period_s));
     }
 
-    pub(crate) fn push(&mut self, entry: &Entry<T>) {
+    /// Takes an entry and where it was.
+    pub(crate) fn push(&mut self, entry: &Entry<T>, way: Way) {
         if entry.after_gap {
             self.filled = 0;
         }
         self.newest = (self.newest + 1) % LENGTH;
         self.newest_s = entry.time_s;
-        self.way_m[self.newest] = within_lap(entry.distance_m);
+        self.way[self.newest] = way;
         self.speed_m_s[self.newest] = entry.speed_m_s;
         self.signals.set_column(self.newest, &SVector::from(entry.signals));
         self.invalid[self.newest] = entry.invalid;
@@ -78,47 +76,32 @@ impl<T: Real> DelayLine<T> {
         (self.newest + LENGTH - back % LENGTH) % LENGTH
     }
 
-    /// How far the front wheel came beyond a place within the lap by the entry in `place`, in m.
-    fn beyond_m(&self, place: usize, way_m: T) -> T {
-        let (beyond, lap) = (self.way_m[place] - way_m, T::lit(LAP_M));
-        let half = T::lit(0.5 * LAP_M);
-        if beyond > half {
-            beyond - lap
-        } else if beyond < -half {
-            beyond + lap
-        } else {
-            beyond
-        }
-    }
-
-    /// The time at which the front wheel was at `distance_m`; `None` if that is too long ago, or not yet.
-    pub(crate) fn time_at(&self, distance_m: f64) -> Option<f64> {
+    /// Steps from the time at which the front wheel was at a place to the newest entry; `None` if that is too long ago, or not yet.
+    pub(crate) fn steps_back_at(&self, way: Way) -> Option<T> {
         if self.filled < POINTS {
             return None;
         }
-        let way_m = within_lap(distance_m);
-        let is_beyond = |back: usize| self.beyond_m(self.place(back), way_m) > T::zero();
+        let at = |back: usize| self.way[self.place(back)];
         // Ways never fall with time: halve the interval.
         let (mut near, mut far) = (0, self.filled - 1);
-        if !(is_beyond(near) && self.beyond_m(self.place(far), way_m) <= T::zero()) {
+        if !at(near).is_beyond(way) || at(far).is_beyond(way) {
             return None;
         }
         while far - near > 1 {
             let middle = usize::midpoint(near, far);
-            if is_beyond(middle) {
+            if at(middle).is_beyond(way) {
                 near = middle;
             } else {
                 far = middle;
             }
         }
-        let [before, after] = [far, near].map(|back| self.beyond_m(self.place(back), way_m));
-        let share = -before / (after - before);
-        Some(self.newest_s - (far as f64 - share.to_f64()) * self.period_s)
+        let share = way.beyond::<T>(at(far)) / at(near).beyond(at(far));
+        Some(T::whole(far as u32) - share)
     }
 
-    /// The signals at a time, through six points.
-    pub(crate) fn read(&self, time_s: f64) -> Option<Read<T>> {
-        self.read_back(self.steps_back(time_s))
+    /// Time in s of the newest entry.
+    pub(crate) fn newest_s(&self) -> f64 {
+        self.newest_s
     }
 
     /// Steps from a time to the newest entry.
@@ -126,7 +109,7 @@ impl<T: Real> DelayLine<T> {
         T::lit(self.newest_s - time_s) * self.rate_hz
     }
 
-    /// The signals so many steps before the newest entry.
+    /// The signals so many steps before the newest entry, through six points.
     pub(crate) fn read_back(&self, steps: T) -> Option<Read<T>> {
         if !(steps >= T::lit(2.0) && steps < T::whole(self.filled as u32) - T::lit(3.0)) {
             return None;
@@ -146,12 +129,6 @@ impl<T: Real> DelayLine<T> {
         let unloaded = [back, back + 1].map(|back| self.unloaded[self.place(back)]).contains(&true);
         Some(Read { signals, speed_m_s: self.speed_m_s[self.place(back)], invalid, unloaded })
     }
-}
-
-/// A way in m modulo [`LAP_M`].
-fn within_lap<T: Real>(distance_m: f64) -> T {
-    // Without a division, which is long in double precision.
-    T::lit(distance_m - LAP_M * f64::from((distance_m * (1.0 / LAP_M)) as i32))
 }
 
 /// Weights of the polynomial through the points -2 to 3 at `x` in `[0, 1)`.

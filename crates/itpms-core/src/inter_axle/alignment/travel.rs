@@ -1,7 +1,7 @@
-//! Distance travelled and speed, on the samples' clock.
+//! How far the car has come and how fast it is, on the samples' clock.
 
 use super::axle_pair::SLOWEST_M_S;
-use crate::memory::blank;
+use crate::memory::{Blank, blank};
 use crate::real::Real;
 
 /// Time in s over which the speed is averaged.
@@ -9,43 +9,75 @@ const SPEED_S: f64 = 1.5;
 /// Longest time in s between two samples over which the distance is counted.
 const LONGEST_STEP_S: f64 = 0.5;
 
+/// A place on the way: whole eighths of a micrometer, modulo the 512 m that 2^32 of them are. Sums of whole numbers lose nothing
+/// however far the car has come, and cost a controller no double precision.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Way(u32);
+
+impl Blank for Way {
+    const BLANK: Self = Self(0);
+}
+
+impl Way {
+    /// Parts of a meter.
+    const PER_M: f64 = (1 << 23) as f64;
+
+    /// The place so many meters further on, less than 256.
+    pub(crate) fn ahead<T: Real>(self, m: T) -> Self {
+        Self(self.0.wrapping_add_signed((m * T::lit(Self::PER_M)).round().to_whole()))
+    }
+
+    /// By how many meters it lies beyond another place that is less than 256 m away.
+    pub(crate) fn beyond<T: Real>(self, other: Self) -> T {
+        let parts = self.0.wrapping_sub(other.0).cast_signed();
+        let m = T::whole(parts.unsigned_abs()) * T::lit(1.0 / Self::PER_M);
+        if parts < 0 { -m } else { m }
+    }
+
+    /// Whether it lies beyond another place that is less than 256 m away.
+    pub(crate) fn is_beyond(self, other: Self) -> bool {
+        self.0.wrapping_sub(other.0).cast_signed() > 0
+    }
+}
+
 /// See the [module](self).
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Travel<T> {
     time_s: f64,
-    distance_m: f64,
+    way: Way,
     speed_m_s: T,
     mean_speed_m_s: T,
     /// Seconds driven since a shared road was last learned from; all of them while the speed is unknown.
-    unshared_s: f64,
+    unshared_s: T,
 }
 
-blank!(Travel<T> { time_s, distance_m, speed_m_s, mean_speed_m_s, unshared_s });
+blank!(Travel<T> { time_s, way, speed_m_s, mean_speed_m_s, unshared_s });
 
 impl<T: Real> Travel<T> {
     pub(crate) fn new() -> Self {
         Self {
             time_s: f64::NAN,
-            distance_m: 0.0,
+            way: Way::BLANK,
             speed_m_s: T::lit(f64::NAN),
             mean_speed_m_s: T::zero(),
-            unshared_s: 0.0,
+            unshared_s: T::zero(),
         }
     }
 
     /// Takes a sample's time and speed; NaN: the speed is unknown.
     pub(crate) fn drive(&mut self, time_s: f64, speed_m_s: T) {
-        let seconds = time_s - self.time_s;
-        let follows = seconds > 0.0 && seconds < LONGEST_STEP_S;
+        let seconds = T::lit(time_s - self.time_s);
+        let follows = seconds > T::zero() && seconds < T::lit(LONGEST_STEP_S);
         if follows && self.speed_m_s.is_finite() {
             let mean = if speed_m_s.is_finite() {
                 T::lit(0.5) * (speed_m_s + self.speed_m_s)
             } else {
                 self.speed_m_s
             };
-            self.distance_m += mean.to_f64() * seconds;
-            let share = (T::lit(seconds) * T::lit(1.0 / SPEED_S)).min(T::one());
+            self.way = self.way.ahead(mean * seconds);
+            let share = (seconds * T::lit(1.0 / SPEED_S)).min(T::one());
             self.mean_speed_m_s += (mean - self.mean_speed_m_s) * share;
             if mean > T::lit(SLOWEST_M_S) {
                 self.unshared_s += seconds;
@@ -59,13 +91,10 @@ impl<T: Real> Travel<T> {
         self.speed_m_s = speed_m_s;
     }
 
-    /// Distance in m so many seconds before a time near the last sample's; NaN while the speed is unknown.
-    pub(crate) fn distance_before_m(&self, time_s: f64, before_s: f64) -> f64 {
-        if self.speed_m_s.is_finite() {
-            self.distance_m - self.speed_m_s.to_f64() * (self.time_s - time_s + before_s)
-        } else {
-            f64::NAN
-        }
+    /// Where the car was so many seconds before a time near the last sample's; `None` while the speed is unknown.
+    pub(crate) fn way_before(&self, time_s: f64, before_s: T) -> Option<Way> {
+        let back_m = self.speed_m_s * (T::lit(self.time_s - time_s) + before_s);
+        back_m.is_finite().then(|| self.way.ahead(-back_m))
     }
 
     /// Time in s of the last sample.
@@ -84,11 +113,31 @@ impl<T: Real> Travel<T> {
     }
 
     /// Seconds driven since a shared road was last learned from.
-    pub(crate) fn unshared_s(&self) -> f64 {
+    pub(crate) fn unshared_s(&self) -> T {
         self.unshared_s
     }
 
     pub(crate) fn restart_unshared(&mut self) {
-        self.unshared_s = 0.0;
+        self.unshared_s = T::zero();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_way_is_exact_however_long_and_across_its_lap() {
+        let (mut way, step_m) = (Way::BLANK, 0.062_5_f32);
+        for k in 1..100_000u32 {
+            let before = way;
+            way = way.ahead(step_m);
+            assert!(
+                way.is_beyond(before) && !before.is_beyond(way) && way.beyond::<f32>(before) == step_m,
+                "{k}"
+            );
+        }
+        assert_eq!(way.ahead(2.7_f64).ahead(-2.7_f64), way);
+        assert!((way.ahead(-2.7_f32).beyond::<f64>(way) + 2.7).abs() < 1e-6);
     }
 }

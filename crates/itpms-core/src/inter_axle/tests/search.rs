@@ -6,8 +6,9 @@ use crate::belief::state::State;
 use crate::inter_axle::alignment::axle_pair::{AxlePair, PairingContext};
 use crate::inter_axle::alignment::channel::Entry;
 use crate::inter_axle::alignment::delay_search::Found;
+use crate::inter_axle::alignment::travel::Way;
 use crate::inter_axle::tests::{PERIOD_S, wheels};
-use crate::memory::configured;
+use crate::memory::{Blank, configured};
 use crate::model::Side;
 
 const WHEELBASE_M: f64 = 2.7;
@@ -29,7 +30,7 @@ fn entry(step: u32, wheel_m: f64) -> Entry<f64> {
     let distance_m = SPEED_M_S * time_s;
     Entry {
         time_s,
-        distance_m,
+        way: Some(Way::BLANK.ahead(distance_m)),
         speed_m_s: SPEED_M_S,
         // A wheel that no force deforms runs on the road itself.
         signals: [velocity(distance_m + wheel_m), 0.0, 0.0, 0.0],
