@@ -18,7 +18,7 @@ use crate::status::itpms_status;
 
 const CALIBRATION: Kind = Kind::new(b'C', 2);
 /// A program with another layout of the estimator has another format.
-const STATE: Kind = Kind::new(b'S', 4);
+const STATE: Kind = Kind::new(b'S', 5);
 
 /// See the [module](self).
 #[derive(Serialize, Deserialize)]

@@ -27,7 +27,7 @@ use crate::roughness::Roughness;
 use crate::wheels::Wheels;
 
 /// The format that is written, and the only one that is read.
-pub const FORMAT: u32 = 27;
+pub const FORMAT: u32 = 28;
 
 const MAGIC: &str = "itpms-live-state ";
 /// The largest car takes some 400 kB.
