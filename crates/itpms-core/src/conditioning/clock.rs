@@ -3,6 +3,7 @@
 //! Stands before the estimators and the monitor, so that a clock that is set, or one stray stamp, is a pause to them and
 //! nothing else: calibrations end, warm references and beliefs go on. Called by them; knows nothing of what is sampled.
 
+use crate::conditioning::PAUSE_S;
 use crate::memory::blank;
 
 /// Least distance of two stamps, in sampling periods: closer ones are the same.
@@ -13,8 +14,6 @@ pub(crate) const LONGEST_BRIDGE: f64 = 3.5;
 /// could be old ones that come late, and where they lie ahead.
 const SET_BACK: u32 = 16;
 const LEAPT: u32 = 1;
-/// A stamp that is so far ahead, in s, has to be followed by another one before it is believed.
-const LEAP_S: f64 = 1.0;
 
 /// The time in s before which a stamp's own rounding is smaller than the least distance of two; nor are infinite and NaN ones resolved.
 fn latest_resolved_s(period_s: f64) -> f64 {
@@ -89,10 +88,11 @@ impl SteadyClock {
             return None;
         }
         let step_s = time_s - self.stamp_s;
-        let in_line = self.stamp_s == f64::NEG_INFINITY || (0.0..=LEAP_S).contains(&step_s);
+        // One that is further ahead has to be followed by another one before it is believed.
+        let in_line = self.stamp_s == f64::NEG_INFINITY || (0.0..=PAUSE_S).contains(&step_s);
         if !in_line {
             // Ahead, samples may come as seldom as they may before it; old ones that come late come as they were sent.
-            let longest_s = if step_s > 0.0 { LEAP_S } else { LONGEST_BRIDGE * self.period_s };
+            let longest_s = if step_s > 0.0 { PAUSE_S } else { LONGEST_BRIDGE * self.period_s };
             self.stray.take(time_s, self.period_s, longest_s);
             if self.stray.steps < if step_s > 0.0 { LEAPT } else { SET_BACK } {
                 return None;

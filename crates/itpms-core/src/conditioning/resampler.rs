@@ -4,6 +4,7 @@
 //! Stands between the clock and every estimator, so that none of them ever sees a missing or absurd value. Knows nothing of cars
 //! beyond the size an acceleration can have.
 
+use crate::conditioning::MISSING_S;
 use crate::conditioning::clock::{CLOSEST, LONGEST_BRIDGE};
 use crate::memory::blank;
 use crate::model::ABSURD_M_S2;
@@ -21,9 +22,6 @@ const ROUNDED: f64 = 0.01;
 const FLAT_TOP: u32 = 3;
 /// Equal values in a row, at any magnitude, that are no signal: their steps are marked like saturated ones.
 const FLAT: u32 = 8;
-/// Seconds after which the signal cannot be used: without a change of a sensor's value, without an accepted sample, or with a clock that
-/// stands.
-const UNUSABLE_S: f64 = 0.5;
 
 /// What was found in the raw samples so far.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -107,7 +105,7 @@ impl<T: Real> FlatWatch<T> {
         let magnitude = value.abs();
         let at_limit = magnitude >= self.largest && magnitude > T::zero();
         self.largest = self.largest.at_least(magnitude);
-        if self.equal > 1 && time_s - self.equal_since_s > UNUSABLE_S {
+        if self.equal > 1 && time_s - self.equal_since_s > MISSING_S {
             Flatness::Stuck
         } else if at_limit && self.equal >= FLAT_TOP {
             Flatness::AtLimit
@@ -230,8 +228,8 @@ impl<T: Real> Resampler<T> {
     /// True while the signal cannot be used: nothing accepted for half a second, or a sensor or the clock is stuck.
     #[must_use]
     pub fn is_bad(&self) -> bool {
-        let clock_stuck = self.refused > 0 && f64::from(self.refused) * self.periods.sample_s > UNUSABLE_S;
-        self.stuck_now || clock_stuck || !(self.last_raw_s - self.last_accepted_s <= UNUSABLE_S)
+        let clock_stuck = self.refused > 0 && f64::from(self.refused) * self.periods.sample_s > MISSING_S;
+        self.stuck_now || clock_stuck || !(self.last_raw_s - self.last_accepted_s <= MISSING_S)
     }
 
     /// Takes one raw sample (NaN: missing) and hands every grid step it completes to `sink`. A step comes four samples

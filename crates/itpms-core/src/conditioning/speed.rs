@@ -2,13 +2,12 @@
 //!
 //! Called by the estimators, the monitor and everybody who counts the way.
 
+use crate::conditioning::MISSING_S;
 use crate::memory::blank;
 use crate::real::Real;
 
 /// Speed in m/s below which no frame of a wheel or a strut is learned from.
 pub(crate) const STANDING_M_S: f64 = 2.5;
-/// Longest time in s for which a speed is taken to go on: a car that brakes hard is 4 m/s slower by then.
-const HOLD_S: f64 = 0.5;
 
 /// Speeds in m/s that cars have: backwards, forwards. Anything else is a bus that tells nonsense, or a sign that is wrong: a car
 /// that stood or reversed for good would never be read again.
@@ -45,7 +44,7 @@ impl<T: Real> SpeedHold<T> {
             return speed_m_s;
         }
         let age_s = time_s - self.known_s;
-        if (0.0..=HOLD_S).contains(&age_s) { self.speed_m_s } else { T::lit(f64::NAN) }
+        if (0.0..=MISSING_S).contains(&age_s) { self.speed_m_s } else { T::lit(f64::NAN) }
     }
 }
 

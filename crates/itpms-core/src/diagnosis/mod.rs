@@ -31,6 +31,7 @@ pub(crate) mod standstill;
 mod wheel_gain;
 
 pub use self::malfunction::{Malfunction, Place, Sensor};
+use crate::conditioning::PAUSE_S;
 use crate::diagnosis::cross_sensor::CrossSensorPlausibility;
 use crate::diagnosis::debounce::Debouncer;
 use crate::diagnosis::matching::{gathered, median, over_others};
@@ -43,8 +44,6 @@ use crate::real::Real;
 
 /// Seconds between two looks at what the sensors did.
 const BLOCK_S: f64 = 0.5;
-/// A hole in the record longer than this, in s, begins a new one.
-const LONGEST_HOLE_S: f64 = 1.0;
 /// Longest time between samples that follow one another, in periods.
 const LONGEST_STEP: f64 = 1.5;
 /// Speed in m/s above which a car moves, and above which its sensors are held against each other.
@@ -145,7 +144,7 @@ impl<T: Real> Diagnosis<T> {
             return; // The same sample again; the intake counts it.
         }
         self.last_s = time_s;
-        if !(step_s < LONGEST_HOLE_S) {
+        if !(step_s < PAUSE_S) {
             self.begin_block(time_s);
             self.calm_blocks = 0;
             self.slowest_m_s = sample.speed_m_s;

@@ -1,14 +1,14 @@
 //! What is wrong with one sensor, as far as it shows by itself and from the same sensors at the other
 //! corners.
 
+use crate::conditioning::MISSING_S;
 use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
 use crate::diagnosis::sensor_statistics::{SensorBlock, SensorWatch};
 use crate::diagnosis::{FEW_MISSING, Fault, Malfunction, Motion, Sensor};
 use crate::memory::blank;
 use crate::real::Real;
 
-/// Seconds without a change after which a sensor of a moving car is stuck; and of the doubt before.
-const STUCK_S: f64 = 0.5;
+/// Seconds without a change after which a sensor of a moving car may be stuck.
 const STUCK_DOUBT_S: f64 = 0.2;
 const STUCK: DebounceTimes = DebounceTimes { set_s: 0.0, clear_s: 1.5 };
 /// Share of missing values that is too much; it is fine again once there are [`FEW_MISSING`].
@@ -85,7 +85,7 @@ impl<T: Real> SingleSensorMonitor<T> {
         let unchanged_s = if block.complete { block.unchanged_s } else { 0.0 };
         let stuck = match motion {
             _ if !block.complete => Evidence::NoData,
-            Motion::Moving if unchanged_s > STUCK_S => Evidence::Prefailed,
+            Motion::Moving if unchanged_s > MISSING_S => Evidence::Prefailed,
             _ if unchanged_s < STUCK_DOUBT_S => Evidence::Prepassed,
             _ => Evidence::NoData,
         };

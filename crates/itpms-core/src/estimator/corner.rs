@@ -6,7 +6,7 @@ use super::fused_stiffness::FusedStiffness;
 use super::pulses::PulseLevel;
 use super::reading::{Reading, STARTING_S, is_known};
 use crate::conditioning::wheel_lift::ContactWatch;
-use crate::conditioning::{GridSample, LEAST_GRID_HZ, Resampler, SampleCounts};
+use crate::conditioning::{GridSample, LEAST_GRID_HZ, PAUSE_S, Resampler, SampleCounts};
 use crate::memory::{Placed, blank};
 use crate::model::{
     BodyFit, Corner, CornerConfig, CornerEstimate, CornerSample, Level, Loss, Misfit, ParameterError,
@@ -20,8 +20,6 @@ use crate::torsion::TorsionChange;
 
 /// Seconds between two updates of the Bayes filter with a calibration.
 const TELL_S: f64 = 0.1;
-/// Seconds without a frame after which nothing is being learned.
-const STALE_S: f64 = 1.0;
 
 /// Longest time in s that an estimate waits for the verdict on body and wheel.
 const UNJUDGED_S: f64 = 20.0;
@@ -302,7 +300,7 @@ impl<T: Real> CornerEstimator<T> {
 
     /// The reading at a time: nothing is being learned where no frame comes, as in a hole of the record.
     fn reading_at(&self, time_s: f64) -> Reading<T> {
-        if (0.0..STALE_S).contains(&(time_s - self.read_s)) {
+        if (0.0..PAUSE_S).contains(&(time_s - self.read_s)) {
             return self.reading;
         }
         Reading { gate: T::zero(), ..self.reading }

@@ -1,16 +1,13 @@
 //! By how much the accelerations of a corner read too much, as the tooth pulses of its wheel tell (docs/math/two-witnesses.md, "One
 //! corner and its pulses"). Asked by [`Estimator`](super::Estimator) alone: what moves fast is left to the accelerations.
 
+use crate::conditioning::PAUSE_S;
 use crate::memory::blank;
 use crate::real::Real;
-use crate::torsion::{TorsionChange, level_variance_kpa2};
+use crate::torsion::{OUTLIER, TorsionChange, level_variance_kpa2};
 
 /// Time in s over which the accelerations' reading is averaged: half a piece, so that both are of the same moment.
 const RECENT_S: f64 = 15.0;
-/// Longest time in s between two readings of one average.
-const GAP_S: f64 = 1.0;
-/// Deviation, in standard deviations, beyond which a piece is an outlier.
-const OUTLIER: f64 = 4.0;
 
 /// What is known of that.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,7 +32,7 @@ impl<T: Real> PulseLevel<T> {
     pub(super) fn read(&mut self, time_s: f64, kpa: T, variance_kpa2: T) {
         let step_s = time_s - self.last_s;
         self.last_s = time_s;
-        let goes_on = (0.0..GAP_S).contains(&step_s) && self.since_s > 0.0;
+        let goes_on = (0.0..PAUSE_S).contains(&step_s) && self.since_s > 0.0;
         if !(goes_on && self.recent_kpa.is_finite() && self.recent_kpa2.is_finite()) {
             (self.recent_kpa, self.recent_kpa2, self.since_s) = (kpa, variance_kpa2, f64::MIN_POSITIVE);
             return;

@@ -24,7 +24,7 @@ use self::residual::model::{Axle, AxleFrame, Wheel};
 use crate::belief::Belief;
 use crate::belief::measurement::BINS;
 use crate::belief::state::{SKEW, WHEELBASE};
-use crate::conditioning::GridSample;
+use crate::conditioning::{GridSample, PAUSE_S};
 use crate::inter_axle::alignment::channel::BOTH;
 use crate::memory::{Placed, blank};
 use crate::model::{CarConfig, Corner, QuarterCar, Side};
@@ -52,8 +52,6 @@ pub(crate) fn bin_hz<T: Real>(bin: usize) -> T {
 const SENSOR_DELAY_PERIODS: f64 = 2.613 / (core::f64::consts::TAU * 0.3);
 /// Entries of two corners within so many periods are of the same time.
 const NEAR_PERIODS: f64 = 0.6;
-/// Seconds after which a corner without signals counts as silent.
-const SILENT_S: f64 = 1.0;
 
 /// What an entry of a rear corner leads to.
 #[derive(Debug)]
@@ -189,7 +187,7 @@ impl<T: Real> InterAxle<T> {
         let others = || self.rear[side.other()].iter().flatten();
         match others().find(|other| apart_s(other) < near_s && !other.invalid) {
             Some(other) => OppositeSide::Known(other.signals[RELATIVE]),
-            None if others().all(|other| apart_s(&other) > SILENT_S) => OppositeSide::Silent,
+            None if others().all(|other| apart_s(&other) > PAUSE_S) => OppositeSide::Silent,
             None => OppositeSide::Missed,
         }
     }

@@ -1,7 +1,7 @@
 //! Whether a corner's body moves as the vehicle file says, and what was found of it on the way (docs/math/unknown-car.md, section 3).
 
 use crate::memory::blank;
-use crate::model::Level;
+use crate::model::{Level, ONE_SIDED_95};
 use crate::real::Real;
 
 /// Share of the body's motion, 5 to 16 Hz, that does not go with the wheel's: from the first on nothing is believed, below the second
@@ -19,8 +19,6 @@ const MOST_HOP_EXCESS: [f64; 2] = [5.0, 4.0];
 /// Bins over which the two shares are averaged.
 const COHERENCE_BINS: f64 = 5.0;
 const UNEXPLAINED_BINS: f64 = 7.0;
-/// One-sided 95 % quantile of a normal distribution.
-const ONE_SIDED_95: f64 = 1.64;
 
 /// How well body and wheel of a corner go together.
 #[derive(Debug, Clone, Copy, PartialEq)]

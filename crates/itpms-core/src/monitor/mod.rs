@@ -20,7 +20,7 @@ mod wheels;
 pub use self::config::MonitorConfig;
 pub use self::monitored::MonitoredCar;
 pub use self::wheels::MonitoredWheels;
-use crate::conditioning::Moment;
+use crate::conditioning::{MISSING_S, Moment};
 use crate::diagnosis::debounce::Debouncer;
 use crate::diagnosis::decorrelation::DecorrelationDetector;
 use crate::diagnosis::standstill::Standstill;
@@ -28,8 +28,8 @@ use crate::diagnosis::{Diagnosis, Fault};
 use crate::memory::{Blank, Placed, blank};
 use crate::model::CarEstimate;
 use crate::model::{
-    CarSample, Corner, CornerEstimate, CornerSample, ParameterError, Side, Validity, Warning, Wheels,
-    positive,
+    CarSample, Corner, CornerEstimate, CornerSample, ONE_SIDED_95, ParameterError, Side, Validity, Warning,
+    Wheels, positive,
 };
 use crate::real::Real;
 use crate::warning::all_low::AllLow;
@@ -37,15 +37,13 @@ use crate::warning::leak::{Height, LeakWatch};
 use crate::warning::low::{ALONE, Around, WheelWatch, is_learning, reading};
 use crate::warning::reference_pressure::ReferencePressure;
 use crate::warning::report::{ALL_LOW_SLOT, COMMON_SHIFT_SLOT, Slot};
-use crate::warning::{Alert, Cause, Doubt, MonitorReport, ONE_SIDED_95, WheelReport, WheelState};
+use crate::warning::{Alert, Cause, Doubt, MonitorReport, WheelReport, WheelState};
 
 /// Seconds between two decisions on pressures.
 const DECIDE_S: f64 = 0.1;
 /// Seconds for which a corner must not have been found wrong after the fact before it requests a rollback
 /// again.
 const ROLLBACK_HOLDOFF_S: f64 = 60.0;
-/// Longest time in s that counts between two decisions: a hole in the record is no evidence.
-const LONGEST_STEP_S: f64 = 0.5;
 
 /// A running monitor, for an estimator that is none of this crate's. A value: clone it, save it, go on. Per sample: [`screen`](Self::screen)
 /// what the sensors say, give the estimator what `screen` returns, and let [`judge`](Self::judge) look at what comes out; [`MonitoredCar`]
@@ -220,7 +218,7 @@ impl<T: Real> Monitor<T> {
         if at.time_s.is_some() && step_s >= DECIDE_S - 1e-9 {
             self.decided_s = time_s;
             self.ahead_s = at.ahead_s;
-            self.decide(&steadied(estimate, time_s), step_s.min(LONGEST_STEP_S));
+            self.decide(&steadied(estimate, time_s), step_s.min(MISSING_S));
         }
         // Of a time that nobody can place, nobody can say how long ago something was learned.
         let latest_s = at.latest_s;

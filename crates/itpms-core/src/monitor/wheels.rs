@@ -1,14 +1,14 @@
 //! The radius analysis of wheel speeds under the monitor's words: the same states and alerts as of a car with accelerations. For a car
 //! that has nothing else, or beside its other monitor.
 
+use crate::conditioning::PAUSE_S;
 use crate::memory::{Placed, blank};
 use crate::model::{Corner, ParameterError, RadiusDifferences, Validity, Warning, Wheels};
 use crate::real::Real;
 use crate::torsion::CarTorsion;
 use crate::warning::{Alert, Cause, Doubt, MonitorReport, WheelReport, WheelState};
 use crate::wheel_speed::{
-    LONGEST_GAP_S, RadiusCalibration, RadiusMonitor, RadiusReport, RadiusState, WheelSpeedConfig,
-    WheelSpeedSample,
+    RadiusCalibration, RadiusMonitor, RadiusReport, RadiusState, WheelSpeedConfig, WheelSpeedSample,
 };
 
 /// Usable driving in s after which what is more probable than .99 is reported, and after which a report that does not hold any more
@@ -139,7 +139,7 @@ impl<T: Real> MonitoredWheels<T> {
         if self.is_calibrating() {
             // Steps are added up: a stray stamp, or a clock that is set, is a pause and no end.
             let step_s = sample.time_s - self.radii.report().time_s;
-            if step_s > 0.0 && step_s < LONGEST_GAP_S {
+            if step_s > 0.0 && step_s < PAUSE_S {
                 self.calibration_left_s -= step_s;
             }
             if !(self.calibration_left_s > ROUNDING_S) {

@@ -42,6 +42,7 @@ use self::fit::{BINS, Fitted, Spectrum, fit};
 use self::reference::Reference;
 use self::speed::Speed;
 use self::teeth::{Edge, Teeth};
+use crate::conditioning::LONG_STOP_S;
 use crate::memory::{Blank, blank};
 use crate::model::ParameterError;
 use crate::real::Real;
@@ -61,16 +62,15 @@ const MOST_CHANGE: f64 = 0.15;
 const WALK_KPA: f64 = 0.4;
 const START_SD_KPA: f64 = 8.0;
 const LEVEL_SD_KPA: f64 = 5.0;
-/// Time in s without an edge after which a tire may have lost air without being seen, by so many kPa (sd): what radius analysis takes its
-/// radius to have changed by.
-const LONG_STOP_S: f64 = 10.0;
+/// What a tire may have lost in a [long stop](LONG_STOP_S) without being seen, in kPa (sd): what radius analysis takes its radius to have
+/// changed by.
 const STANDING_SD_KPA: f64 = 34.0;
 /// By how much pieces of the same pressure and speed differ beside what a spectrum's length allows, in Hz: by road, load and slip stiffness.
 const MODEL_SD_HZ: f64 = 0.6;
 /// How well the Hz per kPa are known, as a share of them and so of every change: of a tire nothing is known of.
 const SCALE_SD: f64 = 0.2;
 /// Innovation in standard deviations beyond which a piece is an outlier, or the first one of another pressure: the next one tells.
-const OUTLIER: f64 = 4.0;
+pub(crate) const OUTLIER: f64 = 4.0;
 
 /// What a piece of driving has shown.
 #[derive(Debug, Clone, Copy, PartialEq)]

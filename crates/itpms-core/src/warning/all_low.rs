@@ -3,10 +3,10 @@
 
 use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
 use crate::memory::blank;
-use crate::model::{CarEstimate, Corner, Level, Wheels};
+use crate::model::{CarEstimate, Corner, Level, ONE_SIDED_95, Wheels};
 use crate::real::Real;
 use crate::warning::low::is_learning;
-use crate::warning::{Cause, Limits, NOT_HEALTHY, ONE_SIDED_95};
+use crate::warning::{Cause, Limits, NOT_HEALTHY};
 
 /// No wheel may be above this share: else it is not all of them.
 const NONE_ABOVE: f64 = 0.95;

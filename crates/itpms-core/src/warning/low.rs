@@ -2,10 +2,10 @@
 
 use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
 use crate::memory::blank;
-use crate::model::{CornerEstimate, Level, Validity};
+use crate::model::{CornerEstimate, Level, ONE_SIDED_95, Validity};
 use crate::real::Real;
 use crate::warning::report::{Doubt, WheelState};
-use crate::warning::{Basis, Limits, NOT_HEALTHY, ONE_SIDED_95, Reading};
+use crate::warning::{Basis, Limits, NOT_HEALTHY, Reading};
 
 /// So many sds count double: a pressure that is far past its limit need not be waited for as long.
 const VERY_CERTAIN: f64 = 3.0;

@@ -12,8 +12,6 @@ pub use self::alert::{Alert, Basis, Cause, Reading};
 pub use self::limits::{Limits, Regulation};
 pub use self::report::{Change, Doubt, MonitorReport, WheelReport, WheelState};
 
-/// One-sided 95 % quantile of a normal distribution: a pressure counts as past a limit when this many sds still are.
-pub(crate) const ONE_SIDED_95: f64 = 1.64;
 /// A pressure whose level rests on the vehicle file alone may be a healthy tire's unless it is below its reference by so many sds: three
 /// healthy wheels of a hundred thousand read so low. What the file leaves open is another with every car and the same all the while: no
 /// waiting averages it.

@@ -53,6 +53,7 @@ use self::hypotheses::{Decision, PLACES, Triangle, add_load, all_would_be_found,
 pub use self::report::{Pattern, RadiusReport, RadiusState, Unseen, WheelRadius};
 pub use self::sample::WheelSpeedSample;
 use self::yaw_witness::YawWitness;
+use crate::conditioning::{LONG_STOP_S, PAUSE_S};
 use crate::memory::{Blank, blank};
 use crate::model::{Corner, ParameterError, RadiusDifferences, Wheels};
 use crate::real::Real;
@@ -78,12 +79,8 @@ const STATES: usize = 15;
 /// Log ratios are kept in thousandths, so that single precision holds their squares.
 const SCALE: f64 = 1e3;
 
-/// Standing in s after which loads may have changed and a tire may have lost air without being seen.
-const LONG_STOP_S: f64 = 10.0;
 /// Usable driving in s that teaches anything.
 const LEAST_CALIBRATION_S: f64 = 10.0;
-/// Longest time in s between two samples of a drive.
-pub(crate) const LONGEST_GAP_S: f64 = 1.0;
 /// Loss that radii are measured in: `-ln 0.8`, of a fifth.
 const FIFTH: f64 = 0.223_143_55;
 
@@ -250,8 +247,8 @@ impl<T: Real> RadiusMonitor<T> {
         }
         let step_s = time_s - self.report.time_s;
         self.ended = false;
-        if !(step_s > 0.0 && step_s < LONGEST_GAP_S) {
-            if step_s <= 0.0 && step_s > -LONGEST_GAP_S {
+        if !(step_s > 0.0 && step_s < PAUSE_S) {
+            if step_s <= 0.0 && step_s > -PAUSE_S {
                 return &self.report;
             }
             // The first sample, a gap, or another clock.

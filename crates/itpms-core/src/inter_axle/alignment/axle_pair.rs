@@ -7,6 +7,7 @@ use nalgebra::{Complex, SVector};
 
 use crate::belief::measurement::{BINS, SideMeasurement};
 use crate::belief::state::{GAIN, SKEW_UNIT_S, State};
+use crate::conditioning::{MISSING_S, PAUSE_S};
 use crate::inter_axle::alignment::channel::{BOTH, Entry, RELATIVE, SEEN};
 use crate::inter_axle::alignment::delay_line::{DelayLine, Read};
 use crate::inter_axle::alignment::delay_search::{AT_FIRST, DelaySearch, Found, LATER};
@@ -31,10 +32,6 @@ pub(crate) use self::measure::PRODUCT_PARTS;
 pub(crate) const SLOWEST_M_S: f64 = 2.8;
 /// Hops after a restart until the instruments have forgotten that they began at rest.
 const SETTLING_HOPS: u32 = 5;
-/// Seconds without a frame, while the other side had some, after which the other side's coherence counts, too.
-const MISSED_S: f64 = 0.5;
-/// Seconds without a frame after which a side counts as not shared.
-const STALE_S: f64 = 1.0;
 /// Longest distance in m between two entries that follow each other.
 const LONGEST_WAY_M: f64 = 1.0;
 /// Share of a frame in which both wheels touch the road, from which on it counts.
@@ -305,8 +302,8 @@ impl<T: Real> AxlePair<T> {
 
     /// The other side's incoherence in every bin, if there were frames of it while this side had none before a time in s.
     pub(crate) fn found_meanwhile(&self, other: &Self, time_s: f64) -> Option<SVector<T, BINS>> {
-        let missed = other.learned_until_s - self.learned_until_s > MISSED_S;
-        (missed && time_s - other.learned_until_s < MISSED_S).then(|| other.coherence.incoherence())
+        let missed = other.learned_until_s - self.learned_until_s > MISSING_S;
+        (missed && time_s - other.learned_until_s < MISSING_S).then(|| other.coherence.incoherence())
     }
 
     /// Saves the correction together with the belief's checkpoint of this time.
@@ -350,7 +347,7 @@ impl<T: Real> AxlePair<T> {
     /// Whether the side's road is being learned from at this time, and its incoherence.
     pub(crate) fn track(&self, now_s: f64) -> TrackState<T> {
         let incoherence = self.coherence.near_wheel_hop();
-        let fresh = now_s - self.learned_until_s < STALE_S;
+        let fresh = now_s - self.learned_until_s < PAUSE_S;
         let shared = fresh && incoherence < T::lit(NOT_SHARED);
         TrackState { shared, incoherence: if fresh { incoherence } else { T::lit(f64::NAN) } }
     }

@@ -1,13 +1,12 @@
 //! How far the car has come and how fast it is, on the samples' clock.
 
 use super::axle_pair::SLOWEST_M_S;
+use crate::conditioning::MISSING_S;
 use crate::memory::{Blank, blank};
 use crate::real::Real;
 
 /// Time in s over which the speed is averaged.
 const SPEED_S: f64 = 1.5;
-/// Longest time in s between two samples over which the distance is counted.
-const LONGEST_STEP_S: f64 = 0.5;
 
 /// A place on the way: whole eighths of a micrometer, modulo the 512 m that 2^32 of them are. Sums of whole numbers lose nothing
 /// however far the car has come, and cost a controller no double precision.
@@ -69,7 +68,7 @@ impl<T: Real> Travel<T> {
     /// Takes a sample's time and speed; NaN: the speed is unknown.
     pub(crate) fn drive(&mut self, time_s: f64, speed_m_s: T) {
         let seconds = T::lit(time_s - self.time_s);
-        let follows = seconds > T::zero() && seconds < T::lit(LONGEST_STEP_S);
+        let follows = seconds > T::zero() && seconds < T::lit(MISSING_S);
         if follows && self.speed_m_s.is_finite() {
             let mean = if speed_m_s.is_finite() {
                 T::lit(0.5) * (speed_m_s + self.speed_m_s)
