@@ -74,8 +74,8 @@ def without_tests(found: list) -> tuple[list, set[str]]:
         if words[1:2] == ["test"] or (words[1:2] == ["cfg"] and "test" in words and "not" not in words):
             while [text for _, text, _ in found[i : i + 2]] == ["#", "["]:
                 i = closed(found, i + 1)
-            item = [text for _, text, _ in found[i : i + 4]]
-            if "mod" in item[:3] and found[(end := ends(found, i)) - 1][1] == ";":
+            item = [text for _, text, _ in found[i : i + 6]]  # `pub(crate) mod name`
+            if "mod" in item[:5] and found[(end := ends(found, i)) - 1][1] == ";":
                 modules.add(item[item.index("mod") + 1])
             i = ends(found, i)
     return kept, modules
