@@ -32,6 +32,26 @@ const STANDING_SD: f64 = 1.0;
 /// how much that may change while the car stands, by who sits on which side.
 const UNEQUAL_SD: f64 = 0.3;
 const UNEQUAL_STANDING_SD: f64 = 0.2;
+/// What is known of a car before its first block, as sds in thousandths: its offsets of front, rear and between the axles; the driven axle's
+/// slip per m/s², with its mean; a yaw rate's bias in 1e-3 rad/s.
+const OFFSET_SD: [f64; 3] = [4.0, 4.0, 6.0];
+const SLIP_MEAN: f64 = 1.5;
+const SLIP_SD: f64 = 1.0;
+const YAW_BIAS_SD: f64 = 20.0;
+/// Sd in thousandths (1e-3 rad/s for the yaw rate) and time in s of each disturbance that wanders (docs/math/wheel-speed.md, table of the
+/// states): a yaw rate's noise, or what stands for one that nobody measures; what parts the wheels of an axle, front and rear; what parts
+/// the axles beside their force where that is measured, with a yaw rate alone, and with neither.
+const YAW_MEASURED: (f64, f64) = (0.85, 1.0);
+const YAW_UNKNOWN: (f64, f64) = (65.0, 4.0);
+const OF_AN_AXLE: [(f64, f64); 2] = [(0.16, 58.0), (0.22, 58.0)];
+const FORCE_MEASURED: (f64, f64) = (0.3, 20.0);
+const FORCE_BY_SPEED: [(f64, f64); 2] = [(1.35, 13.0), (1.65, 13.0)];
+/// A block's noise, eq. (7): its least variance in 1e-6, its share of the spread within the block for each ratio, and for the axles' without a
+/// yaw rate; and 1e-3 per m/s² to the side.
+const LEAST_NOISE: f64 = 0.0025;
+const SPREAD_SHARE: [f64; 3] = [0.06, 0.08, 0.07];
+const SPREAD_SHARE_WITHOUT_YAW: f64 = 0.14;
+const PER_LATERAL: f64 = 0.2;
 /// Longest step of time over which a leak may begin or end, in s.
 const LONGEST_STEP_S: f64 = 4.0;
 
@@ -53,8 +73,8 @@ impl<T: Real> Filter<T> {
     /// Nothing known of the car but how cars are; these are the radii of now, by which the offsets are meant.
     pub(super) fn begin(&mut self, config: &WheelSpeedConfig<T>, radius_1e3: &[T; 4]) {
         let slip = match config.driven {
-            DrivenAxle::Front => 1.5,
-            DrivenAxle::Rear => -1.5,
+            DrivenAxle::Front => SLIP_MEAN,
+            DrivenAxle::Rear => -SLIP_MEAN,
             DrivenAxle::Both => 0.0,
         };
         let mut mean = [T::zero(); STATES];
@@ -63,9 +83,8 @@ impl<T: Real> Filter<T> {
             *mean = *radius;
         }
         let mut sd = [T::lit(1e-4); STATES];
-        [sd[OFFSET + FRONT], sd[OFFSET + REAR], sd[OFFSET + AXLE]] = [T::lit(4.0), T::lit(4.0), T::lit(6.0)];
-        sd[SLIP] = T::one();
-        sd[YAW_BIAS] = T::lit(20.0);
+        [sd[OFFSET + FRONT], sd[OFFSET + REAR], sd[OFFSET + AXLE]] = OFFSET_SD.map(T::lit);
+        (sd[SLIP], sd[YAW_BIAS]) = (T::lit(SLIP_SD), T::lit(YAW_BIAS_SD));
         for (unequal, share) in sd[UNEQUAL_SLIP..].iter_mut().zip(driven_shares(config.driven)) {
             *unequal += T::lit(UNEQUAL_SD * share);
         }
@@ -228,18 +247,15 @@ struct Disturbances([(usize, (f64, f64)); 4]);
 
 impl Disturbances {
     fn of(yaw_known: bool, grade_seen: bool) -> Self {
-        let yaw = if yaw_known { (0.85, 1.0) } else { (65.0, 4.0) };
+        let yaw = if yaw_known { YAW_MEASURED } else { YAW_UNKNOWN };
+        let [with_yaw, without] = FORCE_BY_SPEED;
         let axle = match (yaw_known, grade_seen) {
-            (_, true) => (0.3, 20.0),
-            (true, false) => (1.35, 13.0),
-            (false, false) => (1.65, 13.0),
+            (_, true) => FORCE_MEASURED,
+            (true, false) => with_yaw,
+            (false, false) => without,
         };
-        Self([
-            (YAW_NOISE, yaw),
-            (FRONT_WANDER, (0.16, 58.0)),
-            (REAR_WANDER, (0.22, 58.0)),
-            (AXLE_FORCE, axle),
-        ])
+        let [front, rear] = OF_AN_AXLE;
+        Self([(YAW_NOISE, yaw), (FRONT_WANDER, front), (REAR_WANDER, rear), (AXLE_FORCE, axle)])
     }
 }
 
@@ -268,12 +284,14 @@ impl<T: Real> Measurements<T> {
         let yaw = block.yaw_rate_rad_s.unwrap_or(T::zero()) * T::lit(SCALE);
         let way = config.wheelbase_m / block.speed_m_s * yaw;
         let turn = [-front * yaw, -rear * yaw, half * way * way * T::lit(1.0 / SCALE)];
-        let shares = [0.06, 0.08, if block.yaw_rate_rad_s.is_some() { 0.07 } else { 0.14 }];
-        let curve = T::lit(0.2) * block.lateral_m_s2;
+        let [front_share, rear_share, axle_share] = SPREAD_SHARE;
+        let known = block.yaw_rate_rad_s.is_some();
+        let shares = [front_share, rear_share, if known { axle_share } else { SPREAD_SHARE_WITHOUT_YAW }];
+        let curve = T::lit(PER_LATERAL) * block.lateral_m_s2;
         let noise = |i: usize| {
             let spread = T::lit(shares[i]) * block.spread[i];
             let curve = if i == AXLE { T::zero() } else { curve };
-            T::lit(0.0025) + spread * spread + curve * curve
+            T::lit(LEAST_NOISE) + spread * spread + curve * curve
         };
         Self {
             h,

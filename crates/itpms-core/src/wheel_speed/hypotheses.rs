@@ -15,6 +15,11 @@ const LOW_MEAN: f64 = -1.25;
 const LOW_SD: f64 = 0.5;
 /// Prior of one wheel against none.
 const ONE_LOW: f64 = 1e-3;
+/// And of two tires of an axle or a side, of all four, and of any others, over that of one.
+const PAIR_LOW: f64 = 0.3;
+const ALL_LOW: f64 = 0.5;
+const OTHERS_LOW: f64 = 0.05;
+const AXLES_AND_SIDES: [usize; 4] = [0b0011, 0b1100, 0b0101, 0b1010];
 /// `ln (1 / ONE_LOW) + ln 99`: what has to speak for a wheel until its probability is 0.99.
 const TO_BE_FOUND: f64 = 11.5;
 /// Radius per load, in thousandths: -6.4e-4 of it for a tenth more.
@@ -167,13 +172,13 @@ pub(super) fn all_would_be_found<T: Real>(torsion: &TorsionEvidence<T>) -> bool 
 
 /// Log of how probable it is before any sample, against none.
 fn prior<T: Real>(number: usize) -> T {
-    let share = match number {
+    let is_pair = AXLES_AND_SIDES.contains(&number);
+    let share = match number.count_ones() {
         0 => return T::zero(),
-        0b0001 | 0b0010 | 0b0100 | 0b1000 => 1.0,
-        // Two of an axle, of a side.
-        0b0011 | 0b1100 | 0b0101 | 0b1010 => 0.3,
-        0b1111 => 0.5,
-        _ => 0.05,
+        1 => 1.0,
+        2 if is_pair => PAIR_LOW,
+        4 => ALL_LOW,
+        _ => OTHERS_LOW,
     };
     T::lit(share * ONE_LOW).ln_fast()
 }
