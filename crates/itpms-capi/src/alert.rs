@@ -88,7 +88,7 @@ pub struct itpms_alert {
     pub basis: u32,
     /// An `itpms_malfunction`.
     pub malfunction: u32,
-    /// The sensors with the malfunction: bits 0 to 3 the body's, 4 to 7 the wheels'.
+    /// The sensors with the malfunction: bits 0 to 3 the body's, 4 to 7 the wheels', 8 to 11 the wheel speeds'.
     pub sensors: u32,
     /// Of DIFFERS: 1 if all of `wheels` differ; 0 if one of them or more does, and which is not known.
     pub wheels_are_known: u32,
@@ -214,6 +214,7 @@ fn bit(sensor: &Sensor) -> u32 {
     let row = match sensor.place {
         Place::Body => 0,
         Place::Wheel => 4,
+        Place::WheelSpeed => 8,
     };
     1 << (row + sensor.corner.index())
 }

@@ -6,23 +6,25 @@ use crate::memory::Blank;
 use crate::model::{Corner, Wheels};
 use crate::real::Real;
 
-/// Where an accelerometer sits.
+/// What a sensor measures, and where.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Place {
-    /// On the sprung mass.
+    /// The acceleration of the sprung mass.
     Body,
-    /// On the unsprung mass.
+    /// The acceleration of the unsprung mass.
     Wheel,
+    /// How fast the wheel turns.
+    WheelSpeed,
 }
 
-/// An accelerometer.
+/// A sensor of a corner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sensor {
     /// Its corner.
     pub corner: Corner,
-    /// Where there.
+    /// Which of its sensors.
     pub place: Place,
 }
 
@@ -109,6 +111,7 @@ impl fmt::Display for Sensor {
         let place = match self.place {
             Place::Body => "body",
             Place::Wheel => "wheel",
+            Place::WheelSpeed => "wheel speed",
         };
         write!(f, "{} {place} sensor", self.corner.label())
     }

@@ -2,6 +2,7 @@
 //! that has nothing else, or beside its other monitor.
 
 use crate::conditioning::PAUSE_S;
+use crate::diagnosis::{Malfunction, Place, Sensor};
 use crate::memory::{Placed, blank};
 use crate::model::{Corner, ParameterError, RadiusDifferences, Validity, Warning, Wheels};
 use crate::real::Real;
@@ -14,6 +15,8 @@ use crate::wheel_speed::{
 /// Usable driving in s after which what is more probable than .99 is reported, and after which a report that does not hold any more
 /// is taken back.
 const LASTING_S: f64 = 60.0;
+/// Seconds without usable driving after which no tire is known to be fine any more.
+const FORGOTTEN_S: f64 = 600.0;
 /// What an hour of steps is off by at most when they are added up, in s.
 const ROUNDING_S: f64 = 1e-6;
 /// Probability of the contrary below which it is reported at once: a tenth of what has to last.
@@ -174,6 +177,20 @@ impl<T: Real> MonitoredWheels<T> {
         if report.state != self.state {
             (self.state, self.since_s) = (report.state, now_s - report.lasted_s.to_f64());
         }
+        let stuck = self.radii.stuck();
+        if let Some(corner) = stuck.iter().next() {
+            let is_new =
+                |alert: &Alert<T>| alert.wheels != stuck || !matches!(alert.cause, Cause::Malfunction(_));
+            if self.alert.as_ref().is_none_or(is_new) {
+                let cause =
+                    Cause::Malfunction(Malfunction::Stuck(Sensor { corner, place: Place::WheelSpeed }));
+                self.alert.set(Some(Alert { wheels: stuck, since_s: now_s, reported_s: now_s, cause }));
+            }
+            return;
+        }
+        if self.alert.as_ref().is_some_and(|alert| matches!(alert.cause, Cause::Malfunction(_))) {
+            self.alert.clear();
+        }
         let lasts = report.lasted_s >= T::lit(LASTING_S);
         let (wheels, is_known, probability) = match report.state {
             RadiusState::Low(wheels) => {
@@ -224,19 +241,27 @@ impl<T: Real> MonitoredWheels<T> {
     fn wheel(&self, corner: Corner) -> WheelReport<T> {
         let (radii, nan) = (self.radii.report(), T::lit(f64::NAN));
         let state = self.state_of(corner);
-        let known = !matches!(state, WheelState::Unknown(Doubt::Starting | Doubt::NoInformation));
+        let known = !matches!(
+            state,
+            WheelState::Malfunction | WheelState::Unknown(Doubt::Starting | Doubt::NoInformation)
+        );
         WheelReport {
             state,
             validity: match state {
+                WheelState::Malfunction => Validity::BadSignal,
                 _ if known => Validity::Valid,
                 WheelState::Unknown(Doubt::Starting) => Validity::Starting,
                 _ => Validity::NoInformation,
             },
-            warning: if state == WheelState::Low { Warning::Low } else { Warning::None },
+            warning: match state {
+                WheelState::Low => Warning::Low,
+                WheelState::Malfunction => Warning::Malfunction,
+                _ => Warning::None,
+            },
             pressure_kpa: nan,
             pressure_sd_kpa: nan,
             reference_kpa: nan,
-            informed_s: if known { radii.time_s } else { f64::NEG_INFINITY },
+            informed_s: if known { radii.informed_s } else { f64::NEG_INFINITY },
         }
     }
 
@@ -244,6 +269,9 @@ impl<T: Real> MonitoredWheels<T> {
     #[must_use]
     pub fn state_of(&self, corner: Corner) -> WheelState {
         let radii = self.radii.report();
+        if self.radii.stuck().contains(corner) {
+            return WheelState::Malfunction;
+        }
         let suspected = match radii.state {
             RadiusState::Uncalibrated | RadiusState::Calibrating => {
                 return WheelState::Unknown(Doubt::Starting);
@@ -257,7 +285,8 @@ impl<T: Real> MonitoredWheels<T> {
             None if suspected.contains(corner) => return WheelState::Unknown(Doubt::Uncertain),
             None => {}
         }
-        match radii.wheels.get(corner.index()).is_some_and(|wheel| wheel.informed) {
+        let is_known = radii.time_s - radii.informed_s < FORGOTTEN_S;
+        match is_known && radii.wheels.get(corner.index()).is_some_and(|wheel| wheel.informed) {
             true => WheelState::Fine,
             false => WheelState::Unknown(Doubt::NoInformation),
         }
@@ -330,6 +359,65 @@ mod tests {
         car.radius[3] -= loss;
         let over_s = drive(&mut wheels, &mut car, 900.0, |w| w.alert().is_none()).unwrap();
         assert!(over_s > LASTING_S, "{over_s}");
+    }
+
+    #[test]
+    fn a_tire_is_not_fine_for_ever() {
+        let (mut wheels, mut car) = (monitored(), Drive::new(5, RATE_HZ, 0.04));
+        wheels.begin_calibration(300.0).unwrap();
+        drive(&mut wheels, &mut car, 600.0, |_| false);
+        assert_eq!(wheels.state_of(Corner::FrontLeft), WheelState::Fine);
+        for (seconds, expected) in
+            [(590.0, WheelState::Fine), (20.0, WheelState::Unknown(Doubt::NoInformation))]
+        {
+            for _ in 0..(seconds * RATE_HZ) as u32 {
+                // One of the speeds is missing.
+                let mut sample = car.next();
+                sample.wheel_speed_m_s[3] = f32::NAN;
+                wheels.update(&sample);
+            }
+            assert_eq!(wheels.state_of(Corner::FrontLeft), expected);
+        }
+    }
+
+    /// Its sensor repeats the last value, or zero, as the car drives on.
+    #[test]
+    fn a_sensor_that_does_not_move_is_named_and_no_tire_is_low() {
+        for (step_km_h, zero) in [(0.04, false), (0.04, true), (1e-4, false), (0.1, true)] {
+            let (mut wheels, mut car) = (monitored(), Drive::new(5, RATE_HZ, step_km_h));
+            wheels.begin_calibration(300.0).unwrap();
+            drive(&mut wheels, &mut car, 400.0, |_| false);
+            assert!(
+                wheels.calibration().is_some() && wheels.alert().is_none(),
+                "{step_km_h}: {:?}",
+                wheels.alert()
+            );
+            let mut held = None;
+            for k in 0..(600.0 * RATE_HZ) as u32 {
+                let mut sample = car.next();
+                let last = *held.get_or_insert(if zero { 0.0 } else { sample.wheel_speed_m_s[2] });
+                sample.wheel_speed_m_s[2] = last;
+                wheels.update(&sample);
+                let alert = wheels.alert();
+                assert!(!alert.is_some_and(|alert| alert.cause.is_low()), "{step_km_h} {zero}: {alert:?}");
+                // The car may be slow or stand when it begins.
+                if f64::from(k) > 60.0 * RATE_HZ && sample.wheel_speed_m_s[0] > 6.0 {
+                    let alert = alert
+                        .unwrap_or_else(|| panic!("{step_km_h} {zero}: {:.1} s", f64::from(k) / RATE_HZ));
+                    assert!(alert.to_string().contains("rl wheel speed sensor is stuck"), "{alert}");
+                    assert_eq!(wheels.state_of(Corner::RearLeft), WheelState::Malfunction);
+                    assert!(matches!(wheels.state_of(Corner::FrontLeft), WheelState::Unknown(_)));
+                }
+            }
+            // It moves again.
+            assert!(drive(&mut wheels, &mut car, 1.0, |w| w.alert().is_none()).is_some());
+            assert_eq!(
+                drive(&mut wheels, &mut car, 900.0, |w| w.alert().is_some()),
+                None,
+                "{step_km_h} {zero}"
+            );
+            assert!(Corner::ALL.iter().all(|corner| wheels.state_of(*corner) == WheelState::Fine));
+        }
     }
 
     #[test]

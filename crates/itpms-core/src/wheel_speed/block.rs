@@ -24,6 +24,8 @@ const MOST_FORCE_M_S2: f64 = 2.5;
 const COUPLED_M_S2: f64 = 0.3;
 /// Force above which a car with two coupled axles does not coast, in m/s².
 const COASTING_M_S2: f64 = 0.15;
+/// Least variance of a block's ratio, in 1e-6: what its speeds' steps leave has to be less.
+pub(super) const LEAST_NOISE: f64 = 0.0025;
 /// Log ratio of two wheels that is none of radii, in thousandths.
 const ABSURD_RATIO: f64 = 30.0;
 
@@ -37,6 +39,8 @@ pub(super) struct Block<T> {
     pub spread: [T; 3],
     /// Which of them may be used.
     pub used: [bool; 3],
+    /// Whether torque hides what the wheels of front and rear roll on.
+    pub hidden: [bool; 2],
     /// Mean speed in m/s.
     pub speed_m_s: T,
     /// Mean yaw rate in rad/s, if known.
@@ -51,7 +55,7 @@ pub(super) struct Block<T> {
     pub good: bool,
 }
 
-blank!(Block<T> { ratio, spread, used, speed_m_s, yaw_rate_rad_s, force_m_s2, grade_seen, lateral_m_s2, good });
+blank!(Block<T> { ratio, spread, used, hidden, speed_m_s, yaw_rate_rad_s, force_m_s2, grade_seen, lateral_m_s2, good });
 
 /// Sums of the block that is being driven.
 #[derive(Debug, Clone, Copy)]
@@ -127,8 +131,8 @@ impl<T: Real> BlockSums<T> {
         self.samples > 0 && self.speed < T::lit(0.3) * T::whole(self.samples)
     }
 
-    /// What the block says; `docs/math/wheel-speed.md`, eq. 3 and 6.
-    pub(super) fn conclude(&self, config: &WheelSpeedConfig<T>) -> Block<T> {
+    /// What the block says; `docs/math/wheel-speed.md`, eq. 3 and 6. `step_m_s`: the speeds' smallest step.
+    pub(super) fn conclude(&self, config: &WheelSpeedConfig<T>, step_m_s: T) -> Block<T> {
         if self.samples < LEAST_SAMPLES || !(self.slowest >= T::one()) {
             return Block::BLANK;
         }
@@ -164,23 +168,34 @@ impl<T: Real> BlockSums<T> {
             && force < T::lit(MOST_FORCE_M_S2)
             && !braking
             && !self.braked;
-        block.used = self.usable(&block, accel, config);
+        let calm = accel < T::lit(COUPLED_M_S2);
+        let coasting = force < T::lit(COASTING_M_S2);
+        block.hidden = match (config.limited_slip, config.driven) {
+            (false, _) => [false, false],
+            (true, DrivenAxle::Front) => [!calm, false],
+            (true, DrivenAxle::Rear) => [false, !calm],
+            (true, DrivenAxle::Both) => [!coasting, !coasting],
+        };
+        // Nor of spinning wheels, nor of speeds that are told too coarsely.
+        let step_1e3 = T::lit(SCALE) * step_m_s / v;
+        let sane = |i: usize| {
+            block.ratio[i].abs() < T::lit(ABSURD_RATIO)
+                && rounded(block.spread[i], step_1e3) < T::lit(LEAST_NOISE)
+        };
+        let [front, rear] = block.hidden;
+        block.used = [!front && sane(FRONT), !rear && sane(REAR), sane(AXLE)];
         block
     }
+}
 
-    /// Which ratios are of radii: not those of coupled wheels under torque, nor of spinning ones.
-    fn usable(&self, block: &Block<T>, accel: T, config: &WheelSpeedConfig<T>) -> [bool; 3] {
-        let calm = accel < T::lit(COUPLED_M_S2);
-        let coasting = block.force_m_s2 < T::lit(COASTING_M_S2);
-        let free = match (config.limited_slip, config.driven) {
-            (false, _) => [true, true, true],
-            (true, DrivenAxle::Front) => [calm, true, true],
-            (true, DrivenAxle::Rear) => [true, calm, true],
-            (true, DrivenAxle::Both) => [coasting, coasting, true],
-        };
-        let sane = |i: usize| free[i] && block.ratio[i].abs() < T::lit(ABSURD_RATIO);
-        [sane(FRONT), sane(REAR), sane(AXLE)]
+/// Variance of a ratio's mean, in 1e-6, by the steps `u` in which its speeds are told (docs/math/wheel-speed.md, eq. 7b): noise of spread `h`
+/// that is larger averages them out.
+fn rounded<T: Real>(spread_1e3: T, step_1e3: T) -> T {
+    let square = step_1e3 * step_1e3;
+    if !(square > T::zero()) {
+        return T::zero();
     }
+    square * T::lit(1.0 / 6.0) * (-T::two_pi() * T::pi() * spread_1e3 * spread_1e3 / square).exp_fast()
 }
 
 fn count<T: Real>([sum, number]: &mut [T; 2], value: Option<T>) {

@@ -1,7 +1,7 @@
 //! Six hypotheses of what happens between two blocks, each with its Gaussian: nothing, one of four tires leaks, or the block is an
 //! outlier (an interacting multiple model filter; `docs/math/wheel-speed.md`, eq. 3-8).
 
-use super::block::Block;
+use super::block::{Block, LEAST_NOISE};
 use super::calibration::{LEARNED, RadiusCalibration};
 use super::config::{DrivenAxle, WheelSpeedConfig};
 use super::gaussian::Gaussian;
@@ -46,9 +46,8 @@ const YAW_UNKNOWN: (f64, f64) = (65.0, 4.0);
 const OF_AN_AXLE: [(f64, f64); 2] = [(0.16, 58.0), (0.22, 58.0)];
 const FORCE_MEASURED: (f64, f64) = (0.3, 20.0);
 const FORCE_BY_SPEED: [(f64, f64); 2] = [(1.35, 13.0), (1.65, 13.0)];
-/// A block's noise, eq. (7): its least variance in 1e-6, its share of the spread within the block for each ratio, and for the axles' without a
-/// yaw rate; and 1e-3 per m/s² to the side.
-const LEAST_NOISE: f64 = 0.0025;
+/// A block's noise, eq. (7), beside its [least](LEAST_NOISE): its share of the spread within the block for each ratio, and for the axles'
+/// without a yaw rate; and 1e-3 per m/s² to the side.
 const SPREAD_SHARE: [f64; 3] = [0.06, 0.08, 0.07];
 const SPREAD_SHARE_WITHOUT_YAW: f64 = 0.14;
 const PER_LATERAL: f64 = 0.2;

@@ -40,6 +40,7 @@ mod gaussian;
 mod hypotheses;
 mod report;
 mod sample;
+mod sensor_watch;
 #[cfg(test)]
 pub(crate) mod tests;
 mod yaw_witness;
@@ -52,6 +53,7 @@ use self::filter::Filter;
 use self::hypotheses::{Decision, PLACES, Triangle, add_load, all_would_be_found, seen};
 pub use self::report::{Pattern, RadiusReport, RadiusState, Unseen, WheelRadius};
 pub use self::sample::WheelSpeedSample;
+use self::sensor_watch::SensorWatch;
 use self::yaw_witness::YawWitness;
 use crate::conditioning::{LONG_STOP_S, PAUSE_S};
 use crate::memory::{Blank, blank};
@@ -122,11 +124,12 @@ pub(crate) struct RadiusMonitor<T> {
     stood_s: f64,
     loads_may_differ: bool,
     yaw: YawWitness<T>,
+    sensors: SensorWatch<T>,
     torsion: TorsionEvidence<T>,
     report: RadiusReport<T>,
 }
 
-blank!(RadiusMonitor<T> { config, configured, phase, learned_s, calibration, radius_1e3, filter, sums, ended, before_good, last, stood_s, loads_may_differ, yaw, torsion,
+blank!(RadiusMonitor<T> { config, configured, phase, learned_s, calibration, radius_1e3, filter, sums, ended, before_good, last, stood_s, loads_may_differ, yaw, sensors, torsion,
     report });
 
 impl<T: Real> RadiusMonitor<T> {
@@ -197,6 +200,7 @@ impl<T: Real> RadiusMonitor<T> {
         if calibration.leaves_out_yaw_rate {
             self.yaw.doubt();
         }
+        self.loads_may_differ = true;
         self.watch_again(calibration);
         true
     }
@@ -234,6 +238,12 @@ impl<T: Real> RadiusMonitor<T> {
         self.yaw.is_doubted()
     }
 
+    /// The wheels whose sensors repeat one value while others move: nothing is learned meanwhile.
+    #[must_use]
+    pub(crate) fn stuck(&self) -> Wheels {
+        self.sensors.stuck()
+    }
+
     /// What tooth pulses say of the pressures from here on, by themselves: it counts in every decision.
     pub(crate) fn see_pulses(&mut self, torsion: &TorsionEvidence<T>) {
         self.torsion = *torsion;
@@ -262,7 +272,15 @@ impl<T: Real> RadiusMonitor<T> {
         }
         self.report.time_s = time_s;
         if sample.complete() {
-            self.sums.add(sample);
+            let moved = self.stuck().is_empty();
+            self.sensors.take(sample, T::lit(step_s).at_most(T::lit(PAUSE_S)));
+            if self.stuck().is_empty() {
+                self.sums.add(sample);
+            } else if moved {
+                // For a second or more it has been so.
+                self.learn_again();
+                self.sums.begin(time_s);
+            }
         }
         &self.report
     }
@@ -297,7 +315,7 @@ impl<T: Real> RadiusMonitor<T> {
     }
 
     fn end_block(&mut self) {
-        let mut block = self.sums.conclude(&self.config);
+        let mut block = self.sums.conclude(&self.config, self.sensors.step_m_s());
         if self.yaw.take(&block, &self.config) {
             if let Some(calibration) = self.calibration.as_mut() {
                 calibration.leaves_out_yaw_rate = true;
@@ -391,7 +409,7 @@ impl<T: Real> RadiusMonitor<T> {
         self.report.decide(&decision, &self.config, &self.torsion, T::lit(BLOCK_S));
     }
 
-    /// The yaw rate was wrong, and so is what was learned with it: a calibration that goes on begins anew.
+    /// A sensor was wrong, and so is what was learned with it: a calibration that goes on begins anew.
     fn learn_again(&mut self) {
         if let Phase::Learning(left_s) = self.phase {
             self.phase = Phase::Learning(left_s + self.learned_s);
@@ -411,7 +429,6 @@ impl<T: Real> RadiusMonitor<T> {
 
     fn watch_again(&mut self, calibration: &RadiusCalibration<T>) {
         self.phase = Phase::Watching;
-        self.loads_may_differ = true;
         self.filter.resume(&self.config, calibration);
         self.interrupt();
         self.report.forget(RadiusState::Uninformed);
@@ -420,9 +437,5 @@ impl<T: Real> RadiusMonitor<T> {
 
 /// The wheels that torque hides.
 fn hidden<T: Real>(block: &Block<T>) -> Wheels {
-    let hides = |corner: &Corner| match corner {
-        Corner::FrontLeft | Corner::FrontRight => !block.used[FRONT],
-        Corner::RearLeft | Corner::RearRight => !block.used[REAR],
-    };
-    Corner::ALL.into_iter().filter(hides).collect()
+    Corner::ALL.into_iter().filter(|corner| block.hidden[corner.axle()]).collect()
 }

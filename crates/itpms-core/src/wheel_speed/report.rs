@@ -141,11 +141,13 @@ pub struct RadiusReport<T> {
     pub difference: [T; 3],
     /// Their standard deviations, with what loads may have done.
     pub difference_sd: [T; 3],
+    /// Time in s of the last sample that counted.
+    pub(crate) informed_s: f64,
     probable: RadiusState,
     probable_s: T,
 }
 
-blank!(RadiusReport<T> { time_s, state, lasted_s, any_low_probability, wheels, unseen, difference, difference_sd, probable, probable_s });
+blank!(RadiusReport<T> { time_s, state, lasted_s, any_low_probability, wheels, unseen, difference, difference_sd, informed_s, probable, probable_s });
 
 impl<T: Real> RadiusReport<T> {
     /// Nothing known.
@@ -199,6 +201,7 @@ impl<T: Real> RadiusReport<T> {
                 informed: decision.informed[i],
             };
         }
+        self.informed_s = self.time_s;
         self.any_low_probability = T::one() - decision.probability[0];
         let probable = probable(decision);
         self.probable_s = if probable == self.probable { self.probable_s + step_s } else { step_s };

@@ -173,6 +173,21 @@ fn a_healthy_car_is_not_warned_of() {
     }
 }
 
+/// Speeds that are told in coarse steps teach nothing, or what they teach is right.
+#[test]
+fn coarse_speeds_warn_of_nothing() {
+    for (seed, step_km_h) in [(5, 1.0), (6, 0.5), (7, 0.25), (8, 0.25)] {
+        let mut drive = Drive::new(seed, 60.0, step_km_h);
+        let mut monitor = monitor::<f32>(&config()).unwrap();
+        monitor.begin_calibration_at(300.0, &[1.0; 4]);
+        for _ in 0..(900.0 * drive.rate_hz) as u32 {
+            monitor.update(&drive.next());
+        }
+        monitor.end_calibration();
+        assert_eq!(found(&mut monitor, &mut drive, 3600.0), None, "{step_km_h} km/h");
+    }
+}
+
 /// A sensor that is dead or turned round is left out, one that is off by a tenth is not, nor where two tires of a side become smaller.
 #[test]
 fn a_yaw_rate_that_goes_against_the_wheels_is_left_out() {

@@ -88,6 +88,7 @@ fn column(sensor: &Sensor) -> String {
     let field = match sensor.place {
         Place::Body => Field::BodyAccel,
         Place::Wheel => Field::WheelAccel,
+        Place::WheelSpeed => Field::WheelSpeed,
     };
     Slot::Corner(sensor.corner, field).name()
 }
