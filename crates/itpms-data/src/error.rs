@@ -304,7 +304,7 @@ pub enum Problem {
     },
     /// No wheel can be seen at this rate.
     #[error(
-        "the sample period is {} s ({rate_hz:.3} Hz), expected 100 Hz to 2 kHz (20 Hz at least; wheel speeds alone: 10 Hz) with time_s in seconds{}",
+        "the sample period is {} s ({rate_hz:.3} Hz), expected 100 Hz to 2 kHz (50 Hz at least; wheel speeds alone: 10 Hz) with time_s in seconds{}",
         (*.period_s * 1e6).round() / 1e6,
         other_unit(*.period_s)
     )]

@@ -10,6 +10,8 @@ const DRIVING_M_S: f64 = 5.0;
 const LEAST_ROWS: f64 = 1000.0;
 /// Wheel speeds over the car's that no slip and no radius explain, as the logarithm of their ratio.
 const OFF: f64 = 0.2;
+/// A wheel's speed over the others' that no tire explains, as the logarithm of their ratio.
+const ODD_WHEEL: f64 = 0.03;
 /// Steps in m/s from which on wheel speeds show no radius: half a second of samples in steps of 0.1 km/h does, of 0.5 km/h does not.
 const COARSE_M_S: f64 = 0.25 / 3.6;
 /// Changes of a wheel speed that are needed to know its steps.
@@ -27,6 +29,9 @@ pub(crate) struct Plausibility {
     /// Sum of the logarithm of wheel speeds over speed.
     ratio: f64,
     ratios: f64,
+    /// Sums of the logarithm of each wheel's speed over the others' and of its square, where all turn fast; and number of such rows.
+    of_one: [[f64; 2]; 4],
+    rows_of_four: f64,
     wheel_speed: f64,
     changes: u64,
     least_step_m_s: Option<f64>,
@@ -95,6 +100,15 @@ impl Plausibility {
             self.ratio += (mean_m_s / row.speed_m_s).ln();
             self.ratios += 1.0;
         }
+        if wheels.iter().all(|wheel| *wheel > 1.0) && 0.25 * wheels.iter().sum::<f64>() > DRIVING_M_S {
+            let logs = wheels.map(f64::ln);
+            let sum = logs.iter().sum::<f64>();
+            for ([first, second], log) in self.of_one.iter_mut().zip(logs) {
+                let odd = log - (sum - log) / 3.0;
+                (*first, *second) = (*first + odd, *second + odd * odd);
+            }
+            self.rows_of_four += 1.0;
+        }
         let [first, ..] = wheels;
         let step_m_s = (first - std::mem::replace(&mut self.wheel_speed, first)).abs();
         if step_m_s > 1e-9 {
@@ -105,7 +119,22 @@ impl Plausibility {
 
     /// What leaves nothing of wheel speeds to be believed.
     pub(crate) fn contradiction(&self) -> Option<String> {
-        self.other_unit().or_else(|| self.coarse_steps())
+        self.odd_wheel().or_else(|| self.other_unit()).or_else(|| self.coarse_steps())
+    }
+
+    /// One wheel turns otherwise than the others, by the same factor all the while.
+    fn odd_wheel(&self) -> Option<String> {
+        let rows = self.rows_of_four;
+        let off = self.of_one.map(|[first, second]| (first / rows, second / rows - (first / rows).powi(2)));
+        let (corner, (off, variance)) =
+            Corner::ALL.into_iter().zip(off).max_by(|a, b| a.1.0.abs().total_cmp(&b.1.0.abs()))?;
+        (rows >= LEAST_ROWS && off.abs() > ODD_WHEEL && off * off > 9.0 * variance).then(|| {
+            format!(
+                "the wheel speed of {} is {:.3} times the others', expected 1: it has another unit or factor",
+                corner.label(),
+                off.exp()
+            )
+        })
     }
 
     fn other_unit(&self) -> Option<String> {
@@ -200,6 +229,24 @@ mod tests {
         assert!(why.is_some_and(|why| why.contains("3.60 times") && why.contains("km/h")));
         let log = after(|k| row(k, 5.0 / 9.81 / 9.81, f64::NAN));
         assert!(log.concerns().iter().any(|why| why.contains("in g?")));
+    }
+
+    #[test]
+    fn one_wheel_of_another_factor_is_named() {
+        let odd = |factor: fn(u64) -> f64| {
+            after(move |k| {
+                let mut row = row(k, 5.0, 20.0 + 0.01 * (k as f64 * 0.01).sin());
+                row.motion.wheel_speed_m_s[2] *= factor(k);
+                row
+            })
+            .contradiction()
+        };
+        assert!(odd(|_| 1.0 / 3.6).is_some_and(|why| why.contains("speed of rl is 0.278 times the others'")));
+        // A tone ring of 44 teeth in the place of 48; a small spare wheel turns less than 3 % faster.
+        assert!(odd(|_| 44.0 / 48.0).is_some());
+        assert_eq!(odd(|_| 1.025), None);
+        // What comes and goes is a sensor out of order, and found where it is so.
+        assert_eq!(odd(|k| if k % 4 == 0 { 0.6 } else { 1.0 }), None);
     }
 
     #[test]

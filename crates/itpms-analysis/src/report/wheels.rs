@@ -3,7 +3,7 @@
 
 use std::fmt::Write as _;
 
-use itpms_core::model::Corner;
+use itpms_core::model::{Corner, Wheels};
 use itpms_core::warning::{Cause, WheelState};
 use itpms_core::wheel_speed::{RadiusReport, RadiusState, WheelRadius};
 use serde::Serialize;
@@ -139,10 +139,14 @@ pub fn unseen(radii: &RadiusReport<f64>) -> Vec<String> {
                 .to_owned(),
         );
     }
+    let named = match radii.state {
+        RadiusState::Low(wheels) | RadiusState::OneOf(wheels) => wheels,
+        _ => Wheels::NONE,
+    };
     let uninformed: Vec<&str> = Corner::ALL
         .into_iter()
         .zip(&radii.wheels)
-        .filter(|(_, wheel)| known && !wheel.informed)
+        .filter(|(corner, wheel)| known && !wheel.informed && !named.contains(*corner))
         .map(|(corner, _)| corner.label())
         .collect();
     if !uninformed.is_empty() && radii.state != RadiusState::Uninformed {

@@ -294,7 +294,8 @@ impl<T: Real> fmt::Display for AlertIn<'_, T> {
                     }
                 }
                 if *is_known && wheels.iter().count() < 4 {
-                    write!(f, ": it turns as with {lost:.0} % (sd {sd:.0}) of its pressure lost")?;
+                    let which = if wheels.iter().count() == 1 { "it" } else { "the lowest" };
+                    write!(f, ": {which} turns as with {lost:.0} % (sd {sd:.0}) of its pressure lost")?;
                 }
                 write!(f, ", by the wheel speeds")?;
             }

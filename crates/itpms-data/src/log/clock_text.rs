@@ -1,10 +1,13 @@
 //! Times that are written as dates, or as days and a clock: what pandas, polars and many loggers write into CSV.
 
 /// Seconds since 1970 of `2026-03-01 08:00:00.002`, with `T` or a blank, with `Z`, an offset or nothing (taken for UTC) after
-/// it; or the seconds of `0 days 00:00:01.5` and of `00:00:01.5`.
+/// it, or with the date as `01.03.2026`; or the seconds of `0 days 00:00:01.5`, of `00:00:01.5` and of MATLAB's `1.5 sec`.
 pub(crate) fn seconds(text: &[u8]) -> Option<f64> {
     let text = std::str::from_utf8(text).ok()?.trim();
     let text = text.strip_suffix("UTC").or_else(|| text.strip_suffix("GMT")).unwrap_or(text).trim_end();
+    if let Some(seconds) = text.strip_suffix(" sec") {
+        return seconds.trim_end().parse().ok().filter(|seconds: &f64| seconds.is_finite());
+    }
     if let Some((days, clock)) = text.split_once(" days ") {
         let (days, clock) = (days.parse::<i64>().ok()?, clock.trim_start_matches('+'));
         return Some(days as f64 * 86_400.0 + clock_s(clock)?);
@@ -46,10 +49,12 @@ fn clock_s(text: &str) -> Option<f64> {
     parts.next().is_none().then_some(60.0 * minutes + seconds)
 }
 
-/// Days from 1970-01-01 to `YYYY-MM-DD` in the Gregorian calendar.
+/// Days from 1970-01-01 to `YYYY-MM-DD` or `DD.MM.YYYY` in the Gregorian calendar.
 fn days_since_1970(date: &str) -> Option<i64> {
-    let mut parts = date.split('-');
-    let (year, month, day) = (parts.next()?, parts.next()?, parts.next()?);
+    let german = date.contains('.');
+    let mut parts = date.split(if german { '.' } else { '-' });
+    let (first, month, last) = (parts.next()?, parts.next()?, parts.next()?);
+    let (year, day) = if german { (last, first) } else { (first, last) };
     let (year, month, day): (i64, i64, i64) = (year.parse().ok()?, month.parse().ok()?, day.parse().ok()?);
     if parts.next().is_some() || !(1900..2500).contains(&year) || !(1..=12).contains(&month) {
         return None;
@@ -84,6 +89,8 @@ mod tests {
             ("2026-03-01 08:00:00,250", 1_772_352_000.25),
             ("2100-03-01 00:00:00", 4_107_542_400.0),
             ("0 days 00:00:01.500000", 1.5),
+            ("0.002 sec", 0.002),
+            ("01.03.2026 08:00:00,25", 1_772_352_000.25),
             ("1 days 00:00:00", 86_400.0),
             ("01:02:03.5", 3723.5),
         ] {

@@ -109,6 +109,8 @@ pub(crate) fn meaning(group: &str, name: &str) -> Option<(Slot, Fit)> {
 
 /// The same of a signal whose unit is stated beside its name.
 pub(crate) fn meaning_in(group: &str, name: &str, unit: &str) -> Option<(Slot, Fit)> {
+    // A table's column may carry its message's name, as `ESP_Status::VehicleSpeed`.
+    let (group, name) = name.rsplit_once("::").filter(|_| group.is_empty()).unwrap_or((group, name));
     let (own, around) = (words(name.strip_prefix(MESSAGE).unwrap_or(name)), words(group));
     // `v_FL` is a damper's as well as a wheel's, unless its unit tells; without one it is asked for.
     let over_ground = own.contains(&Word::OverGround) || words(unit).contains(&Word::OverGround);
@@ -276,6 +278,8 @@ mod tests {
             ("", "az_body_fl", "fl_body_accel_m_s2"),
             ("ESP_02", "VehicleSpeed", "speed_m_s"),
             ("ESP_Status", "VehicleSpeed", "speed_m_s"),
+            ("", "ESP_Status::VehicleSpeed [km/h]", "speed_m_s"),
+            ("", "Chassis::FL_BodyAccZ", "fl_body_accel_m_s2"),
             ("", "v_veh", "speed_m_s"),
             ("", "VehSpd", "speed_m_s"),
             ("ABS", "vehspd", "speed_m_s"),

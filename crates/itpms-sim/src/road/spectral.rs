@@ -2,7 +2,7 @@
 //!
 //! Called by the surfaces. A block is a Fourier series with random coefficients, far longer than the records that
 //! fit into it; where a drive outlasts a block, the next, independent one is faded in with weights whose squares
-//! sum to one, so that the road stays Gaussian and its spectrum the same (docs/math/simulation.md, "Long roads").
+//! sum to one, so that the road stays Gaussian and its spectrum the same (docs/math/simulation.md, "The road's spectrum").
 
 use std::cell::RefCell;
 use std::collections::VecDeque;

@@ -122,7 +122,7 @@ fn corner_table(out: &mut String, car: &TypicalCar, corner: Corner, axle: usize)
         "damping_n_s_per_m",
         damping_n_s_per_m,
         0,
-        &format!("damping ratio {:.2} (published cars 0.18-0.40)", figures.damping_ratio[axle]),
+        &format!("damping ratio {:.2} (published cars 0.17-0.40)", figures.damping_ratio[axle]),
     );
     line(out, "damping_relative_sd", DAMPING_SD, 2, "scatter of those; itpms lab identify damper or bump");
     line(
