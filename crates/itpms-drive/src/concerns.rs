@@ -1,7 +1,7 @@
 //! What should be known before believing a result, in sentences.
 
 use itpms_analysis::report::ReportData;
-use itpms_core::model::{Corner, Misfit};
+use itpms_core::model::{Corner, Level, Misfit};
 use itpms_core::wheel_speed::RadiusState;
 use itpms_data::log::{Field, Slot};
 use itpms_data::out::WheelSpeedUse;
@@ -16,6 +16,8 @@ use crate::wheel_speeds::{lacking, wheel_speed_use};
 
 /// Rates in Hz for which the estimators are made.
 const USUAL_RATES_HZ: std::ops::RangeInclusive<f64> = 99.0..=2020.0;
+/// Logarithm of pressure over placard from which on no one fills all tires otherwise.
+const ANOTHER_CAR: f64 = 0.26;
 /// Rate in Hz from which on a wheel's hop, at 10 to 15 Hz, lies well within what samples show.
 const LEAST_RATE_HZ: f64 = 50.0;
 /// Seconds of driving that a calibration should have.
@@ -115,6 +117,22 @@ pub(crate) fn of_tire_sensors(data: &ReportData) -> impl Iterator<Item = String>
         let last = corner.figures.last?;
         let words = corner.tire_sensor?.contradiction(last.pressure_kpa, last.sd_kpa, data.pressure_unit)?;
         Some(format!("{}: {words}", corner.corner.label()))
+    })
+}
+
+/// All tires of a car that was never calibrated are above or below their placards: the file is another car's.
+pub(crate) fn of_level(data: &ReportData) -> Option<String> {
+    let shares = data.corners.iter().map(|corner| {
+        let by_file = corner.level == Some(Level::VehicleFile);
+        Some(corner.figures.last.filter(|_| by_file)?.pressure_kpa / corner.placard_kpa)
+    });
+    let shares: Vec<f64> = shares.collect::<Option<_>>()?;
+    let off = |share: &f64| share.ln().abs() > ANOTHER_CAR && share.ln().signum() == shares[0].ln().signum();
+    (shares.len() > 1 && shares.iter().all(off)).then(|| {
+        format!(
+            "by the vehicle file alone every tire reads {:.2} of its placard pressure: masses or tires of another car? (itpms vehicle check; a calibration, --calibrate-s, sets the level)",
+            shares.iter().sum::<f64>() / shares.len() as f64
+        )
     })
 }
 

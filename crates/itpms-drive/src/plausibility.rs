@@ -19,6 +19,8 @@ const LEAST_CHANGES: u64 = 200;
 /// A wheel over a smooth motorway moves by more than this, in m/s² rms, from [`FAST_M_S`] on.
 const LEAST_WHEEL_RMS_M_S2: f64 = 0.8;
 const FAST_M_S: f64 = 10.0;
+/// And every body by more than this share of its wheel: a damper of 0.15 of the critical one lets through 0.035 at wheel hop, and more below.
+const LEAST_BODY_SHARE: f64 = 0.03;
 /// Share of an acceleration's rows at the end of its range from which on it is reported. At a tenth pressures are still right; at a fifth
 /// they read 10 kPa low, at two fifths 30 to 50 kPa.
 const CLIPPED: f64 = 0.05;
@@ -35,8 +37,8 @@ pub(crate) struct Plausibility {
     wheel_speed: f64,
     changes: u64,
     least_step_m_s: Option<f64>,
-    /// Sums of wheel accelerations and their squares while the car is fast.
-    wheels: [[f64; 3]; 4],
+    /// Number, sum and sum of squares of each corner's body and wheel accelerations while the car is fast.
+    swings: [[[f64; 3]; 2]; 4],
     /// Of each corner's body and wheel.
     ranges: [[Range; 2]; 4],
 }
@@ -83,15 +85,17 @@ impl Range {
 impl Plausibility {
     /// Takes a row of the log; `radius_m` is what makes speeds of wheels of their rotation.
     pub(crate) fn take(&mut self, row: &LogRow, radius_m: f64) {
-        for ((sums, ranges), corner) in self.wheels.iter_mut().zip(&mut self.ranges).zip(&row.corners) {
+        for ((sums, ranges), corner) in self.swings.iter_mut().zip(&mut self.ranges).zip(&row.corners) {
             let [body, wheel] =
                 corner.map_or([f64::NAN; 2], |corner| [corner.body_accel_m_s2, corner.wheel_accel_m_s2]);
             if row.speed_m_s.is_nan() || row.speed_m_s > DRIVING_M_S {
                 ranges[0].take(body);
                 ranges[1].take(wheel);
             }
-            if row.speed_m_s > FAST_M_S && wheel.is_finite() {
-                *sums = [sums[0] + 1.0, sums[1] + wheel, sums[2] + wheel * wheel];
+            if row.speed_m_s > FAST_M_S && body.is_finite() && wheel.is_finite() {
+                for ([count, sum, squares], value) in sums.iter_mut().zip([body, wheel]) {
+                    (*count, *sum, *squares) = (*count + 1.0, *sum + value, *squares + value * value);
+                }
             }
         }
         let wheels = row.motion.sample(row.time_s, radius_m).wheel_speed_m_s;
@@ -180,16 +184,29 @@ impl Plausibility {
         ))
     }
 
+    /// Accelerations that are too small by what g is in m/s²: a wheel's for any road, or all bodies' for their wheels.
     fn in_g(&self) -> Option<String> {
-        let small = |[count, sum, squares]: &[f64; 3]| {
-            *count >= LEAST_ROWS && ((squares - sum * sum / count) / count).sqrt() < LEAST_WHEEL_RMS_M_S2
-        };
-        let corner = self.wheels.iter().position(small)?;
-        Some(format!(
-            "{}_wheel_accel_m_s2 has less than {LEAST_WHEEL_RMS_M_S2} m/s² rms above {:.0} km/h, as on no road: accelerations in g? (factor = 9.80665 in a map)",
-            Corner::ALL[corner].label(),
-            3.6 * FAST_M_S
-        ))
+        let rms = self.swings.map(|corner| {
+            corner.map(|[count, sum, squares]| {
+                (count >= LEAST_ROWS).then(|| ((squares - sum * sum / count) / count).sqrt())
+            })
+        });
+        let is_small = |[_, wheel]: &[Option<f64>; 2]| wheel.is_some_and(|rms| rms < LEAST_WHEEL_RMS_M_S2);
+        let fast_km_h = 3.6 * FAST_M_S;
+        if let Some(corner) = rms.iter().position(is_small) {
+            return Some(format!(
+                "{}_wheel_accel_m_s2 has less than {LEAST_WHEEL_RMS_M_S2} m/s² rms above {fast_km_h:.0} km/h, as on no road: accelerations in g? (factor = 9.80665 in a map)",
+                Corner::ALL[corner].label(),
+            ));
+        }
+        let shares = rms.iter().filter_map(|[body, wheel]| Some((*body)? / (*wheel)?));
+        let largest = shares.reduce(f64::max)?;
+        (largest < LEAST_BODY_SHARE).then(|| {
+            format!(
+                "every body moves less than {:.1} % of its wheel above {fast_km_h:.0} km/h, as no damper lets it: the bodies' accelerations in g? (factor = 9.80665 in a map)",
+                100.0 * largest
+            )
+        })
     }
 }
 
@@ -229,6 +246,9 @@ mod tests {
         assert!(why.is_some_and(|why| why.contains("3.60 times") && why.contains("km/h")));
         let log = after(|k| row(k, 5.0 / 9.81 / 9.81, f64::NAN));
         assert!(log.concerns().iter().any(|why| why.contains("in g?")));
+        // Bodies of a fifth of their wheels, in g: a fiftieth.
+        let log = after(|k| row(k, 5.0 * 9.81, f64::NAN));
+        assert!(log.concerns().iter().any(|why| why.contains("bodies' accelerations in g?")));
     }
 
     #[test]

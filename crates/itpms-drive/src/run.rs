@@ -190,6 +190,7 @@ pub(crate) fn conclude(
     concerns.extend(implausible);
     concerns.extend(of_pulses);
     concerns.extend(concerns::of_tire_sensors(&data));
+    concerns.extend(concerns::of_level(&data));
     data.concerns.clone_from(&concerns);
     let fits = Corner::ALL.map(|corner| drive.fit(corner));
     let placards_kpa = Corner::ALL.map(|corner| job.vehicle.placard_kpa(corner));
