@@ -173,13 +173,10 @@ impl<T: Real> Fusion<T> {
     pub(super) fn set_strut(&mut self, corner: Corner, car: &QuarterCar<T>, equation: &BodyEquation<T>) {
         let damped_n_s_per_m = equation.friction_damping(corner);
         self.inter_axle.set_strut(corner, car, damped_n_s_per_m, &self.belief);
-        let variance = equation.stiffness_variance(corner);
-        self.friction_variance[corner] = variance;
+        self.friction_variance[corner] = equation.stiffness_variance(corner);
         let [damping, spring] = equation.strut_variance(corner);
-        let placard_n_per_m = self.belief.scale().placard_n_per_m[corner];
         let damped = damped_n_s_per_m / equation.damper_n_s_per_m(corner);
-        let compliance = variance / (placard_n_per_m * placard_n_per_m);
-        self.belief.set_friction_error(corner, FrictionError { damping, spring, compliance, damped });
+        self.belief.set_friction_error(corner, FrictionError { damping, spring, damped });
     }
 
     /// Takes over what a corner finds by itself.
