@@ -196,10 +196,9 @@ impl<T: Real> Informed<T> {
         self.last_time_s
     }
 
-    /// Takes over the car as it seems to be now, if that is known, and what the strut's friction makes of its motion.
-    pub(crate) fn set_strut(&mut self, body: Option<Body<T>>, friction: &DescribingFunction<T>) {
-        self.body = body.unwrap_or(self.body);
-        self.friction = *friction;
+    /// Takes over the car as it seems to be now, and what the strut's friction makes of its motion.
+    pub(crate) fn set_strut(&mut self, body: Body<T>, friction: &DescribingFunction<T>) {
+        (self.body, self.friction) = (body, *friction);
     }
 
     /// Whether the road is one line, as a washboard's is.

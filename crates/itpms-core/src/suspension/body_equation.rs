@@ -64,7 +64,7 @@ const _: () = assert!(BINS + 1 + PASSES <= 20);
 const SECONDS: f64 = 0.5 / BIN_SPACING_HZ;
 /// Seconds within which frames of two corners are of the same time.
 const SAME_S: f64 = 0.006;
-/// Seconds of frames before anything is reported.
+/// Seconds of frames before friction is reported.
 const ENOUGH_S: f64 = 4.0;
 /// Bins over which misfit is averaged: 5 to 20 Hz.
 const MISFIT_BINS: core::ops::Range<usize> = 1..8;
@@ -247,20 +247,17 @@ impl<T: Real> BodyEquation<T> {
     }
 
     /// The quarter car that a corner is, if it is there, on a wheel of this mass (docs/math/informed.md, eq. 20): with the mass that its own
-    /// strut moves, and with the anti-roll bar beside its spring. `None` until enough was seen.
-    pub(crate) fn quarter_car(&self, corner: Corner, unsprung_mass_kg: T) -> Option<Body<T>> {
-        if !self.known {
-            return None;
-        }
+    /// strut moves, and with the anti-roll bar beside its spring; a usual one at first.
+    pub(crate) fn quarter_car(&self, corner: Corner, unsprung_mass_kg: T) -> Body<T> {
         let (x, (_, whole)) = (&self.parameters, self.compliance());
         let bar = if self.body.is_whole() { x[BAR + corner.axle()] } else { T::zero() };
         let spring_n_per_m = self.spring[corner] * x[SPRING + corner.index()].exp();
-        Some(Body {
+        Body {
             sprung_mass_kg: whole[(corner.index(), corner.index())].recip(),
             unsprung_mass_kg,
             damping_n_s_per_m: self.damping[corner] * x[DAMPER + corner.index()].exp(),
             spring_n_per_m: spring_n_per_m * (T::one() + bar),
-        })
+        }
     }
 
     /// What a corner's friction makes of its motion.
