@@ -1060,7 +1060,7 @@ typedef struct {
    */
   uint32_t malfunction;
   /*
-   The sensors with the malfunction: bits 0 to 3 the body's, 4 to 7 the wheels'.
+   The sensors with the malfunction: bits 0 to 3 the body's, 4 to 7 the wheels', 8 to 11 the wheel speeds'.
    */
   uint32_t sensors;
   /*
