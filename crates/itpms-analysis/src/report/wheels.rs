@@ -107,7 +107,7 @@ pub fn found(radii: &RadiusReport<f64>) -> String {
         }
         RadiusState::Calibrating => "the calibration is not over".to_owned(),
         RadiusState::Uninformed => {
-            "a tire that has lost a quarter would not be found: too little was driven since the calibration, or loads may have changed".to_owned()
+            "a tire that has lost a quarter would not be found: too little was driven since the calibration with all four speeds in order, or loads may have changed".to_owned()
         }
         RadiusState::NoneDiffers => "no tire differs from the others since the calibration".to_owned(),
         RadiusState::Low(wheels) if wheels.iter().count() == 4 => {
