@@ -61,59 +61,59 @@ impl From<ParameterError> for Refusal {
 
 impl Config {
     /// The configuration of a C program.
-    pub(crate) fn read(told: &itpms_config) -> Result<Self, Refusal> {
-        let wheelbase_m = given(told.wheelbase_m);
+    pub(crate) fn read(stated: &itpms_config) -> Result<Self, Refusal> {
+        let wheelbase_m = given(stated.wheelbase_m);
         if let Some(wheelbase_m) = wheelbase_m {
             expect("wheelbase_m", wheelbase_m, wheelbase_m > 0.0, "a positive, finite number")?;
         }
-        let confidence = confidence(told.confidence)?;
+        let confidence = confidence(stated.confidence)?;
         let (mut corners, mut reference_kpa) = ([None; 4], [None; 4]);
-        for (i, corner) in told.corners.iter().enumerate() {
+        for (i, corner) in stated.corners.iter().enumerate() {
             if flag("is_measured", corner.is_measured).map_err(|refusal| refusal.at(i))? {
                 corners[i] = Some(read_corner(corner, confidence).map_err(|refusal| refusal.at(i))?);
                 reference_kpa[i] = given(corner.reference_kpa);
             }
         }
-        let wants_road = flag("wants_road", told.wants_road)?;
+        let wants_road = flag("wants_road", stated.wants_road)?;
         let inflation =
-            if flag("has_pumps", told.has_pumps)? { Inflation::WhileRolling } else { Inflation::AtStops };
+            if flag("has_pumps", stated.has_pumps)? { Inflation::WhileRolling } else { Inflation::AtStops };
         let options = EstimatorOptions { inflation, ..EstimatorOptions::default() };
         let monitor = MonitorConfig {
             car: CarConfig { corners, wheelbase_m },
-            limits: limits(told)?,
+            limits: limits(stated)?,
             reference_kpa,
             options,
         };
-        let wheels = read_wheel_speeds(&told.wheel_speeds, told.wheelbase_m)?;
+        let wheels = read_wheel_speeds(&stated.wheel_speeds, stated.wheelbase_m)?;
         if corners.iter().all(Option::is_none) && wheels.is_none() {
             return Err(Refusal::choice("is_measured", 0, "1 at a corner, or wheel_speeds.is_used"));
         }
-        Ok(Self { sample_rate_hz: told.sample_rate_hz, monitor, wants_road, wheels })
+        Ok(Self { sample_rate_hz: stated.sample_rate_hz, monitor, wants_road, wheels })
     }
 }
 
 fn read_corner(
-    told: &itpms_corner_config,
+    stated: &itpms_corner_config,
     confidence: Confidence,
 ) -> Result<CornerConfig<itpms_real>, Refusal> {
     let car = QuarterCar::new(
-        told.sprung_mass_kg,
-        told.unsprung_mass_kg,
-        told.damping_n_s_per_m,
-        told.spring_n_per_m,
+        stated.sprung_mass_kg,
+        stated.unsprung_mass_kg,
+        stated.damping_n_s_per_m,
+        stated.spring_n_per_m,
     )?;
     let or_zero = |value: itpms_real| given(value).unwrap_or(0.0);
-    let tire = PressureMap::new(told.stiffness_per_kpa, told.stiffness_at_zero)?.with_uncertainty(
-        or_zero(told.stiffness_per_kpa_sd),
-        or_zero(told.stiffness_at_zero_sd),
-        or_zero(told.stiffness_correlation),
+    let tire = PressureMap::new(stated.stiffness_per_kpa, stated.stiffness_at_zero)?.with_uncertainty(
+        or_zero(stated.stiffness_per_kpa_sd),
+        or_zero(stated.stiffness_at_zero_sd),
+        or_zero(stated.stiffness_correlation),
     )?;
-    let mut corner = CornerConfig::new(car, tire, told.placard_kpa)?;
-    corner.uncertainty = uncertainty(told, confidence)?;
-    if let Some(noise_m_s2) = given(told.accel_noise_m_s2) {
+    let mut corner = CornerConfig::new(car, tire, stated.placard_kpa)?;
+    corner.uncertainty = uncertainty(stated, confidence)?;
+    if let Some(noise_m_s2) = given(stated.accel_noise_m_s2) {
         corner = corner.with_accel_noise(noise_m_s2)?;
     }
-    if let Some(initial_kpa) = given(told.initial_kpa) {
+    if let Some(initial_kpa) = given(stated.initial_kpa) {
         corner = corner.with_initial_pressure(initial_kpa)?;
     }
     Ok(corner)
@@ -121,7 +121,7 @@ fn read_corner(
 
 /// What the parameters are known to, where something else is given than what is usual.
 fn uncertainty(
-    told: &itpms_corner_config,
+    stated: &itpms_corner_config,
     confidence: Confidence,
 ) -> Result<ParameterUncertainty<itpms_real>, Refusal> {
     let usual = ParameterUncertainty::of(confidence);
@@ -129,58 +129,62 @@ fn uncertainty(
         None => Ok(usual),
         Some(value) => expect(name, value, value >= 0.0, "a finite number, zero or more"),
     };
-    let over_mass = given(told.stiffness_over_mass_relative_sd);
+    let over_mass = given(stated.stiffness_over_mass_relative_sd);
     Ok(ParameterUncertainty {
         sprung_mass_relative_sd: or(
             "sprung_mass_relative_sd",
-            told.sprung_mass_relative_sd,
+            stated.sprung_mass_relative_sd,
             usual.sprung_mass_relative_sd,
         )?,
         unsprung_mass_relative_sd: or(
             "unsprung_mass_relative_sd",
-            told.unsprung_mass_relative_sd,
+            stated.unsprung_mass_relative_sd,
             usual.unsprung_mass_relative_sd,
         )?,
-        spring_relative_sd: or("spring_relative_sd", told.spring_relative_sd, usual.spring_relative_sd)?,
-        damping_relative_sd: or("damping_relative_sd", told.damping_relative_sd, usual.damping_relative_sd)?,
+        spring_relative_sd: or("spring_relative_sd", stated.spring_relative_sd, usual.spring_relative_sd)?,
+        damping_relative_sd: or(
+            "damping_relative_sd",
+            stated.damping_relative_sd,
+            usual.damping_relative_sd,
+        )?,
         stiffness_relative_sd: or(
             "stiffness_relative_sd",
-            told.stiffness_relative_sd,
+            stated.stiffness_relative_sd,
             usual.stiffness_relative_sd,
         )?,
         stiffness_over_mass_relative_sd: match over_mass {
             None => None,
             Some(sd) => Some(or("stiffness_over_mass_relative_sd", sd, sd)?),
         },
-        friction_n: or("friction_n", told.friction_n, usual.friction_n)?,
-        friction_sd_n: or("friction_sd_n", told.friction_sd_n, usual.friction_sd_n)?,
+        friction_n: or("friction_n", stated.friction_n, usual.friction_n)?,
+        friction_sd_n: or("friction_sd_n", stated.friction_sd_n, usual.friction_sd_n)?,
         tire_damping_n_s_per_m: or(
             "tire_damping_n_s_per_m",
-            told.tire_damping_n_s_per_m,
+            stated.tire_damping_n_s_per_m,
             usual.tire_damping_n_s_per_m,
         )?,
         tire_damping_sd_n_s_per_m: or(
             "tire_damping_sd_n_s_per_m",
-            told.tire_damping_sd_n_s_per_m,
+            stated.tire_damping_sd_n_s_per_m,
             usual.tire_damping_sd_n_s_per_m,
         )?,
     })
 }
 
-fn limits(told: &itpms_config) -> Result<Limits<itpms_real>, Refusal> {
-    let regulation = match told.regulation {
+fn limits(stated: &itpms_config) -> Result<Limits<itpms_real>, Refusal> {
+    let regulation = match stated.regulation {
         n if n == itpms_regulation::UnR141 as u32 => Regulation::UnR141,
         n if n == itpms_regulation::Fmvss138 as u32 => Regulation::Fmvss138,
         n => return Err(Refusal::choice("regulation", n, "an itpms_regulation, 0 or 1")),
     };
-    match given(told.loss_share) {
+    match given(stated.loss_share) {
         None => Ok(regulation.into()),
         Some(loss_share) => Ok(Limits::for_loss(loss_share)?),
     }
 }
 
-fn confidence(told: u32) -> Result<Confidence, Refusal> {
-    match told {
+fn confidence(stated: u32) -> Result<Confidence, Refusal> {
+    match stated {
         n if n == itpms_confidence::Measured as u32 => Ok(Confidence::Measured),
         n if n == itpms_confidence::Typical as u32 => Ok(Confidence::Typical),
         n if n == itpms_confidence::Rough as u32 => Ok(Confidence::Rough),
@@ -189,31 +193,31 @@ fn confidence(told: u32) -> Result<Confidence, Refusal> {
 }
 
 pub(crate) fn read_wheel_speeds(
-    told: &itpms_wheel_speed_config,
+    stated: &itpms_wheel_speed_config,
     wheelbase_m: itpms_real,
 ) -> Result<Option<WheelSpeedConfig<itpms_real>>, Refusal> {
-    if !flag("wheel_speeds.is_used", told.is_used)? {
+    if !flag("wheel_speeds.is_used", stated.is_used)? {
         return Ok(None);
     }
-    let driven = match told.driven {
+    let driven = match stated.driven {
         n if n == itpms_driven::Front as u32 => DrivenAxle::Front,
         n if n == itpms_driven::Rear as u32 => DrivenAxle::Rear,
         n if n == itpms_driven::All as u32 => DrivenAxle::Both,
         n => return Err(Refusal::choice("driven", n, "an itpms_driven, 0 to 2")),
     };
-    let mut config = WheelSpeedConfig::new(wheelbase_m, told.track_front_m, told.track_rear_m, driven);
-    config.limited_slip = flag("has_limited_slip", told.has_limited_slip)?;
-    let put = |place: &mut itpms_real, told| *place = given(told).unwrap_or(*place);
-    put(&mut config.radius_per_ln_pressure, told.radius_per_ln_pressure);
-    put(&mut config.radius_per_ln_pressure_sd, told.radius_per_ln_pressure_sd);
-    put(&mut config.load.rear_axle, told.load_rear_axle_sd);
-    put(&mut config.load.rear_left_right, told.load_rear_left_right_sd);
-    put(&mut config.load.front_passengers, told.load_front_passengers_sd);
+    let mut config = WheelSpeedConfig::new(wheelbase_m, stated.track_front_m, stated.track_rear_m, driven);
+    config.limited_slip = flag("has_limited_slip", stated.has_limited_slip)?;
+    let put = |place: &mut itpms_real, stated| *place = given(stated).unwrap_or(*place);
+    put(&mut config.radius_per_ln_pressure, stated.radius_per_ln_pressure);
+    put(&mut config.radius_per_ln_pressure_sd, stated.radius_per_ln_pressure_sd);
+    put(&mut config.load.rear_axle, stated.load_rear_axle_sd);
+    put(&mut config.load.rear_left_right, stated.load_rear_left_right_sd);
+    put(&mut config.load.front_passengers, stated.load_front_passengers_sd);
     Ok(Some(config))
 }
 
-fn flag(name: &'static str, told: u32) -> Result<bool, Refusal> {
-    match told {
+fn flag(name: &'static str, stated: u32) -> Result<bool, Refusal> {
+    match stated {
         0 => Ok(false),
         1 => Ok(true),
         n => Err(Refusal::choice(name, n, "0 or 1")),

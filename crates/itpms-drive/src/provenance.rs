@@ -81,24 +81,24 @@ fn options(settings: &Settings, reading: &LogOptions) -> Vec<(String, String)> {
 /// Where the vehicle's parameters come from: drives, the file, or what is usual for its confidence.
 fn sources(vehicle: &Vehicle, corners: &[Corner]) -> Vec<(Parameter, String)> {
     let Some(first) = corners.first() else { return vec![] };
-    let (told, tire) =
+    let (stated, tire) =
         (&vehicle.details.corners[first.index()], &vehicle.details.corners[first.index()].tire);
     let source = |parameter: Parameter| {
         let (learned, sd_told) = match parameter {
-            Parameter::SprungMass => (false, told.sprung_mass_relative_sd.is_some()),
-            Parameter::UnsprungMass => (true, told.unsprung_mass_relative_sd.is_some()),
+            Parameter::SprungMass => (false, stated.sprung_mass_relative_sd.is_some()),
+            Parameter::UnsprungMass => (true, stated.unsprung_mass_relative_sd.is_some()),
             Parameter::Tire => (true, tire.stiffness_relative_sd.is_some()),
             Parameter::TireOverMass => (
                 true,
                 tire.stiffness_over_mass_relative_sd.is_some()
-                    || told.unsprung_mass_relative_sd.is_some() && tire.stiffness_relative_sd.is_some(),
+                    || stated.unsprung_mass_relative_sd.is_some() && tire.stiffness_relative_sd.is_some(),
             ),
             // A line without a standard deviation is taken as exact, whatever the confidence.
             Parameter::Slope => (true, true),
-            Parameter::Damping => (true, told.damping_relative_sd.is_some()),
-            Parameter::Spring => (true, told.spring_relative_sd.is_some()),
-            Parameter::Friction => (true, told.friction_sd_n.is_some()),
-            Parameter::TireDamping => (false, told.tire_damping_sd_n_s_per_m.is_some()),
+            Parameter::Damping => (true, stated.damping_relative_sd.is_some()),
+            Parameter::Spring => (true, stated.spring_relative_sd.is_some()),
+            Parameter::Friction => (true, stated.friction_sd_n.is_some()),
+            Parameter::TireDamping => (false, stated.tire_damping_sd_n_s_per_m.is_some()),
         };
         match &vehicle.learned {
             Some(drives) if learned => format!("learned: {drives}"),

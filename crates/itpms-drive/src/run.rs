@@ -81,7 +81,7 @@ pub struct Done {
     pub placards_kpa: [Option<f64>; 4],
     /// What the wheel speeds reported in the end, where they are used.
     pub radii: Option<RadiusRow>,
-    /// What tooth pulses said in the end of each tire since the calibration, where they are read, in the order of
+    /// What tooth pulses showed in the end of each tire since the calibration, where they are read, in the order of
     /// [`Corner::ALL`](itpms_core::model::Corner::ALL).
     pub torsion: Option<[Option<TorsionChange<f64>>; 4]>,
     /// What the tires' own sensors sent last, in kPa, in the order of [`Corner::ALL`](itpms_core::model::Corner::ALL); NaN: nothing.

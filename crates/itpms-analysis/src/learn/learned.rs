@@ -49,20 +49,20 @@ pub(super) fn learned(
         after_sd: u_sd,
     };
     let (mut corners, mut car) = ([None; 4], *file);
-    for (i, told) in file.corners.iter().enumerate() {
-        let Some(told) = told else { continue };
-        let corner = corner(told, i, belief, drives);
-        car.corners[i] = Some(config(told, &corner, &slope)?);
+    for (i, stated) in file.corners.iter().enumerate() {
+        let Some(stated) = stated else { continue };
+        let corner = corner(stated, i, belief, drives);
+        car.corners[i] = Some(config(stated, &corner, &slope)?);
         corners[i] = Some(corner);
     }
     Ok(Learned { corners, slope, car })
 }
 
-fn corner(told: &CornerConfig<f64>, i: usize, belief: &Belief, drives: &[DriveReading]) -> LearnedCorner {
-    let (mass_kg, known) = (told.quarter_car.unsprung_mass_kg(), &told.uncertainty);
-    let tire_n_per_m = told.tire.stiffness_n_per_m(told.placard_kpa);
+fn corner(stated: &CornerConfig<f64>, i: usize, belief: &Belief, drives: &[DriveReading]) -> LearnedCorner {
+    let (mass_kg, known) = (stated.quarter_car.unsprung_mass_kg(), &stated.uncertainty);
+    let tire_n_per_m = stated.tire.stiffness_n_per_m(stated.placard_kpa);
     let [mass, tire] = [belief.mass(i), belief.tire(i)];
-    let [damping_n_s_per_m, spring_n_per_m, friction_n] = strut::strut(told, i, drives);
+    let [damping_n_s_per_m, spring_n_per_m, friction_n] = strut::strut(stated, i, drives);
     LearnedCorner {
         unsprung_mass_kg: Parameter::share(mass_kg, known.unsprung_mass_relative_sd, mass),
         tire_n_per_m: Parameter::share(tire_n_per_m, known.stiffness_relative_sd, tire),
@@ -79,28 +79,28 @@ fn corner(told: &CornerConfig<f64>, i: usize, belief: &Belief, drives: &[DriveRe
 
 /// What an estimator knows of it.
 fn config(
-    told: &CornerConfig<f64>,
+    stated: &CornerConfig<f64>,
     corner: &LearnedCorner,
     slope: &Parameter,
 ) -> Result<CornerConfig<f64>, LearnError> {
     let relative = |parameter: &Parameter| parameter.after_sd / parameter.after;
     let quarter_car = QuarterCar::new(
-        told.quarter_car.sprung_mass_kg(),
+        stated.quarter_car.sprung_mass_kg(),
         corner.unsprung_mass_kg.after,
         corner.damping_n_s_per_m.after,
         corner.spring_n_per_m.after,
     )?;
     // The line turns about its point at placard pressure, where stiffness over mass was read.
     let scale = corner.tire_n_per_m.after / corner.tire_n_per_m.before;
-    let per_kpa = scale * slope.after * told.tire.stiffness_per_kpa();
-    let at_zero = corner.tire_n_per_m.after - per_kpa * told.placard_kpa;
+    let per_kpa = scale * slope.after * stated.tire.stiffness_per_kpa();
+    let at_zero = corner.tire_n_per_m.after - per_kpa * stated.placard_kpa;
     let per_kpa_sd = per_kpa * slope.after_sd / slope.after;
     let tire = PressureMap::new(per_kpa, at_zero.max(0.0))?.with_uncertainty(
         per_kpa_sd,
-        per_kpa_sd * told.placard_kpa,
+        per_kpa_sd * stated.placard_kpa,
         -1.0,
     )?;
-    let mut uncertainty = told.uncertainty;
+    let mut uncertainty = stated.uncertainty;
     uncertainty.unsprung_mass_relative_sd = relative(&corner.unsprung_mass_kg);
     uncertainty.stiffness_relative_sd = relative(&corner.tire_n_per_m);
     uncertainty.stiffness_over_mass_relative_sd = Some(relative(&corner.stiffness_over_mass));
@@ -108,5 +108,5 @@ fn config(
     uncertainty.spring_relative_sd = relative(&corner.spring_n_per_m);
     (uncertainty.friction_n, uncertainty.friction_sd_n) =
         (corner.friction_n.after, corner.friction_n.after_sd);
-    Ok(CornerConfig { quarter_car, tire, uncertainty, ..*told })
+    Ok(CornerConfig { quarter_car, tire, uncertainty, ..*stated })
 }

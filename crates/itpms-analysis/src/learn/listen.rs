@@ -118,9 +118,11 @@ impl Listener {
         }
         self.look_s = driven_s + LOOK_S;
         for (i, blocks) in self.wheels.iter_mut().enumerate() {
-            let (Some(read), Some(told)) = (&estimate.corners[i], &self.config.corners[i]) else { continue };
+            let (Some(read), Some(stated)) = (&estimate.corners[i], &self.config.corners[i]) else {
+                continue;
+            };
             if read.validity.is_valid() && read.stiffness_n_per_m > 0.0 {
-                blocks.push((read.stiffness_n_per_m / told.quarter_car.unsprung_mass_kg()).ln());
+                blocks.push((read.stiffness_n_per_m / stated.quarter_car.unsprung_mass_kg()).ln());
             }
         }
         if driven_s >= self.struts_s {
@@ -139,11 +141,11 @@ impl Listener {
     #[must_use]
     pub fn finish(self) -> DriveReading {
         let strut = |i: usize| {
-            let (sum, told) = (&self.struts[i], self.config.corners[i].as_ref()?.quarter_car);
+            let (sum, stated) = (&self.struts[i], self.config.corners[i].as_ref()?.quarter_car);
             let mean = |value: usize| sum.sums[value] / f64::from(sum.count);
             (sum.count > 0).then(|| StrutMean {
-                damping_n_s_per_m: told.damping_n_s_per_m() * mean(0).exp(),
-                spring_n_per_m: told.spring_n_per_m() * mean(1).exp(),
+                damping_n_s_per_m: stated.damping_n_s_per_m() * mean(0).exp(),
+                spring_n_per_m: stated.spring_n_per_m() * mean(1).exp(),
                 friction_n: mean(2),
             })
         };

@@ -202,7 +202,7 @@ impl CornerCheck {
 
     /// (Hz, the file's gain, least, most).
     #[must_use]
-    pub fn told(&self) -> Vec<(f64, (f64, f64, f64))> {
+    pub fn of_file(&self) -> Vec<(f64, (f64, f64, f64))> {
         let hz = |i: i32| LOW_HZ * (HIGH_HZ / LOW_HZ).powf(f64::from(i) / 100.0);
         (0..=100).map(hz).map(|hz| (hz, self.suspension.gain(hz))).collect()
     }

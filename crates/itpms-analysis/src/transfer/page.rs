@@ -93,14 +93,19 @@ fn known(points: Vec<(f64, f64, f64)>) -> Vec<(f64, f64, f64)> {
 /// Gain and coherence of a corner.
 fn figure(check: &CornerCheck) -> Figure {
     let frequency = || Axis::logarithmic("Frequency", "Hz");
-    let told = check.told();
+    let of_file = check.of_file();
     let gain = Panel::new("", "Body over wheel", frequency(), Axis::logarithmic("Gain", ""))
         .band(
             "file, within a standard deviation",
             Ink::Light,
-            told.iter().map(|(hz, (_, low, high))| (*hz, *low, *high)).collect(),
+            of_file.iter().map(|(hz, (_, low, high))| (*hz, *low, *high)).collect(),
         )
-        .line("file", Ink::Truth, Stroke::Solid, told.iter().map(|(hz, (gain, _, _))| (*hz, *gain)).collect())
+        .line(
+            "file",
+            Ink::Truth,
+            Stroke::Solid,
+            of_file.iter().map(|(hz, (gain, _, _))| (*hz, *gain)).collect(),
+        )
         .dots("measured", Ink::Adaptive, known(check.measured()));
     let coherence = Panel::new(
         "",

@@ -57,7 +57,7 @@ impl<T: Real> OwnCovariance<T> {
 
     /// Adds a frame's information with its score, counting `trust` of them. The mean moves by no more than the residual,
     /// both in standard deviations: no update by Bayes' rule would, but the score is taken with instruments, and what these
-    /// heard need not have been the road, as when a wheel comes down.
+    /// measured need not have been the road, as when a wheel comes down.
     #[inline(never)]
     pub(crate) fn learn(
         &self,

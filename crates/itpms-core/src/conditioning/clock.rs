@@ -3,7 +3,7 @@
 //! Stands before the estimators and the monitor, so that a clock that is set, or one stray stamp, is a pause to them and
 //! nothing else: calibrations end, warm references and beliefs go on. Called by them; knows nothing of what is sampled.
 
-use crate::conditioning::PAUSE_S;
+use crate::conditioning::pauses::PAUSE_S;
 use crate::memory::blank;
 
 /// Least distance of two stamps, in sampling periods: closer ones are the same.

@@ -4,8 +4,8 @@
 //! Stands between the clock and every estimator, so that none of them ever sees a missing or absurd value. Knows nothing of cars
 //! beyond the size an acceleration can have.
 
-use crate::conditioning::MISSING_S;
 use crate::conditioning::clock::{CLOSEST, LONGEST_BRIDGE};
+use crate::conditioning::pauses::MISSING_S;
 use crate::memory::blank;
 use crate::model::ABSURD_M_S2;
 use crate::real::Real;

@@ -2,7 +2,7 @@
 //!
 //! Called by the estimators, the monitor and everybody who counts the way.
 
-use crate::conditioning::MISSING_S;
+use crate::conditioning::pauses::MISSING_S;
 use crate::memory::blank;
 use crate::real::Real;
 

@@ -31,7 +31,7 @@ pub(crate) mod standstill;
 mod wheel_gain;
 
 pub use self::malfunction::{Malfunction, Place, Sensor};
-use crate::conditioning::PAUSE_S;
+use crate::conditioning::pauses::PAUSE_S;
 use crate::diagnosis::cross_sensor::CrossSensorPlausibility;
 use crate::diagnosis::debounce::Debouncer;
 use crate::diagnosis::matching::{gathered, median, over_others};

@@ -1,7 +1,7 @@
 //! What is wrong with one sensor, as far as it shows by itself and from the same sensors at the other
 //! corners.
 
-use crate::conditioning::MISSING_S;
+use crate::conditioning::pauses::MISSING_S;
 use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
 use crate::diagnosis::sensor_statistics::{SensorBlock, SensorWatch};
 use crate::diagnosis::{FEW_MISSING, Fault, Malfunction, Motion, Sensor};

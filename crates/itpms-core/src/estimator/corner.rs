@@ -5,8 +5,9 @@ use super::concluded::Concluded;
 use super::fused_stiffness::FusedStiffness;
 use super::pulses::PulseLevel;
 use super::reading::{Reading, STARTING_S, is_known};
+use crate::conditioning::pauses::PAUSE_S;
 use crate::conditioning::wheel_lift::ContactWatch;
-use crate::conditioning::{GridSample, LEAST_GRID_HZ, PAUSE_S, Resampler, SampleCounts};
+use crate::conditioning::{GridSample, LEAST_GRID_HZ, Resampler, SampleCounts};
 use crate::memory::{Placed, blank};
 use crate::model::{
     BodyFit, Corner, CornerConfig, CornerEstimate, CornerSample, Level, Loss, Misfit, ParameterError,

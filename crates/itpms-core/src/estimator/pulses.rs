@@ -1,7 +1,7 @@
 //! By how much the accelerations of a corner read too much, as the tooth pulses of its wheel tell (docs/math/two-witnesses.md, "One
 //! corner and its pulses"). Asked by [`Estimator`](super::Estimator) alone: what moves fast is left to the accelerations.
 
-use crate::conditioning::PAUSE_S;
+use crate::conditioning::pauses::PAUSE_S;
 use crate::memory::blank;
 use crate::real::Real;
 use crate::torsion::{OUTLIER, TorsionChange, level_variance_kpa2};

@@ -1,7 +1,8 @@
 //! Whether a corner's body moves as the vehicle file says, and what was found of it on the way (docs/math/unknown-car.md, section 3).
 
 use crate::memory::blank;
-use crate::model::{Level, ONE_SIDED_95};
+use crate::model::Level;
+use crate::model::uncertainty::ONE_SIDED_95;
 use crate::real::Real;
 
 /// Share of the body's motion, 5 to 16 Hz, that does not go with the wheel's: from the first on nothing is believed, below the second

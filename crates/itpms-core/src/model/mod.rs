@@ -27,8 +27,6 @@ pub(crate) use self::sample::{ABSURD_M_S2, Side};
 pub use self::sample::{CarSample, Corner, CornerSample, Sample};
 pub use self::strut_reading::StrutReading;
 pub use self::tire::{PressureMap, RegressionError};
+pub(crate) use self::uncertainty::ONE_SIDED_95;
 pub use self::uncertainty::{Confidence, ParameterUncertainty};
 pub use self::wheels::Wheels;
-
-/// One-sided 95 % quantile of a normal distribution: a quantity counts as past a limit when this many sds still are.
-pub(crate) const ONE_SIDED_95: f64 = 1.64;

@@ -4,6 +4,9 @@
 use crate::memory::blank;
 use crate::real::Real;
 
+/// One-sided 95 % quantile of a normal distribution: a quantity counts as past a limit when this many sds still are.
+pub(crate) const ONE_SIDED_95: f64 = 1.64;
+
 /// Where the parameters of a vehicle come from, and so how far to trust them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

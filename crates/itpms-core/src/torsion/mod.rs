@@ -42,7 +42,7 @@ use self::fit::{BINS, Fitted, Spectrum, fit};
 use self::reference::Reference;
 use self::speed::Speed;
 use self::teeth::{Edge, Teeth};
-use crate::conditioning::LONG_STOP_S;
+use crate::conditioning::pauses::LONG_STOP_S;
 use crate::memory::{Blank, blank};
 use crate::model::ParameterError;
 use crate::real::Real;

@@ -176,7 +176,7 @@ impl<T: Real> BlockSums<T> {
             (true, DrivenAxle::Rear) => [false, !calm],
             (true, DrivenAxle::Both) => [!coasting, !coasting],
         };
-        // Nor of spinning wheels, nor of speeds that are told too coarsely.
+        // Nor of spinning wheels, nor of speeds that are sent too coarsely.
         let step_1e3 = T::lit(SCALE) * step_m_s / v;
         let sane = |i: usize| {
             block.ratio[i].abs() < T::lit(ABSURD_RATIO)
@@ -188,7 +188,7 @@ impl<T: Real> BlockSums<T> {
     }
 }
 
-/// Variance of a ratio's mean, in 1e-6, by the steps `u` in which its speeds are told (docs/math/wheel-speed.md, eq. 7b): noise of spread `h`
+/// Variance of a ratio's mean, in 1e-6, by the steps `u` in which its speeds are sent (docs/math/wheel-speed.md, eq. 7b): noise of spread `h`
 /// that is larger averages them out.
 fn rounded<T: Real>(spread_1e3: T, step_1e3: T) -> T {
     let square = step_1e3 * step_1e3;

@@ -55,7 +55,7 @@ pub use self::report::{Pattern, RadiusReport, RadiusState, Unseen, WheelRadius};
 pub use self::sample::WheelSpeedSample;
 use self::sensor_watch::SensorWatch;
 use self::yaw_witness::YawWitness;
-use crate::conditioning::{LONG_STOP_S, PAUSE_S};
+use crate::conditioning::pauses::{LONG_STOP_S, PAUSE_S};
 use crate::memory::{Blank, blank};
 use crate::model::{Corner, ParameterError, RadiusDifferences, Wheels};
 use crate::real::Real;
@@ -273,7 +273,9 @@ impl<T: Real> RadiusMonitor<T> {
         self.report.time_s = time_s;
         if sample.complete() {
             let moved = self.stuck().is_empty();
-            self.sensors.take(sample, T::lit(step_s).at_most(T::lit(PAUSE_S)));
+            // A gap, or another clock, is no time in which others moved.
+            let follows = step_s > 0.0 && step_s < PAUSE_S;
+            self.sensors.take(sample, if follows { T::lit(step_s) } else { T::zero() });
             if self.stuck().is_empty() {
                 self.sums.add(sample);
             } else if moved {

@@ -2,7 +2,7 @@
 
 use super::block::LEAST_SPEED_M_S;
 use super::sample::WheelSpeedSample;
-use crate::conditioning::PAUSE_S;
+use crate::conditioning::pauses::PAUSE_S;
 use crate::memory::blank;
 use crate::model::{Corner, Wheels};
 use crate::real::Real;
@@ -61,7 +61,7 @@ impl<T: Real> SensorWatch<T> {
         self.stuck = stuck;
     }
 
-    /// The smallest step of the speeds in m/s: what they are told in, or less than anything by which they differ.
+    /// The smallest step of the speeds in m/s: what they are sent in, or less than anything by which they differ.
     pub(super) fn step_m_s(&self) -> T {
         self.step
     }

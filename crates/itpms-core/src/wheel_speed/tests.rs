@@ -173,7 +173,7 @@ fn a_healthy_car_is_not_warned_of() {
     }
 }
 
-/// Speeds that are told in coarse steps teach nothing, or what they teach is right.
+/// Speeds that are sent in coarse steps teach nothing, or what they teach is right.
 #[test]
 fn coarse_speeds_warn_of_nothing() {
     for (seed, step_km_h) in [(5, 1.0), (6, 0.5), (7, 0.25), (8, 0.25)] {

@@ -247,7 +247,7 @@ impl Vehicle {
         Ok(config)
     }
 
-    /// What torsional analysis is told of each wheel, and the pressures that they should have in kPa: of a sensor and a tire nothing is known
+    /// What torsional analysis is given of each wheel, and the pressures that they should have in kPa: of a sensor and a tire nothing is known
     /// of, where the file has nothing. Teeth and resonance are checked by the analysis.
     ///
     /// # Errors

@@ -51,7 +51,7 @@ impl Pulses {
         Ok(pulse.map(Input::Pulse))
     }
 
-    /// What is to be said in the end.
+    /// What is to be reported in the end.
     fn warnings(&self) -> Vec<String> {
         let none = self.span_s.filter(|_| self.within == 0).map(|[first_s, last_s]| {
             format!("no pulse lies between {first_s} and {last_s} s, the times of the log; expected both by one clock")

@@ -1,7 +1,7 @@
 //! The tooth pulses of a scenario's drive; `docs/math/simulation.md`, "Tooth pulses".
 //!
 //! Speed, pressures and roads are the scenario's; bends, loads, slip and radii those of its wheel speeds, where it has them: without, it goes
-//! straight on. Tires and rims differ from car to car, all that an estimator is told being those of no car in particular.
+//! straight on. Tires and rims differ from car to car, all that an estimator is given being those of no car in particular.
 
 use super::{PulseSpec, PulseWheel, Rolling};
 use crate::error::{InvalidValue, ScenarioError};

@@ -7,12 +7,12 @@ use nalgebra::{Complex, SVector};
 
 use crate::belief::measurement::{BINS, SideMeasurement};
 use crate::belief::state::{GAIN, SKEW_UNIT_S, State};
-use crate::conditioning::{MISSING_S, PAUSE_S};
+use crate::conditioning::pauses::{MISSING_S, PAUSE_S};
 use crate::inter_axle::alignment::channel::{BOTH, Entry, RELATIVE, SEEN};
 use crate::inter_axle::alignment::delay_line::{DelayLine, Read};
 use crate::inter_axle::alignment::delay_search::{AT_FIRST, DelaySearch, Found, LATER};
 use crate::inter_axle::alignment::opposite_side::{OppositeSide, of_other_side, with_other};
-use crate::inter_axle::alignment::travel::Way;
+use crate::inter_axle::alignment::way::Way;
 use crate::inter_axle::residual::correction::FrfCorrection;
 use crate::inter_axle::residual::expected_products::ExpectedProducts;
 use crate::inter_axle::residual::hop_excess::HopExcess;

@@ -2,7 +2,7 @@
 //! with grid samples and signals of the band; knows nothing of the other corners.
 
 use crate::conditioning::GridSample;
-use crate::inter_axle::alignment::travel::Way;
+use crate::inter_axle::alignment::way::Way;
 use crate::memory::blank;
 use crate::real::Real;
 use crate::spectrum::reconstruction::{

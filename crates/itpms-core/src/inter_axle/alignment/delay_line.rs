@@ -3,7 +3,7 @@
 use nalgebra::{SMatrix, SVector};
 
 use crate::inter_axle::alignment::channel::{Entry, KEPT};
-use crate::inter_axle::alignment::travel::Way;
+use crate::inter_axle::alignment::way::Way;
 use crate::memory::{Blank, blank};
 use crate::real::Real;
 

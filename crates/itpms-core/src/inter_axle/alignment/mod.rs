@@ -7,3 +7,4 @@ pub(crate) mod delay_search;
 pub(crate) mod opposite_side;
 pub(crate) mod speed_latency;
 pub(crate) mod travel;
+pub(crate) mod way;

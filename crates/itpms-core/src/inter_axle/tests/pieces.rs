@@ -7,7 +7,7 @@ use nalgebra::ComplexField;
 use crate::belief::state::{BAR, DAMPING, State};
 use crate::inter_axle::alignment::channel::Entry;
 use crate::inter_axle::alignment::delay_line::{DelayLine, Read};
-use crate::inter_axle::alignment::travel::Way;
+use crate::inter_axle::alignment::way::Way;
 use crate::inter_axle::residual::instrument::Instrument;
 use crate::inter_axle::residual::model::{Axle, Wheel};
 use crate::inter_axle::tests::{C, Moved, PERIOD_S, SETTLED, deviating, signals, wheels};

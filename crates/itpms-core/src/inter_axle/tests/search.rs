@@ -6,7 +6,7 @@ use crate::belief::state::State;
 use crate::inter_axle::alignment::axle_pair::{AxlePair, PairingContext};
 use crate::inter_axle::alignment::channel::Entry;
 use crate::inter_axle::alignment::delay_search::Found;
-use crate::inter_axle::alignment::travel::Way;
+use crate::inter_axle::alignment::way::Way;
 use crate::inter_axle::tests::{PERIOD_S, wheels};
 use crate::memory::{Blank, configured};
 use crate::model::Side;
