@@ -78,16 +78,16 @@ impl Checked {
     /// The response of a corner by its label: names and numbers over frequency, as measured and as the file says.
     fn curves(&self, label: &str) -> Vec<(String, Vec<f64>)> {
         let Some(corner) = self.0.corners.iter().find(|corner| corner.label == label) else { return vec![] };
-        let (measured, coherences, stated) = (corner.measured(), corner.coherences(), corner.stated());
+        let (measured, coherences, of_file) = (corner.measured(), corner.coherences(), corner.of_file());
         let columns: [(&str, Vec<f64>); 8] = [
             ("hz", measured.iter().map(|(hz, ..)| *hz).collect()),
             ("gain", measured.iter().map(|(_, gain, _)| *gain).collect()),
             ("gain_se", measured.iter().map(|(.., error)| *error).collect()),
             ("coherence", coherences.iter().map(|(_, coherence)| *coherence).collect()),
-            ("file_hz", stated.iter().map(|(hz, _)| *hz).collect()),
-            ("file_gain", stated.iter().map(|(_, (gain, ..))| *gain).collect()),
-            ("file_gain_low", stated.iter().map(|(_, (_, low, _))| *low).collect()),
-            ("file_gain_high", stated.iter().map(|(_, (.., high))| *high).collect()),
+            ("file_hz", of_file.iter().map(|(hz, _)| *hz).collect()),
+            ("file_gain", of_file.iter().map(|(_, (gain, ..))| *gain).collect()),
+            ("file_gain_low", of_file.iter().map(|(_, (_, low, _))| *low).collect()),
+            ("file_gain_high", of_file.iter().map(|(_, (.., high))| *high).collect()),
         ];
         columns.map(|(name, values)| (name.to_owned(), values)).into()
     }
