@@ -80,15 +80,21 @@ fn errors(rows: &[Row], estimates: &[CornerEstimate<f64>], span: std::ops::Range
 
 #[test]
 fn after_a_reset_a_loss_is_read_to_a_few_kilopascal() {
-    let rows = loss().rows();
-    let estimates = run(calibrated(bed_of(&config()), 10.0), &rows);
     // One corner on a road that does not repeat is good to 12 kPa here (its Cramer-Rao bound, docs/math/bound.md); the
-    // bound of a repeated road is well below 1 kPa. Three leave room for the model.
-    let (before, _) = errors(&rows, &estimates, 10.5..15.0);
-    let (after, worst) = errors(&rows, &estimates, 20.0..30.0);
-    assert!(before < 3.0 && after < 3.0, "{before} {after} kPa");
-    assert!(worst < 3.5, "{worst} sd");
-    assert!(estimates.iter().skip(5000).all(|e| e.validity == Validity::Valid));
+    // bound of a repeated road is well below 1 kPa. Three leave room for the model: the median drive's of five.
+    let mut after_kpa: Vec<f64> = (1..=5)
+        .map(|seed| {
+            let rows = Ride { seed, ..loss() }.rows();
+            let estimates = run(calibrated(bed_of(&config()), 10.0), &rows);
+            let (before, _) = errors(&rows, &estimates, 10.5..15.0);
+            let (after, worst) = errors(&rows, &estimates, 20.0..30.0);
+            assert!(before < 3.0 && worst < 3.5, "{seed}: {before} kPa, {worst} sd");
+            assert!(estimates.iter().skip(5000).all(|e| e.validity == Validity::Valid), "{seed}");
+            after
+        })
+        .collect();
+    after_kpa.sort_by(f64::total_cmp);
+    assert!(after_kpa[2] < 3.0, "{after_kpa:?} kPa");
 }
 
 #[test]

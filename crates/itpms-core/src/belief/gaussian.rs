@@ -3,8 +3,8 @@
 
 use super::covariance::Covariance;
 use super::state::{
-    BAR, DAMPING, LEVEL, RATE, ROAD_BIAS, SIZE, SPRING, State, TIRE, end_sd, prior_sd, rear_bar_variance,
-    return_rate, wander_sd,
+    BAR, DAMPING, LEVEL, RATE, SIZE, SPRING, State, TIRE, end_sd, prior_sd, rear_bar_variance, return_rate,
+    wander_sd,
 };
 use crate::memory::blank;
 use crate::model::Corner;
@@ -14,8 +14,6 @@ use crate::suspension::MEMORY_S;
 /// Mean and sd in 1/s of the rate at which a compliance begins to grow: 0.08/s is a tire that loses some 26 kPa/s.
 const RATE_MEAN: f64 = 0.08;
 const RATE_SD: f64 = 0.08;
-/// Seconds for which a car goes on over roads that are alike.
-const ROAD_S: f64 = 1800.0;
 /// Growth per square root of a second of the sd that all tires' compliances have in common: air warms up, cools down and seeps out of all of
 /// them alike. A fifth of the pressure in an hour is two sds.
 const IN_COMMON_SD: f64 = 1.2e-3;
@@ -100,18 +98,16 @@ pub(crate) struct FrictionError<T> {
     /// Of damping and spring.
     pub(crate) damping: T,
     pub(crate) spring: T,
-    /// Of the tire's compliance as the shared road reads it.
-    pub(crate) compliance: T,
     /// What friction damps, over the damper of the vehicle file: so much of it may have been taken out too much.
     pub(crate) damped: T,
 }
 
-blank!(FrictionError<T> { damping, spring, compliance, damped });
+blank!(FrictionError<T> { damping, spring, damped });
 
 impl<T: Real> FrictionError<T> {
     /// No friction.
     pub(crate) fn none() -> Self {
-        Self { damping: T::zero(), spring: T::zero(), compliance: T::zero(), damped: T::zero() }
+        Self { damping: T::zero(), spring: T::zero(), damped: T::zero() }
     }
 }
 
@@ -131,19 +127,15 @@ pub(crate) struct Wandering<T: Real> {
 }
 
 impl<T: Real> Wandering<T> {
-    /// Dampings and springs may besides be others by what friction makes of them, and become so within [`MEMORY_S`]; what neither of
-    /// the two can stand for reads as a tire for as long as the road stays alike, [`ROAD_S`] (Ornstein-Uhlenbeck processes).
+    /// Dampings and springs may besides be others by what friction makes of them, and become so within [`MEMORY_S`] (Ornstein-Uhlenbeck
+    /// processes).
     pub(crate) fn over(seconds: T, circumstances: &Circumstances<T>) -> Self {
         let (sd, prior_sd) = (wander_sd::<T>(), prior_sd(&circumstances.mass_sd));
         let (end_sd, mut rate) = (end_sd(&prior_sd), return_rate(&prior_sd));
         let mut gained = sd.component_mul(&sd);
         for (i, error) in circumstances.friction_error.iter().enumerate() {
-            for (at, besides, within_s) in [
-                (DAMPING + i, error.damping, MEMORY_S),
-                (SPRING + i, error.spring, MEMORY_S),
-                (ROAD_BIAS + i, error.compliance, ROAD_S),
-            ] {
-                gained[at] += besides * T::lit(2.0 / within_s);
+            for (at, besides) in [(DAMPING + i, error.damping), (SPRING + i, error.spring)] {
+                gained[at] += besides * T::lit(2.0 / MEMORY_S);
                 rate[at] = T::lit(0.5) * gained[at] / (end_sd[at] * end_sd[at] + besides);
             }
         }

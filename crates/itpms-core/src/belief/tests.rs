@@ -302,16 +302,14 @@ fn tires_change_alike_further_than_each_by_itself() {
     assert_eq!((bank.hypotheses[0].covariance.dense() - before).fixed_view::<4, 4>(TIRE, TIRE), tires);
 }
 
-/// Friction that is not known is another damping and another spring within a minute, another tire within half an hour, and no more than
-/// what the file has it be.
+/// Friction that is not known is another damping and another spring within a minute, and no more than what the file has it be.
 #[test]
-fn friction_that_is_not_known_widens_struts_at_once_and_tires_slowly() {
+fn friction_that_is_not_known_widens_struts() {
     let mut bank = bank(&[0.0; 4]);
     let before = bank.hypotheses[0].covariance.dense();
-    // The front right corner's damping, spring and compliance: 0.4, 0.3 and 0.05 besides what the file leaves.
+    // The front right corner's damping and spring: 0.4 and 0.3 besides what the file leaves.
     let mut circumstances = gaussian::Circumstances::of_a_car(MASS_SD);
-    circumstances.friction_error[1] =
-        gaussian::FrictionError { damping: 0.16, spring: 0.09, compliance: 0.0025, damped: 0.0 };
+    circumstances.friction_error[1] = gaussian::FrictionError { damping: 0.16, spring: 0.09, damped: 0.0 };
     let variance =
         |bank: &HypothesisBank<f64>, i: usize| bank.hypotheses[0].covariance[(i, i)] - before[(i, i)];
     let wander = |bank: &mut HypothesisBank<f64>, seconds: usize, steps: usize| {
@@ -323,9 +321,6 @@ fn friction_that_is_not_known_widens_struts_at_once_and_tires_slowly() {
         let share = variance(&bank, at) / besides;
         assert!((0.5..1.0).contains(&share), "{at}: {share}");
     }
-    // A minute of half an hour: 2/30 of it.
-    let share = variance(&bank, ROAD_BIAS + 1) / 0.0025;
-    assert!((0.05..0.07).contains(&share), "{share}");
     wander(&mut bank, 1000, 10_000);
     for (at, besides) in [(DAMPING + 1, 0.16), (SPRING + 1, 0.09)] {
         assert!((variance(&bank, at) / besides - 1.0).abs() < 0.01, "{at}");
@@ -335,9 +330,8 @@ fn friction_that_is_not_known_widens_struts_at_once_and_tires_slowly() {
         assert!(variance(&bank, at).abs() < 0.01 * before[(at, at)], "{at}");
     }
     wander(&mut bank, 36_000, 36_000);
-    let end = bank.hypotheses[0].covariance[(ROAD_BIAS + 1, ROAD_BIAS + 1)];
-    assert!((end / (0.03f64.powi(2) + 0.0025) - 1.0).abs() < 0.01, "{end}");
-    // Without friction within ten hours to 3 % from 1.5 %: by 1 - e^-2 of the difference of the squares.
+    // What the shared road reads too much does not depend on friction: within ten hours to 3 % from 1.5 %, by 1 - e^-2 of the difference of
+    // the squares.
     let alone = bank.hypotheses[0].covariance[(ROAD_BIAS, ROAD_BIAS)];
     let expected =
         0.03f64.powi(2) - (0.03f64.powi(2) - 0.015f64.powi(2)) * (-2.0 * 37_060.0 / 36_000.0f64).exp();

@@ -77,7 +77,6 @@ impl<T: Real> CarEstimator<T> {
         }
         for corner in Corner::ALL {
             let Some(estimator) = self.corners[corner].as_ref() else { continue };
-            fusion.set_load(corner, &estimator.quarter_car());
             fusion.set_on_line(corner, estimator.is_on_line());
         }
         if self.sources == Sources::SpectrumAndSharedRoad {

@@ -331,7 +331,7 @@ impl<T: Real> CarEstimator<T> {
         }
     }
 
-    /// Learns the struts' friction from the body that they carry; true if there was something to do.
+    /// Identifies the struts and the body that they carry; true if there was something to do.
     #[inline(never)]
     fn identify(&mut self) -> bool {
         let frames = self.corners.each_ref().map(|corner| corner.as_ref()?.strut_frame());
@@ -344,7 +344,7 @@ impl<T: Real> CarEstimator<T> {
             let Some(estimator) = self.corners[corner].as_mut() else { continue };
             estimator.set_strut(&self.body_equation, corner);
             if let Some(fusion) = self.fusion.as_mut() {
-                fusion.set_friction(corner, &self.body_equation);
+                fusion.set_strut(corner, &estimator.quarter_car(), &self.body_equation);
             }
         }
         true

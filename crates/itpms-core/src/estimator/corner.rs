@@ -146,7 +146,7 @@ impl<T: Real> CornerEstimator<T> {
         (sd_n_per_m * sd_n_per_m + self.friction_variance).sqrt()
     }
 
-    /// The car as it seems to be now: sprung mass and damping as identified on the way.
+    /// The car as it seems to be now.
     pub(crate) fn quarter_car(&self) -> QuarterCar<T> {
         self.informed.quarter_car()
     }
@@ -215,7 +215,8 @@ impl<T: Real> CornerEstimator<T> {
     pub(crate) fn set_strut(&mut self, equation: &BodyEquation<T>, corner: Corner) {
         let slip_forces_n = equation.slip_forces_n(corner);
         self.strut.set_slip_forces(slip_forces_n);
-        self.informed.set_friction(&equation.describing_function(corner));
+        let body = equation.quarter_car(corner, self.config.quarter_car.unsprung_mass_kg());
+        self.informed.set_strut(body, &equation.describing_function(corner));
         self.friction_variance = equation.stiffness_variance(corner);
         self.fit.unexplained = equation.unexplained(corner);
         self.fit.friction_n = slip_forces_n.into_iter().fold(T::zero(), |sum, force| sum + force);

@@ -143,7 +143,7 @@ impl<T: Real> Estimator<T> {
         self.corner.take_pseudo_measurement()
     }
 
-    /// The car as it seems to be now: sprung mass and damping as identified on the way.
+    /// The car as it seems to be now: sprung mass, damping and spring as identified on the way.
     pub fn quarter_car(&self) -> QuarterCar<T> {
         self.corner.quarter_car()
     }

@@ -193,20 +193,20 @@ impl<T: Real> InterAxle<T> {
         }
     }
 
-    /// Takes over the quarter car that a corner seems to be.
-    pub(crate) fn set_load(&mut self, corner: Corner, car: &QuarterCar<T>, belief: &Belief<T>) {
+    /// Takes over the quarter car that a corner seems to be, and what the friction of its strut damps near wheel hop.
+    pub(crate) fn set_strut(
+        &mut self,
+        corner: Corner,
+        car: &QuarterCar<T>,
+        friction_n_s_per_m: T,
+        belief: &Belief<T>,
+    ) {
         let Some(wheel) = self.wheels[corner].as_mut() else { return };
+        wheel.friction_n_s_per_m = friction_n_s_per_m;
         // How the body follows its wheel depends on damping over mass.
-        let damping = Axle::new(wheel, &belief.most_likely().mean).whole_damping;
-        let of_file = car.damping_n_s_per_m() + wheel.friction_n_s_per_m;
-        wheel.body.sprung_mass_kg = car.sprung_mass_kg() * damping / of_file;
-    }
-
-    /// Takes over what the friction of a corner's strut damps near wheel hop.
-    pub(crate) fn set_friction(&mut self, corner: Corner, friction_n_s_per_m: T) {
-        if let Some(wheel) = self.wheels[corner].as_mut() {
-            wheel.friction_n_s_per_m = friction_n_s_per_m;
-        }
+        let believed = Axle::new(wheel, &belief.most_likely().mean).whole_damping;
+        let found = car.damping_n_s_per_m() + friction_n_s_per_m;
+        wheel.body.sprung_mass_kg = car.sprung_mass_kg() * believed / found;
     }
 
     /// Takes over whether the road under a corner is one line.

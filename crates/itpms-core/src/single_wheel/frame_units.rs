@@ -122,7 +122,7 @@ struct FirstFrame<T> {
 blank!(FirstFrame<T> { evidence, nis, log_speed_ratio });
 
 impl<T: Real> Informed<T> {
-    /// Takes a complete frame: what it is worth, what it says of the body, and what is to be done with it.
+    /// Takes a complete frame: what it is worth, and what is to be done with it.
     pub(super) fn begin_frame(&mut self, frame: &Frame<T>, speed_m_s: T) {
         let (cell, road) = self.posterior.most_likely();
         let mut evidence = self.evidence(frame, speed_m_s, road.longest_envelope_m());
@@ -132,7 +132,6 @@ impl<T: Real> Informed<T> {
             self.gate.close();
         }
         self.invalid = false;
-        self.notice_stop(speed_m_s);
         let theta = self.tables.theta.get(cell).copied().unwrap_or(T::ZERO);
         let road_near_hop = self.road_near_hop(frame, theta);
         self.persistence.take(road_near_hop);
@@ -140,15 +139,10 @@ impl<T: Real> Informed<T> {
         evidence.weight = T::lit(OVERLAP) * counts;
         let ratio = speed_m_s / self.last_speed_m_s;
         self.last_speed_m_s = speed_m_s;
-        let seconds = self.gate.open() * T::lit(self.clock.hop_s());
         // Where another source follows the tire frames say nothing new: the same road again has the same spectrum again.
         let moves = self.outside.as_ref().is_none();
         if moves {
-            self.learned_s += seconds;
-        }
-        if evidence.weight > T::zero() {
-            let spacing = T::lit(self.clock.bin_spacing_hz());
-            self.body.learn(frame, spacing, self.noise_density, evidence.weight, seconds);
+            self.learned_s += self.gate.open() * T::lit(self.clock.hop_s());
         }
         let known = ratio > T::zero() && ratio.is_finite();
         let log_speed_ratio = if known { ratio.ln() } else { T::zero() };
@@ -196,7 +190,7 @@ impl<T: Real> Informed<T> {
             Unit::MixRoads if counts => posterior.mix_roads(),
             Unit::MixLevels if counts => posterior.mix_level_modes(),
             Unit::Tables => {
-                tables.refresh_next(&self.body.body(), &self.friction);
+                tables.refresh_next(&self.body, &self.friction);
                 if work.moves {
                     self.note_growth();
                 }

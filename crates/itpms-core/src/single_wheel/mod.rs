@@ -8,7 +8,6 @@
 //! | module | idea |
 //! |---|---|
 //! | `gate` | how much of a frame to believe |
-//! | `load` | load and damping identified on the way |
 //! | `outside` | a stiffness that another follows in its place |
 //! | `tables` | what frames should look like for every stiffness of the grid |
 //! | `dynamics` | how pressure and road may change |
@@ -23,7 +22,6 @@ mod dynamics;
 mod frame_units;
 mod gate;
 mod grid_posterior;
-mod load;
 mod outside;
 mod road_fits;
 mod road_model;
@@ -39,7 +37,6 @@ use crate::single_wheel::frame_units::FrameWork;
 pub(crate) use crate::single_wheel::frame_units::Pace;
 use crate::single_wheel::gate::Gate;
 use crate::single_wheel::grid_posterior::Posterior;
-use crate::single_wheel::load::BodyIdentification;
 pub use crate::single_wheel::outside::OutsideStiffness;
 use crate::single_wheel::road_model::Evidence;
 use crate::single_wheel::tables::{Grid, Tables};
@@ -68,9 +65,6 @@ const BAND: f64 = 0.25;
 const ENVELOPE_REACH: f64 = 0.75;
 /// Bins used however long the enveloping may be: up to 40 Hz, so that wheel hop has neighbours on both sides.
 const LEAST_BINS: usize = 5;
-/// Speed in m/s below which a car stands, and seconds of it in which people can get in or out.
-const STOPPED_M_S: f64 = 0.3;
-const STOP_S: f64 = 3.0;
 /// Share by which the sd grows while the pressure surely moves fast: found on seeds of its own so that intervals cover
 /// more of a drop without covering too much at other times.
 const MOVING_SD: f64 = 0.7;
@@ -93,7 +87,8 @@ const BEYOND_RANGE: f64 = 0.5;
 pub(crate) struct Informed<T: Real> {
     config: CornerConfig<T>,
     grid: Grid<T>,
-    body: BodyIdentification<T>,
+    /// The car as it seems to be now.
+    body: Body<T>,
     tables: Tables<T>,
     /// What the strut's friction makes of its motion.
     friction: DescribingFunction<T>,
@@ -110,8 +105,6 @@ pub(crate) struct Informed<T: Real> {
     learned_s: T,
     last_speed_m_s: T,
     invalid: bool,
-    /// Seconds for which the car stands by now.
-    stopped_s: T,
     /// The stiffness that another source follows in the place of the frames, while one does, and when it was given.
     outside: Placed<OutsideStiffness<T>>,
     outside_s: f64,
@@ -122,7 +115,7 @@ pub(crate) struct Informed<T: Real> {
 
 blank!(Informed<T> {
     config, grid, body, tables, friction, clock, posterior, sample_rate_hz, grid_period_s,
-    noise_density, bins, gate, persistence, variance_growth, learned_s, last_speed_m_s, invalid, stopped_s, outside,
+    noise_density, bins, gate, persistence, variance_growth, learned_s, last_speed_m_s, invalid, outside,
     outside_s, last_time_s, work,
 });
 
@@ -158,12 +151,11 @@ impl<T: Real> Informed<T> {
         let scale = config.placard_kpa / T::lit(dynamics::REFERENCE_KPA);
         let sd_cells = T::lit(INITIAL_SD_KPA) * scale / self.grid.step_kpa();
         self.posterior.restart(initial_cell, sd_cells);
-        let car = &config.quarter_car;
-        self.body = BodyIdentification::new(Body::from(car));
+        self.body = Body::from(&config.quarter_car);
         self.friction = DescribingFunction::none();
         self.gate = Gate::new();
         self.persistence = Persistence::new(self.clock.hop_s());
-        (self.variance_growth, self.learned_s, self.stopped_s) = (T::one(), T::zero(), T::zero());
+        (self.variance_growth, self.learned_s) = (T::one(), T::zero());
         self.last_speed_m_s = T::lit(f64::NAN);
         self.invalid = false;
         self.outside.clear();
@@ -204,9 +196,9 @@ impl<T: Real> Informed<T> {
         self.last_time_s
     }
 
-    /// Takes over what the strut's friction makes of its motion.
-    pub(crate) fn set_friction(&mut self, friction: &DescribingFunction<T>) {
-        self.friction = *friction;
+    /// Takes over the car as it seems to be now, and what the strut's friction makes of its motion.
+    pub(crate) fn set_strut(&mut self, body: Body<T>, friction: &DescribingFunction<T>) {
+        (self.body, self.friction) = (body, *friction);
     }
 
     /// Whether the road is one line, as a washboard's is.
@@ -225,22 +217,9 @@ impl<T: Real> Informed<T> {
         self.learned_s
     }
 
-    fn notice_stop(&mut self, speed_m_s: T) {
-        if !(speed_m_s < T::lit(STOPPED_M_S)) {
-            self.stopped_s = T::zero();
-            return;
-        }
-        let before_s = self.stopped_s;
-        self.stopped_s += T::lit(self.clock.hop_s());
-        let long_s = T::lit(STOP_S);
-        if before_s < long_s && self.stopped_s >= long_s {
-            self.body.doubt();
-        }
-    }
-
     /// The road velocity in the bins around wheel hop, at the compliance in m/N of a tire.
     fn road_near_hop(&self, frame: &Frame<T>, theta: T) -> [Complex<T>; 2] {
-        let body = self.body.body();
+        let body = &self.body;
         core::array::from_fn(|bin| {
             let force = frame.at(bin, WHEEL_JERK) * body.unsprung_mass_kg
                 + frame.at(bin, RELATIVE_ACCELERATION) * body.damping_n_s_per_m
@@ -254,7 +233,7 @@ impl<T: Real> Informed<T> {
         let speed = if speed_m_s > T::lit(STANDING_M_S) { speed_m_s } else { T::lit(15.0) };
         let reach = T::lit(ENVELOPE_REACH) * speed / (T::lit(self.clock.bin_spacing_hz()) * envelope_m);
         let bins = (reach.to_whole().max(0) as usize).max(LEAST_BINS).min(self.bins);
-        let body = self.body.body();
+        let body = &self.body;
         let parts = [
             (WHEEL_JERK, body.unsprung_mass_kg),
             (RELATIVE_ACCELERATION, body.damping_n_s_per_m),
@@ -283,10 +262,10 @@ impl<T: Real> Informed<T> {
         evidence
     }
 
-    /// The car as it seems to be now: sprung mass, damping and spring identified from the relation between body and
-    /// wheel, which does not contain the tire; the unsprung mass as configured.
+    /// The car as it seems to be now: sprung mass, damping and spring as the body's equation of motion has them, which does not contain
+    /// the tire; the unsprung mass as configured.
     pub(crate) fn quarter_car(&self) -> QuarterCar<T> {
-        let body = self.body.body();
+        let body = &self.body;
         QuarterCar::new(
             body.sprung_mass_kg,
             body.unsprung_mass_kg,

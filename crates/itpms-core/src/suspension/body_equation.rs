@@ -16,7 +16,7 @@ use crate::memory::blank;
 use crate::model::{Corner, CornerConfig};
 use crate::real::Real;
 use crate::spectrum::front_end::ELEMENTS;
-use crate::spectrum::transfer::DescribingFunction;
+use crate::spectrum::transfer::{Body, DescribingFunction};
 
 /// Unknown quantities: logarithmic deviations of mass, pitch and roll inertia, of dampers and springs; stiffness of the two anti-roll bars
 /// over the springs'; how freely the body warps, from zero for a rigid one to one; by how much each wheel's sensor is late, in units of
@@ -244,6 +244,20 @@ impl<T: Real> BodyEquation<T> {
             return [T::zero(); ELEMENTS];
         }
         core::array::from_fn(|element| T::lit(FORCE_N) * self.parameters[slip(element, corner)])
+    }
+
+    /// The quarter car that a corner is, if it is there, on a wheel of this mass (docs/math/informed.md, eq. 20): with the mass that its own
+    /// strut moves, and with the anti-roll bar beside its spring; a usual one at first.
+    pub(crate) fn quarter_car(&self, corner: Corner, unsprung_mass_kg: T) -> Body<T> {
+        let (x, (_, whole)) = (&self.parameters, self.compliance());
+        let bar = if self.body.is_whole() { x[BAR + corner.axle()] } else { T::zero() };
+        let spring_n_per_m = self.spring[corner] * x[SPRING + corner.index()].exp();
+        Body {
+            sprung_mass_kg: whole[(corner.index(), corner.index())].recip(),
+            unsprung_mass_kg,
+            damping_n_s_per_m: self.damping[corner] * x[DAMPER + corner.index()].exp(),
+            spring_n_per_m: spring_n_per_m * (T::one() + bar),
+        }
     }
 
     /// What a corner's friction makes of its motion.

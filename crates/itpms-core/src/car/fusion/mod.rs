@@ -164,27 +164,19 @@ impl<T: Real> Fusion<T> {
         self.belief.restart_tire(corner);
     }
 
-    /// Takes over the quarter car that a corner seems to be.
-    pub(super) fn set_load(&mut self, corner: Corner, car: &QuarterCar<T>) {
-        self.inter_axle.set_load(corner, car, &self.belief);
-    }
-
     /// Takes over whether the road under a corner is one line.
     pub(super) fn set_on_line(&mut self, corner: Corner, on_line: bool) {
         self.inter_axle.set_on_line(corner, on_line);
     }
 
-    /// Takes over what a corner's friction is, and how well it is known.
-    pub(super) fn set_friction(&mut self, corner: Corner, equation: &BodyEquation<T>) {
+    /// Takes over the quarter car that a corner seems to be, what its friction is, and how well it is known.
+    pub(super) fn set_strut(&mut self, corner: Corner, car: &QuarterCar<T>, equation: &BodyEquation<T>) {
         let damped_n_s_per_m = equation.friction_damping(corner);
-        self.inter_axle.set_friction(corner, damped_n_s_per_m);
-        let variance = equation.stiffness_variance(corner);
-        self.friction_variance[corner] = variance;
+        self.inter_axle.set_strut(corner, car, damped_n_s_per_m, &self.belief);
+        self.friction_variance[corner] = equation.stiffness_variance(corner);
         let [damping, spring] = equation.strut_variance(corner);
-        let placard_n_per_m = self.belief.scale().placard_n_per_m[corner];
         let damped = damped_n_s_per_m / equation.damper_n_s_per_m(corner);
-        let compliance = variance / (placard_n_per_m * placard_n_per_m);
-        self.belief.set_friction_error(corner, FrictionError { damping, spring, compliance, damped });
+        self.belief.set_friction_error(corner, FrictionError { damping, spring, damped });
     }
 
     /// Takes over what a corner finds by itself.

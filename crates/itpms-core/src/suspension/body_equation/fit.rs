@@ -116,7 +116,7 @@ fn prior_information<T: Real>(body: &RigidBody<T>) -> Parameters<T> {
         SPRING..BAR => of(SPRING_SD),
         BAR..WARP => whole(BAR_SD),
         WARP => whole(WARP_SD),
-        DELAY..SLIP => of(DELAY_SD),
+        DELAY..SLIP => whole(DELAY_SD),
         _ => of(SLIP_SD),
     })
 }

@@ -99,6 +99,12 @@ fn four_struts_under_one_body_are_told_apart() {
         }
         assert!((equation.parameters[DAMPER + corner.index()].exp() - 1.1).abs() < 0.02);
         assert!(equation.unexplained(corner).unwrap() < 1e-3);
+        // A newton of the strut at its own corner, and a bar that the other wheel of the axle holds.
+        let (found, i) = (equation.quarter_car(corner, 40.0), corner.index());
+        let own = mass[(i, i)] + pitch[(i, i)] * 1.15 + roll[(i, i)] * 0.9;
+        assert!((found.sprung_mass_kg * own - 1.0).abs() < 0.03, "{found:?}");
+        let with_bar = STIFFNESS * (1.0 + [0.3, 0.12][corner.axle()]);
+        assert!((found.spring_n_per_m / with_bar - 1.0).abs() < 0.03, "{found:?}");
     }
     assert!(
         (equation.parameters[BAR] - 0.3).abs() < 0.02 && (equation.parameters[BAR + 1] - 0.12).abs() < 0.02
@@ -137,6 +143,11 @@ fn a_corner_alone_has_its_own_friction_and_no_verdict_on_the_body() {
     let [found, ..] = equation.slip_forces_n(Corner::FrontLeft);
     assert!((found - 30.0).abs() < 1.5, "{found}");
     assert_eq!(equation.unexplained(Corner::FrontLeft), None);
+    // Of a mass on a strut only ratios are seen: damper and spring over the mass.
+    let identified = equation.quarter_car(Corner::FrontLeft, 40.0);
+    let mass_kg = identified.sprung_mass_kg;
+    assert!((identified.damping_n_s_per_m / mass_kg * SPRUNG_KG / (1.1 * DAMPING) - 1.0).abs() < 0.02);
+    assert!((identified.spring_n_per_m / mass_kg * SPRUNG_KG / STIFFNESS - 1.0).abs() < 0.03);
     assert_eq!(equation.slip_forces_n(Corner::RearLeft), [0.0; ELEMENTS]);
     assert!((SPRUNG_KG * g[(0, 0)] - 1.0).abs() < 1e-12);
 }
