@@ -6,7 +6,7 @@ use super::state::{
     WHEELBASE,
 };
 use super::{Belief, ENOUGH_S};
-use crate::memory::{Blank, Placed, blank};
+use crate::memory::{Blank, Placed};
 use crate::model::{CalibrationError, Corner, CornerCalibration, Learned, VehicleCalibration};
 use crate::real::Real;
 
@@ -22,7 +22,7 @@ const CALIBRATING_ENOUGH_S: f64 = 6.0;
 const LEAST_SD: [f64; 9] = [0.003, 0.2, 0.02, 0.01, 0.003, 0.003, 5e-4, 0.02, 0.01];
 
 /// Where the car is with its calibration.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct CalibrationState<T: Real> {
     /// Whether one is under way, and the seconds of shared road learned from when it began.
@@ -35,8 +35,6 @@ pub(super) struct CalibrationState<T: Real> {
     /// What an earlier one had taught.
     loaded: Placed<VehicleCalibration<T>>,
 }
-
-blank!(CalibrationState<T> { active, from_s, calibrated, stored, loaded });
 
 impl<T: Real> CalibrationState<T> {
     pub(super) fn new() -> Self {

@@ -4,7 +4,7 @@
 use super::gaussian::Hypothesis;
 use super::state::{LEVEL, TIRE};
 use super::{Belief, LONGEST_PAUSE_S};
-use crate::memory::{Blank, Placed, blank};
+use crate::memory::{Blank, Placed};
 use crate::model::{Corner, Learned};
 use crate::real::Real;
 
@@ -18,15 +18,13 @@ const CONTRADICTED: f64 = 3.0;
 const SETTLING_S: f64 = 1.0;
 
 /// The belief at a time, as one Gaussian.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Checkpoint<T: Real> {
     time_s: f64,
     belief: Hypothesis<T>,
     learned_s: f64,
 }
-
-blank!(Checkpoint<T> { time_s, belief, learned_s });
 
 /// A tire's compliance before its own sensors were suspected.
 #[derive(Debug, Clone, Copy, PartialEq)]

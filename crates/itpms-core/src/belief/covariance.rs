@@ -9,7 +9,7 @@ use core::ops::{Index, IndexMut, Range};
 use nalgebra::SMatrix;
 
 use super::state::{SIZE, State};
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::real::Real;
 
 /// Wrapped diagonals.
@@ -17,14 +17,12 @@ const DIAGONALS: usize = SIZE / 2 + 1;
 const _: () = assert!(SIZE % 2 == 1, "with an even size half a diagonal would be there twice");
 
 /// See the [module](self).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Covariance<T: Real> {
     /// A diagonal a column.
     diagonals: SMatrix<T, SIZE, DIAGONALS>,
 }
-
-blank!(Covariance<T> { diagonals });
 
 /// Rows and columns of the entries of a diagonal, of the first `size` quantities.
 fn pieces(diagonal: usize, size: usize) -> [[Range<usize>; 2]; 2] {

@@ -6,7 +6,7 @@ use super::state::{
     BAR, DAMPING, LEVEL, RATE, SIZE, SPRING, State, TIRE, end_sd, prior_sd, rear_bar_variance, return_rate,
     wander_sd,
 };
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::Corner;
 use crate::real::Real;
 use crate::suspension::MEMORY_S;
@@ -23,15 +23,13 @@ const LEAST_LOSS_VARIANCE: f64 = 1e-9;
 const HARDEST: f64 = -0.5;
 
 /// See the [module](self).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Hypothesis<T: Real> {
     pub(crate) mean: State<T>,
     pub(crate) covariance: Covariance<T>,
     pub(crate) weight: T,
 }
-
-blank!(Hypothesis<T> { mean, covariance, weight });
 
 /// A Gaussian as it is added to others: itself, but for its rate of change. A copy of a covariance is more than a controller's
 /// stack has room for.
@@ -78,7 +76,7 @@ impl<T: Real> Part<'_, T> {
 }
 
 /// What is known of the car, the present road and the driver's doings, on which it depends how far and how fast quantities wander.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Circumstances<T> {
     /// How far the unsprung masses may be from the vehicle file's, as a share of them.
@@ -89,10 +87,8 @@ pub(crate) struct Circumstances<T> {
     pub(crate) tires_set: bool,
 }
 
-blank!(Circumstances<T> { mass_sd, friction_error, tires_set });
-
 /// As what a corner's friction passes where it is not known exactly: variances relative to the vehicle file's values squared.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct FrictionError<T> {
     /// Of damping and spring.
@@ -101,8 +97,6 @@ pub(crate) struct FrictionError<T> {
     /// What friction damps, over the damper of the vehicle file: so much of it may have been taken out too much.
     pub(crate) damped: T,
 }
-
-blank!(FrictionError<T> { damping, spring, damped });
 
 impl<T: Real> FrictionError<T> {
     /// No friction.

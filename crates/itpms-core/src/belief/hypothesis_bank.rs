@@ -12,7 +12,7 @@ use super::state::{MASS, RATE, SIZE, State, TIRE};
 use super::tires::Tires;
 use super::transition::Transition;
 use super::update::{Likelihood, OwnCovariance, score};
-use crate::memory::{Blank, Placed, blank};
+use crate::memory::{Blank, Placed};
 use crate::model::{Corner, Learned, Side};
 use crate::real::Real;
 
@@ -33,7 +33,7 @@ const SMALLEST_WEIGHT: f64 = 1e-30;
 const FILLED: f64 = 1e-3;
 const FILLED_SD: f64 = 0.15;
 /// See the [module](self).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct HypothesisBank<T: Real> {
     pub(super) hypotheses: Hypotheses<T>,
@@ -45,10 +45,8 @@ pub(super) struct HypothesisBank<T: Real> {
     has_changed: bool,
 }
 
-blank!(HypothesisBank<T> { hypotheses, transition, circumstances, update, has_changed });
-
 /// How likely a frame was by the hypotheses that were updated with it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct FrameUpdate<T: Real> {
     log_weight: [T; HYPOTHESES],
@@ -58,8 +56,6 @@ struct FrameUpdate<T: Real> {
     /// Frames so far.
     frames: u32,
 }
-
-blank!(FrameUpdate<T> { log_weight, record, best, frames });
 
 impl<T: Real> FrameUpdate<T> {
     /// Whether a hypothesis of this weight is updated with what a side tells: not what nobody believes in, and where wheels change that are

@@ -1,7 +1,7 @@
 //! From when on the losses of this drive are counted: once tires are known and nothing moves, and anew after whatever may have changed them
 //! (docs/math/level-and-loss.md).
 
-use crate::memory::blank;
+use crate::memory::Blank;
 
 /// Seconds of shared road after which a tire's level is what it will be but for what is constant, and so cancels in a loss; after a
 /// calibration, in which all tires were known, at once.
@@ -9,7 +9,7 @@ const SETTLING_S: f64 = 25.0;
 const CALIBRATED_SETTLING_S: f64 = 1.0;
 
 /// See the [module](self).
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Losses {
     /// Since when, in s, if they are.
@@ -17,8 +17,6 @@ pub(super) struct Losses {
     /// Seconds of shared road that have to be learned from before.
     settled_at_s: f64,
 }
-
-blank!(Losses { since_s, settled_at_s });
 
 impl Losses {
     /// Not yet.

@@ -4,7 +4,7 @@
 use nalgebra::{Complex, SMatrix, SVector};
 
 use super::state::SIDE_SIZE;
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::Side;
 use crate::real::Real;
 
@@ -34,7 +34,7 @@ pub(crate) type Score<T> = SVector<T, SIDE_SIZE>;
 pub(crate) type Slope<T> = SMatrix<T, ROWS, SIDE_SIZE>;
 
 /// Residual of a frame, linearized at a state: what front and rear reconstruct of one road, front less rear.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct AxleResidual<T: Real> {
     /// Prefit residual in m/s: real parts of all bins, then imaginary parts.
@@ -47,7 +47,7 @@ pub(crate) struct AxleResidual<T: Real> {
 }
 
 /// What is expected of a frame, and what it is worth.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Expectation<T: Real> {
     /// Power of the residual, per bin.
@@ -57,7 +57,7 @@ pub(crate) struct Expectation<T: Real> {
 }
 
 /// A frame of one side as the belief takes it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct SideMeasurement<T: Real> {
     pub(crate) side: Side,
@@ -71,7 +71,7 @@ pub(crate) struct SideMeasurement<T: Real> {
 }
 
 /// Outcome of an update with a frame, for the most likely hypothesis.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct UpdateRecord<T: Real> {
     /// Before the update.
@@ -85,8 +85,3 @@ pub(crate) struct UpdateRecord<T: Real> {
     /// How much of the frame counted, 0 to 1.
     pub(crate) weight: T,
 }
-
-blank!(AxleResidual<T> { rows, slope, common, road_power });
-blank!(Expectation<T> { power, information });
-blank!(SideMeasurement<T> { side, expected, instrument, weight, incoherent_s });
-blank!(UpdateRecord<T> { prefit, power_ratio, mahalanobis_sq, variance_scale, weight });

@@ -53,7 +53,7 @@ use self::state::{State, TIRE};
 pub(crate) use self::tire_scale::{LEAST_COMPLIANCE, TireScale};
 pub(crate) use self::tires::Tires;
 pub(crate) use self::transition::PARTS as PREDICTION_PARTS;
-use crate::memory::{Placed, blank};
+use crate::memory::{Blank, Placed};
 use crate::model::{CarConfig, Corner, CornerConfig, Inflation, Learned, Level, Side};
 use crate::real::Real;
 
@@ -90,7 +90,7 @@ pub(crate) struct Onset<T> {
 }
 
 /// See the [module](self).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Belief<T: Real> {
     bank: HypothesisBank<T>,
@@ -111,11 +111,6 @@ pub(crate) struct Belief<T: Real> {
     inflation: Inflation,
     losses: Losses,
 }
-
-blank!(Belief<T> {
-    bank, scale, present, start, mass_sd, time_s, learned_s, calibration, checkpoints, pre_fault, inflation,
-    losses,
-});
 
 impl<T: Real> Belief<T> {
     pub(crate) fn configure(&mut self, config: &CarConfig<T>) {

@@ -2,7 +2,7 @@
 //! say in a state (docs/math/shared-road.md, eq. 15). Knows nothing of beliefs.
 
 use super::state::{COMMON_BIAS, OWN_BIAS, State, TIRE};
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::{CarConfig, Corner, CornerConfig};
 use crate::real::Real;
 
@@ -13,7 +13,7 @@ pub(crate) const LEAST_COMPLIANCE: f64 = 0.05;
 const FLAT: [f64; 2] = [4.0, 30.0];
 
 /// The tires at their placard pressures, in the order of the corners.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct TireScale<T> {
     /// N/m per kPa.
@@ -21,8 +21,6 @@ pub(crate) struct TireScale<T> {
     pub(crate) placard_n_per_m: [T; 4],
     pub(crate) placard_kpa: [T; 4],
 }
-
-blank!(TireScale<T> { slope, placard_n_per_m, placard_kpa });
 
 impl<T: Real> TireScale<T> {
     pub(super) fn new(config: &CarConfig<T>) -> Self {

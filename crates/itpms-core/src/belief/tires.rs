@@ -5,12 +5,12 @@ use nalgebra::{SMatrix, SVector};
 
 use super::gaussian::Hypothesis;
 use super::state::{RATE, TIRE};
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::Corner;
 use crate::real::Real;
 
 /// See the [module](self).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Tires<T: Real> {
     /// Time in s of it.
@@ -30,9 +30,6 @@ pub(crate) struct Tires<T: Real> {
     pub(crate) changing: [T; 4],
     pub(crate) any_changes: T,
 }
-
-blank!(Tires<T> { time_s, mean, rate, square, rate_by_mean, rate_square, loss, loss_square, loss_by_mean,
-    count_losses, changing, any_changes });
 
 impl<T: Real> Tires<T> {
     /// Of no hypothesis.

@@ -4,7 +4,7 @@
 use super::gaussian::{Circumstances, Hypothesis, Wandering};
 use super::hypotheses::{CONSTANT, HYPOTHESES, Hypotheses, RANDOM_WALK, SIDE, both, changing, has_rate};
 use super::state::{RATE, TIRE};
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::Corner;
 use crate::real::Real;
 
@@ -33,7 +33,7 @@ pub(crate) const PARTS: usize = 6;
 const SECOND_HALF: usize = HYPOTHESES / 2;
 
 /// A prediction that is under way, as a whole of [`PARTS`].
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Transition<T: Real> {
     seconds: T,
@@ -45,8 +45,6 @@ pub(super) struct Transition<T: Real> {
     /// What nothing moves any more in; takes the constant one's place once everything else has begun from that.
     still: Hypothesis<T>,
 }
-
-blank!(Transition<T> { seconds, end, stay, begin, join, still });
 
 impl<T: Real> Transition<T> {
     /// None is under way.

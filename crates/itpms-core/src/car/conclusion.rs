@@ -6,19 +6,17 @@ use nalgebra::{SMatrix, SVector};
 use super::fusion::{FusedEstimate, Fusion, SingleWheelEstimate};
 use super::{CarEstimator, Sources};
 use crate::estimator::FusedStiffness;
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::{CarSample, Corner, CornerEstimate, Level, Side, TrackState};
 use crate::real::Real;
 
 /// What corners have in common, as it was concluded last.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Concluded<T> {
     pub(super) correlation: [[T; 4]; 4],
     pub(super) tracks: [TrackState<T>; 2],
 }
-
-blank!(Concluded<T> { correlation, tracks });
 
 impl<T: Real> CarEstimator<T> {
     /// Concludes what is known of all corners that the sample has, with a corner's own measurement if it `has_room` for that; gives the

@@ -4,7 +4,7 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::{CarConfig, Corner, CornerConfig};
 use crate::real::Real;
 
@@ -18,7 +18,7 @@ const BETWEEN_DAYS_COMMON_SD: f64 = 0.03;
 const BETWEEN_DAYS_OWN_SD: f64 = 0.02;
 
 /// Covariance of the factors of the four corners, and the stiffnesses at placard pressure. See the [module](self).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Considered<T: Real> {
     pub(super) relative: SMatrix<T, 4, 4>,
@@ -27,8 +27,6 @@ pub(super) struct Considered<T: Real> {
     pub(super) per_kpa: SVector<T, 4>,
     pub(super) placard_kpa: SVector<T, 4>,
 }
-
-blank!(Considered<T> { relative, placard_n_per_m, per_kpa, placard_kpa });
 
 impl<T: Real> Considered<T> {
     /// In place; whatever was there is forgotten.

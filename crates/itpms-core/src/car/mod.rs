@@ -15,7 +15,7 @@ use self::considered::Considered;
 use self::fusion::Fusion;
 use crate::conditioning::{Moment, SampleClock};
 use crate::estimator::{CornerEstimator, OutsideStiffness, Pace};
-use crate::memory::{Blank, Placed, blank};
+use crate::memory::{Blank, Placed};
 use crate::model::{
     BodyFit, CalibrationError, CarConfig, CarEstimate, CarSample, Corner, Inflation, Misfit, ParameterError,
     QuarterCar, RadiusDifferences, StrutReading, VehicleCalibration,
@@ -30,11 +30,12 @@ const SPECTRUM_BIAS: f64 = 0.04;
 const CONCLUDE_S: f64 = 0.01;
 
 /// From where the pressure may be learned.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Sources {
     /// From the road's spectrum, corner by corner, and from front and rear meeting the same road.
     #[default]
+    #[blank]
     SpectrumAndSharedRoad,
     /// From each corner's road spectrum alone.
     Spectrum,
@@ -42,10 +43,8 @@ pub enum Sources {
     SharedRoad,
 }
 
-blank!(Sources::SpectrumAndSharedRoad);
-
 /// How a car's estimator is used.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct EstimatorOptions {
     /// From where the pressure may be learned.
@@ -54,10 +53,8 @@ pub struct EstimatorOptions {
     pub inflation: Inflation,
 }
 
-blank!(EstimatorOptions { sources, inflation });
-
 /// A running estimator of a car. A value: clone it, save it, go on.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CarEstimator<T: Real> {
     sources: Sources,
@@ -77,21 +74,6 @@ pub struct CarEstimator<T: Real> {
     conclude_every: u32,
     conclude_in: u32,
 }
-
-blank!(CarEstimator<T> {
-    sources,
-    clock,
-    corners,
-    fusion,
-    considered,
-    radii,
-    body_equation,
-    calibration_s,
-    calibration_ends_s,
-    concluded,
-    conclude_every,
-    conclude_in,
-});
 
 impl<T: Real> CarEstimator<T> {
     /// An estimator for samples that come at about `sample_rate_hz`. A large value: a controller

@@ -4,7 +4,7 @@
 //! nothing else: calibrations end, warm references and beliefs go on. Called by them; knows nothing of what is sampled.
 
 use crate::conditioning::pauses::PAUSE_S;
-use crate::memory::blank;
+use crate::memory::Blank;
 
 /// Least distance of two stamps, in sampling periods: closer ones are the same.
 pub(crate) const CLOSEST: f64 = 0.05;
@@ -21,7 +21,7 @@ fn latest_resolved_s(period_s: f64) -> f64 {
 }
 
 /// Stamps that are out of line, and whether they follow one another.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Stray {
     first_s: f64,
@@ -29,8 +29,6 @@ struct Stray {
     /// How many steps one after the other.
     steps: u32,
 }
-
-blank!(Stray { first_s, last_s, steps });
 
 impl Stray {
     /// None yet.
@@ -53,7 +51,7 @@ impl Stray {
 }
 
 /// Makes of the stamps of samples a time that only goes forwards.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct SteadyClock {
     period_s: f64,
@@ -65,8 +63,6 @@ pub(crate) struct SteadyClock {
     ahead_s: f64,
     stray: Stray,
 }
-
-blank!(SteadyClock { period_s, latest_s, stamp_s, ahead_s, stray });
 
 impl SteadyClock {
     /// A clock for samples that come at about `sample_rate_hz`.

@@ -6,7 +6,7 @@
 
 use crate::conditioning::clock::{CLOSEST, LONGEST_BRIDGE};
 use crate::conditioning::pauses::MISSING_S;
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::ABSURD_M_S2;
 use crate::real::Real;
 
@@ -24,7 +24,7 @@ const FLAT_TOP: u32 = 3;
 const FLAT: u32 = 8;
 
 /// What was found in the raw samples so far.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SampleCounts {
     /// Samples used.
@@ -42,8 +42,6 @@ pub struct SampleCounts {
     /// Samples of a sensor that has stopped moving for half a second; not used.
     pub stuck: u64,
 }
-
-blank!(SampleCounts { accepted, missing, absurd, out_of_order, gaps, saturated, stuck });
 
 /// One step of the uniform grid.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -77,7 +75,7 @@ enum Flatness {
 }
 
 /// Watches one sensor for a value that does not move.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct FlatWatch<T> {
     last: T,
@@ -85,8 +83,6 @@ struct FlatWatch<T> {
     equal_since_s: f64,
     largest: T,
 }
-
-blank!(FlatWatch<T> { last, equal, equal_since_s, largest });
 
 impl<T: Real> FlatWatch<T> {
     fn new() -> Self {
@@ -118,7 +114,7 @@ impl<T: Real> FlatWatch<T> {
 }
 
 /// Periods in s, and what follows from them.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Periods<T> {
     sample_s: f64,
@@ -131,12 +127,10 @@ struct Periods<T> {
     rounded_s: T,
 }
 
-blank!(Periods<T> { sample_s, grid_s, step_s, closest_s, longest_s, on_sample_s, rounded_s });
-
 /// Checks and regrids the samples of one corner.
 ///
 /// Times between samples are short, and single precision where a controller has no more: only stamps are double.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Resampler<T> {
     periods: Periods<T>,
@@ -163,11 +157,6 @@ pub struct Resampler<T> {
     stuck_now: bool,
     counts: SampleCounts,
 }
-
-blank!(Resampler<T> {
-    periods, before_s, body, wheel, filled, signal_steps, next_before_s, last_grid_s, after_gap, body_watch,
-    wheel_watch, last_raw_s, last_accepted_s, last_was_accepted, refused, stuck_now, counts,
-});
 
 impl<T: Real> Resampler<T> {
     /// An intake for samples that come at about `sample_rate_hz`, which must be positive and finite (estimators check it); its grid runs at

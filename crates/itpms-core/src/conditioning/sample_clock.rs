@@ -2,19 +2,17 @@
 
 use super::SpeedHold;
 use super::clock::SteadyClock;
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::{ParameterError, positive};
 use crate::real::Real;
 
 /// Makes of the samples' stamps a time that only goes forward, and of their speeds one to go by.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SampleClock<T> {
     clock: SteadyClock,
     speed: SpeedHold<T>,
 }
-
-blank!(SampleClock<T> { clock, speed });
 
 /// Time and speed of a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,7 +3,7 @@
 //! Called by the estimators, the monitor and everybody who counts the way.
 
 use crate::conditioning::pauses::MISSING_S;
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::real::Real;
 
 /// Speed in m/s below which no frame of a wheel or a strut is learned from.
@@ -21,14 +21,12 @@ pub fn is_a_cars<T: Real>(speed_m_s: T) -> bool {
 
 /// Bridges the samples that come without a speed, as where a bus tells it less often than the accelerations: the last one
 /// goes on for half a second. What no car drives ([`is_a_cars`]) is no speed.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SpeedHold<T> {
     known_s: f64,
     speed_m_s: T,
 }
-
-blank!(SpeedHold<T> { known_s, speed_m_s });
 
 impl<T: Real> SpeedHold<T> {
     /// Nothing is known yet.

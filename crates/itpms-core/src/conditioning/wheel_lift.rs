@@ -2,7 +2,7 @@
 //! corner's weight has anything to do with its stiffness (docs/math/informed.md, section 5).
 
 use crate::conditioning::GridSample;
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::QuarterCar;
 use crate::real::Real;
 
@@ -35,7 +35,7 @@ pub(crate) struct Contact {
 }
 
 /// The watch on one wheel.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct ContactWatch<T> {
     sprung_mass_kg: T,
@@ -49,10 +49,6 @@ pub(crate) struct ContactWatch<T> {
     hopping_s: T,
     pulling_s: T,
 }
-
-blank!(ContactWatch<T> {
-    sprung_mass_kg, unsprung_mass_kg, means, watched_s, offsets, hopping_s, pulling_s,
-});
 
 impl<T: Real> ContactWatch<T> {
     pub(crate) fn new(car: &QuarterCar<T>) -> Self {

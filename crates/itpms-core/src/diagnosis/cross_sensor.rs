@@ -10,7 +10,7 @@ use crate::diagnosis::wheel_gain::balance::WheelGainBalance;
 use crate::diagnosis::wheel_gain::jump::{Hop, WheelGainJump, jumps};
 use crate::diagnosis::wheel_gain::shift::WheelGainShift;
 use crate::diagnosis::{Fault, Malfunction, Place, Sensor};
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::{Corner, Wheels};
 use crate::real::Real;
 
@@ -53,7 +53,7 @@ const BODY_GAIN_FINE: f64 = 0.12;
 const GAIN: DebounceTimes = DebounceTimes { set_s: 5.0, clear_s: 5.0 };
 
 /// The car's sensors against each other.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct CrossSensorPlausibility<T: Real> {
     /// Power density in (m/s²)²/Hz of each corner's sensors' noise.
@@ -79,11 +79,6 @@ pub(crate) struct CrossSensorPlausibility<T: Real> {
     jumps: [WheelGainJump<T>; 4],
     shifts: WheelGainShift<T>,
 }
-
-blank!(CrossSensorPlausibility<T> {
-    noise_density, hop, bounce, ratio, newest_ratio, patterns, odd, pairs, corners, body_gains,
-    wheel_gains, reversed, jumps, shifts,
-});
 
 impl<T: Real> CrossSensorPlausibility<T> {
     pub(crate) fn configure(&mut self, noise_power: [T; 4], rate_hz: f64) {

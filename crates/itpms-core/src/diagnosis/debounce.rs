@@ -1,6 +1,6 @@
 //! Debouncing: a report that is set when a condition has held for a while, and cleared when another one has.
 
-use crate::memory::blank;
+use crate::memory::Blank;
 
 /// How long a condition has to hold, in s.
 #[derive(Debug, Clone, Copy)]
@@ -25,7 +25,7 @@ pub(crate) enum Evidence {
 }
 
 /// A report with the evidence for and against it.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Debouncer {
     active: bool,
@@ -36,8 +36,6 @@ pub(crate) struct Debouncer {
     since_s: f64,
     reported_s: f64,
 }
-
-blank!(Debouncer { active, prefailed_s, prepassed_s, since_s, reported_s });
 
 impl Debouncer {
     pub(crate) fn new() -> Self {

@@ -1,7 +1,7 @@
 //! Whether the axles have just stopped sharing a road: in a bend the rear wheels leave the front ones' track within a second,
 //! and until the estimator has noticed, what they disagree by looks like a leak.
 
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::real::Real;
 
 /// Incoherence near wheel hop above which tracks may be parting, and how many times what it was before. No puncture on a shared
@@ -12,13 +12,11 @@ const TIMES: f64 = 5.0;
 const USUAL_S: f64 = 20.0;
 
 /// What the incoherence of a side usually is.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct DecorrelationDetector<T> {
     usual: Option<T>,
 }
-
-blank!(DecorrelationDetector<T> { usual });
 
 impl<T: Real> DecorrelationDetector<T> {
     pub(crate) fn new() -> Self {

@@ -3,14 +3,15 @@
 
 use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
 use crate::diagnosis::{Fault, Malfunction};
-use crate::memory::{Blank, Placed, blank};
+use crate::memory::{Blank, Placed};
 use crate::real::Real;
 
 /// What the sensors of a corner look like in the hop band.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) enum SwapPattern {
     /// As they are labeled.
+    #[blank]
     AsLabeled,
     /// The body moves as a wheel does.
     BodyIsWheel,
@@ -20,17 +21,13 @@ pub(crate) enum SwapPattern {
     Crossed,
 }
 
-blank!(SwapPattern::AsLabeled);
-
 /// A debounced fault and what it is called.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct FaultLatch<T: Real> {
     pub(crate) debouncer: Debouncer,
     pub(crate) malfunction: Placed<Malfunction<T>>,
 }
-
-blank!(FaultLatch<T> { debouncer, malfunction });
 
 impl<T: Real> FaultLatch<T> {
     pub(crate) fn new() -> Self {

@@ -1,18 +1,16 @@
 //! Second-order sections, and averaging down to a lower rate.
 
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::real::Real;
 
 /// A second-order section (transposed direct form II).
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Section<T> {
     b: [T; 3],
     a: [T; 2],
     state: [T; 2],
 }
-
-blank!(Section<T> { b, a, state });
 
 /// Which side of its frequency a section lets through.
 #[derive(Debug, Clone, Copy)]
@@ -51,13 +49,11 @@ impl<T: Real> Section<T> {
 const BUTTERWORTH_4: [f64; 2] = [0.541_196_1, 1.306_562_96];
 
 /// A band: fourth-order Butterworth high-pass, then low-pass.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Band<T> {
     sections: [Section<T>; 4],
 }
-
-blank!(Band<T> { sections });
 
 impl<T: Real> Band<T> {
     pub(crate) fn new([low_hz, high_hz]: [f64; 2], rate_hz: f64) -> Self {
@@ -78,15 +74,13 @@ impl<T: Real> Band<T> {
 }
 
 /// Means of so many values, for all eight sensors at once.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Averager<T> {
     of: u32,
     count: u32,
     sums: [T; 8],
 }
-
-blank!(Averager<T> { of, count, sums });
 
 impl<T: Real> Averager<T> {
     pub(crate) fn new(of: u32) -> Self {
@@ -111,7 +105,7 @@ impl<T: Real> Averager<T> {
 
 /// Means under a triangle twice as long, for all eight sensors at once: what would come down from about the lower rate is less by
 /// the square of what an [`Averager`] leaves of it.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Triangle<T> {
     of: u32,
@@ -122,8 +116,6 @@ pub(crate) struct Triangle<T> {
     /// The rising half of the stretch before.
     risen: [T; 8],
 }
-
-blank!(Triangle<T> { of, count, rising, falling, risen });
 
 impl<T: Real> Triangle<T> {
     pub(crate) fn new(of: u32) -> Self {

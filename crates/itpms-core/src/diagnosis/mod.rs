@@ -38,7 +38,7 @@ use crate::diagnosis::matching::{gathered, median, over_others};
 use crate::diagnosis::sensor_statistics::SensorBlock;
 use crate::diagnosis::signals::{Block, HOP_WIDTH_HZ, Signals};
 use crate::diagnosis::single_sensor::SingleSensorMonitor;
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::{CarConfig, CarSample, Corner, CornerConfig, Wheels};
 use crate::real::Real;
 
@@ -60,15 +60,13 @@ const FORGETTING_BLOCKS: u32 = 6;
 const LEFT_BLOCKS: u32 = 20;
 
 /// Something that is wrong.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Fault<T> {
     pub(crate) malfunction: Malfunction<T>,
     pub(crate) since_s: f64,
     pub(crate) reported_s: f64,
 }
-
-blank!(Fault<T> { malfunction, since_s, reported_s });
 
 impl<T> Fault<T> {
     fn from_debouncer(debouncer: &Debouncer, malfunction: Malfunction<T>) -> Self {
@@ -84,7 +82,7 @@ enum Motion {
 }
 
 /// The sensors of a car under watch.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Diagnosis<T: Real> {
     period_s: f64,
@@ -106,11 +104,6 @@ pub(crate) struct Diagnosis<T: Real> {
     /// Whether a block has ended since it was last asked.
     news: bool,
 }
-
-blank!(Diagnosis<T> {
-    period_s, noise_power, present, sensors, signals, cross_sensor, slowest_m_s, last_s, block_from_s,
-    block_ends_s,     calm_blocks, rough_blocks, news,
-});
 
 impl<T: Real> Diagnosis<T> {
     pub(crate) fn configure(&mut self, car: &CarConfig<T>, rate_hz: f64) {

@@ -3,14 +3,14 @@
 
 use nalgebra::SMatrix;
 
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::real::Real;
 
 /// Share of an average that must be filled before it counts.
 pub(crate) const FILLED: f64 = 0.4;
 
 /// Second moments of `N` signals, an exponential mean over blocks.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Moments<T: Real, const N: usize> {
     block: SMatrix<T, N, N>,
@@ -19,8 +19,6 @@ pub(crate) struct Moments<T: Real, const N: usize> {
     /// Share of the mean that has been filled, 0 to 1.
     filled: T,
 }
-
-blank!(Moments<T, N> { block, count, mean, filled });
 
 impl<T: Real, const N: usize> Moments<T, N> {
     pub(crate) fn new() -> Self {

@@ -1,6 +1,6 @@
 //! One accelerometer by itself: does it move, does it come, does it jump, how loud is it between the road's waves.
 
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::ABSURD_M_S2;
 use crate::real::Real;
 
@@ -38,7 +38,7 @@ pub(crate) struct SensorBlock<T> {
 }
 
 /// Remembers a sensor's last values.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct SensorWatch<T> {
     /// Newest last.
@@ -61,11 +61,6 @@ pub(crate) struct SensorWatch<T> {
     usual_share: T,
     missing_share: T,
 }
-
-blank!(SensorWatch<T> {
-    window, whole, usual, deviations, missing, changed_s, spikes, lost, part, in_part, part_of, floor,
-    usual_share, missing_share,
-});
 
 impl<T: Real> SensorWatch<T> {
     pub(crate) fn new(period_s: f64) -> Self {

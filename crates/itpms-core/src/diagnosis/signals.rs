@@ -11,7 +11,7 @@ use nalgebra::SMatrix;
 
 use crate::diagnosis::filters::{Averager, Band, Triangle};
 use crate::diagnosis::moments::Moments;
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::CarConfig;
 use crate::real::Real;
 
@@ -40,7 +40,7 @@ pub(crate) struct Block<T: Real> {
 }
 
 /// A corner's strut: what the wheel's velocity and displacement do to the body, per second and per second squared.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Strut<T> {
     damping_per_s: T,
@@ -49,10 +49,8 @@ struct Strut<T> {
     displacement: T,
 }
 
-blank!(Strut<T> { damping_per_s, spring_per_s2, velocity, displacement });
-
 /// Filters of eight sensors and the block that runs.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Signals<T: Real> {
     to_quick: Averager<T>,
@@ -71,11 +69,6 @@ pub(crate) struct Signals<T: Real> {
     quick_steps: u32,
     slow_steps: u32,
 }
-
-blank!(Signals<T> {
-    to_quick, to_slow, to_slow_band, quick_step_s, hop, bounce, slow, struts, hop_moments,
-    bounce_moments, wheel_hop, slow_power, quick_steps, slow_steps,
-});
 
 impl<T: Real> Signals<T> {
     pub(crate) fn configure(&mut self, car: &CarConfig<T>, rate_hz: f64) {

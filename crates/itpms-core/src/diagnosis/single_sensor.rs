@@ -5,7 +5,7 @@ use crate::conditioning::pauses::MISSING_S;
 use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
 use crate::diagnosis::sensor_statistics::{SensorBlock, SensorWatch};
 use crate::diagnosis::{FEW_MISSING, Fault, Malfunction, Motion, Sensor};
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::real::Real;
 
 /// Seconds without a change after which a sensor of a moving car may be stuck.
@@ -25,7 +25,7 @@ const NOT_NOISY: f64 = 3.0;
 const NOISE: DebounceTimes = DebounceTimes { set_s: 3.0, clear_s: 5.0 };
 
 /// A sensor under watch.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct SingleSensorMonitor<T> {
     watch: SensorWatch<T>,
@@ -38,17 +38,14 @@ pub(crate) struct SingleSensorMonitor<T> {
     doubtful: Doubtful,
 }
 
-blank!(SingleSensorMonitor<T> { watch, stuck, dropout, spikes, noise, spike_count, spike_s, doubtful });
-
 /// Whether the last block left a doubt that is not reported.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 enum Doubtful {
+    #[blank]
     No,
     Yes,
 }
-
-blank!(Doubtful::No);
 
 impl<T: Real> SingleSensorMonitor<T> {
     pub(crate) fn new(period_s: f64) -> Self {

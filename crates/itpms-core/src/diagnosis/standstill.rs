@@ -3,7 +3,7 @@
 //! Called by the monitor with every sample. A speed that is not to be believed is unknown: then every wheel goes by its own
 //! road, which is less but not wrong. Thresholds: docs/math/monitor.md, section 2.
 
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::CarSample;
 use crate::real::Real;
 
@@ -18,15 +18,13 @@ const ROLLS_M_S2: f64 = 1.0;
 const CALM_M_S2: f64 = 0.5;
 
 /// Mean and sum of squares about it.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Spread<T> {
     count: T,
     mean: T,
     squares: T,
 }
-
-blank!(Spread<T> { count, mean, squares });
 
 impl<T: Real> Spread<T> {
     fn new() -> Self {
@@ -49,7 +47,7 @@ impl<T: Real> Spread<T> {
 }
 
 /// Holds a speed of zero against the wheels.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Standstill<T> {
     /// When the look under way began; NaN: the car does not count as standing.
@@ -59,8 +57,6 @@ pub(crate) struct Standstill<T> {
     rolled: bool,
     denied: bool,
 }
-
-blank!(Standstill<T> { from_s, wheels, rolled, denied });
 
 impl<T: Real> Standstill<T> {
     pub(crate) fn new() -> Self {

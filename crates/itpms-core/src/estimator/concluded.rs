@@ -1,12 +1,12 @@
 //! What was concluded of a corner, as it is kept until the next time: in memory that is zeros before it is configured.
 
 use super::reading::Reading;
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::{CornerEstimate, Diagnostics, Level, Loss, Validity, Warning};
 use crate::real::Real;
 
 /// See the [module](self).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Concluded<T: Real> {
     pub(super) reading: Reading<T>,
@@ -19,11 +19,6 @@ pub(super) struct Concluded<T: Real> {
     pub(super) axle_difference_sd_kpa: Option<T>,
     pub(super) loss: Option<Loss<T>>,
 }
-
-blank!(Concluded<T> {
-    reading, stiffness_sd_n_per_m, pressure_kpa, pressure_sd_kpa, change_sd_kpa, level, validity,
-    axle_difference_sd_kpa, loss,
-});
 
 impl<T: Real> Concluded<T> {
     /// As the estimate of a sample of this time in s.

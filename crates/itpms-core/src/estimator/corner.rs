@@ -8,7 +8,7 @@ use super::reading::{Reading, STARTING_S, is_known};
 use crate::conditioning::pauses::PAUSE_S;
 use crate::conditioning::wheel_lift::ContactWatch;
 use crate::conditioning::{GridSample, LEAST_GRID_HZ, Resampler, SampleCounts};
-use crate::memory::{Placed, blank};
+use crate::memory::{Blank, Placed};
 use crate::model::{
     BodyFit, Corner, CornerConfig, CornerEstimate, CornerSample, Level, Loss, Misfit, ParameterError,
     QuarterCar, Validity, positive,
@@ -26,7 +26,7 @@ const TELL_S: f64 = 0.1;
 const UNJUDGED_S: f64 = 20.0;
 
 /// The estimator of one corner, without a clock: its owner tells time and speed.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct CornerEstimator<T: Real> {
     config: CornerConfig<T>,
@@ -55,12 +55,6 @@ pub(crate) struct CornerEstimator<T: Real> {
     learned_before_s: T,
     concluded: Placed<Concluded<T>>,
 }
-
-blank!(CornerEstimator<T> {
-    config, resampler, informed, reading, read_s, calibration_s, calibration_ends_s,
-    pinned_s, fused, contact, strut, friction_variance,
-    fit, misfit, judged_from_s, has_fitted, learned_before_s, concluded,
-});
 
 impl<T: Real> CornerEstimator<T> {
     /// An estimator for a corner whose samples come at about `sample_rate_hz`.

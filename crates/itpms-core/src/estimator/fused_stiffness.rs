@@ -1,11 +1,11 @@
 //! The tire's stiffness as the whole car knows it, as a corner's estimator is given: made by [`CarEstimator`](crate::car::CarEstimator)
 //! of the fused belief, applied by the running method.
 
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::Level;
 
 /// What the whole car knows of a corner that the corner by itself does not.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct FusedStiffness<T> {
     pub(crate) stiffness_n_per_m: T,
@@ -23,8 +23,3 @@ pub(crate) struct FusedStiffness<T> {
     /// Whether anything is received at all: frames, or pseudo-measurements of the corner's spectrum.
     pub(crate) has_signal: bool,
 }
-
-blank!(FusedStiffness<T> {
-    stiffness_n_per_m, stiffness_sd_n_per_m, considered_sd_n_per_m, level, changing, learned_s, learning,
-    has_signal,
-});

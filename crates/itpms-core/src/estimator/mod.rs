@@ -10,7 +10,7 @@ pub(crate) use self::corner::CornerEstimator;
 pub(crate) use self::fused_stiffness::FusedStiffness;
 use self::pulses::PulseLevel;
 use crate::conditioning::{SampleClock, SampleCounts};
-use crate::memory::{Blank, blank};
+use crate::memory::Blank;
 use crate::model::{Corner, CornerConfig, CornerEstimate, CornerSample, ParameterError, QuarterCar};
 use crate::real::Real;
 pub(crate) use crate::single_wheel::Pace;
@@ -19,7 +19,7 @@ use crate::suspension::{BodyEquation, Learning};
 use crate::torsion::TorsionPiece;
 
 /// A running estimator of one corner. A value: clone it, save it, go on.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Estimator<T: Real> {
     clock: SampleClock<T>,
@@ -28,8 +28,6 @@ pub struct Estimator<T: Real> {
     /// What the pulses of its wheel tell of the level.
     pulses: PulseLevel<T>,
 }
-
-blank!(Estimator<T> { clock, corner, body_equation, pulses });
 
 impl<T: Real> Estimator<T> {
     /// An estimator for a corner whose samples come at about `sample_rate_hz`, by value: some 19 KB in `f32`. A

@@ -2,7 +2,7 @@
 //! corner and its pulses"). Asked by [`Estimator`](super::Estimator) alone: what moves fast is left to the accelerations.
 
 use crate::conditioning::pauses::PAUSE_S;
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::real::Real;
 use crate::torsion::{OUTLIER, TorsionChange, level_variance_kpa2};
 
@@ -10,7 +10,7 @@ use crate::torsion::{OUTLIER, TorsionChange, level_variance_kpa2};
 const RECENT_S: f64 = 15.0;
 
 /// What is known of that.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct PulseLevel<T: Real> {
     /// The accelerations' reading lately, its variance, and for how long and until when it was averaged.
@@ -24,8 +24,6 @@ pub(super) struct PulseLevel<T: Real> {
     deviation: T,
     change: T,
 }
-
-blank!(PulseLevel<T> { recent_kpa, recent_kpa2, since_s, last_s, information, deviation, change });
 
 impl<T: Real> PulseLevel<T> {
     /// Takes what the accelerations read at a time, and its variance without what the vehicle file leaves open.
@@ -75,7 +73,6 @@ impl<T: Real> PulseLevel<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::memory::Blank as _;
     use crate::random::Random;
 
     /// Two minutes of readings ten times a second, and a piece every half a minute.

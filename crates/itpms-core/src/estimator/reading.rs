@@ -1,7 +1,7 @@
 //! What a corner reads after a step, and whether that may be believed.
 
 use super::fused_stiffness::FusedStiffness;
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::{CornerConfig, Validity};
 use crate::real::Real;
 use crate::single_wheel::Belief;
@@ -12,7 +12,7 @@ pub(super) const STARTING_S: f64 = 2.0;
 const WORTHLESS: f64 = 0.25;
 
 /// Stiffness of a tire and how it came about.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Reading<T> {
     pub(super) stiffness_n_per_m: T,
@@ -23,10 +23,6 @@ pub(super) struct Reading<T> {
     pub(super) gate: T,
     pub(super) change_probability: T,
 }
-
-blank!(Reading<T> {
-    stiffness_n_per_m, stiffness_sd_n_per_m, validity, forgetting, nis, gate, change_probability,
-});
 
 impl<T: Real> Reading<T> {
     /// Of what the Bayes filter believes.

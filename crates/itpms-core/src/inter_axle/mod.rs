@@ -27,7 +27,7 @@ use crate::belief::state::{SKEW, WHEELBASE};
 use crate::conditioning::GridSample;
 use crate::conditioning::pauses::PAUSE_S;
 use crate::inter_axle::alignment::channel::BOTH;
-use crate::memory::{Placed, blank};
+use crate::memory::{Blank, Placed};
 use crate::model::{CarConfig, Corner, QuarterCar, Side};
 use crate::real::Real;
 use crate::spectrum::SIGNALS as MOTION;
@@ -64,7 +64,7 @@ pub(crate) enum Aligned<T: Real> {
 }
 
 /// See the [module](self).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct InterAxle<T: Real> {
     wheelbase_m: T,
@@ -80,10 +80,6 @@ pub(crate) struct InterAxle<T: Real> {
     delayed_s: T,
     travel: Travel<T>,
 }
-
-blank!(InterAxle<T> {
-    wheelbase_m, wheels, channels, pairs, rear, delay_s, speed_latency_s, delayed_s, travel,
-});
 
 impl<T: Real> InterAxle<T> {
     /// The wheelbase in m of a car that has both corners of a side; `None`: nothing is to be aligned.

@@ -5,34 +5,11 @@ use nalgebra::{ArrayStorage, Complex, SMatrix};
 
 use crate::real::Real;
 
-/// A type whose memory can be there before anything is known. Nothing may be read from it but that it is not configured.
+/// A type whose memory can be there before anything is known. Nothing may be read from it but that it is not configured. Structs and enums
+/// derive it.
 pub(crate) trait Blank {
     const BLANK: Self;
 }
-
-/// Implements [`Blank`] for a struct, field by field, or for an enum by one of its variants: `blank!(Name<T> { a, b });`,
-/// `blank!(Name::Variant);`.
-macro_rules! blank {
-    ($name:ident::$variant:ident) => {
-        impl $crate::memory::Blank for $name {
-            const BLANK: Self = Self::$variant;
-        }
-    };
-    ($name:ident $(<T $(, $n:ident)*>)? { $($field:ident),* $(,)? }) => {
-        $crate::memory::blank!(@ $name, [$(T $(, $n)*)?], [$($field),*]);
-    };
-    (@ $name:ident, [], [$($field:ident),*]) => {
-        impl $crate::memory::Blank for $name {
-            const BLANK: Self = Self { $($field: $crate::memory::Blank::BLANK),* };
-        }
-    };
-    (@ $name:ident, [T $(, $n:ident)*], [$($field:ident),*]) => {
-        impl<T: $crate::real::Real $(, const $n: usize)*> $crate::memory::Blank for $name<T $(, $n)*> {
-            const BLANK: Self = Self { $($field: $crate::memory::Blank::BLANK),* };
-        }
-    };
-}
-pub(crate) use blank;
 
 impl<T: Real> Blank for T {
     const BLANK: Self = T::ZERO;

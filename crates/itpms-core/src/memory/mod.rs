@@ -9,8 +9,9 @@
 mod blank;
 mod placed;
 
-pub(crate) use self::blank::{Blank, blank};
+pub(crate) use self::blank::Blank;
 pub(crate) use self::placed::Placed;
+pub(crate) use itpms_derive::Blank;
 
 /// A value for a test to hold, configured.
 #[cfg(test)]

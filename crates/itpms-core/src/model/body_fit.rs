@@ -1,6 +1,6 @@
 //! Whether a corner's body moves as the vehicle file says, and what was found of it on the way (docs/math/unknown-car.md, section 3).
 
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::Level;
 use crate::model::uncertainty::ONE_SIDED_95;
 use crate::real::Real;
@@ -22,7 +22,7 @@ const COHERENCE_BINS: f64 = 5.0;
 const UNEXPLAINED_BINS: f64 = 7.0;
 
 /// How well body and wheel of a corner go together.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BodyFit<T> {
     /// Share of the body's acceleration, 5 to 16 Hz, that does not go with the wheel's: one less their coherence; `None` as long as
@@ -40,10 +40,11 @@ pub struct BodyFit<T> {
 }
 
 /// What does not fit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Misfit {
     /// Body and wheel of the corner move each for itself.
+    #[blank]
     Incoherent,
     /// The four struts' forces do not accelerate the body as it moves.
     Unexplained,
@@ -52,8 +53,6 @@ pub enum Misfit {
     /// The four struts' forces explain most of how the body moves, not all.
     PartlyUnexplained,
 }
-
-blank!(Misfit::Incoherent);
 
 impl Misfit {
     /// Whether nothing is to be believed, or how much more doubt there is: a relative standard deviation of the stiffness. A calibration
@@ -85,8 +84,6 @@ impl core::fmt::Display for Misfit {
         })
     }
 }
-
-blank!(BodyFit<T> { incoherence, unexplained, hop_excess, averages, friction_n });
 
 impl<T: Real> BodyFit<T> {
     /// Nothing was seen yet.

@@ -3,7 +3,7 @@
 //! Made by [`CarEstimator::calibration`](crate::car::CarEstimator::calibration) when a calibration is over, given to the next drive's
 //! estimator. Knows nothing of files: whoever stores it checks that it belongs to the car.
 
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::real::Real;
 
 /// Standard deviation of what the inter-axle residual reads too much of a tire's compliance, as a share of that at placard pressure,
@@ -11,7 +11,7 @@ use crate::real::Real;
 pub(crate) const UNCALIBRATED_BIAS_SD: f64 = 0.015;
 
 /// A learned quantity and its standard deviation.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Learned<T> {
     /// The value.
@@ -19,8 +19,6 @@ pub struct Learned<T> {
     /// Its standard deviation.
     pub sd: T,
 }
-
-blank!(Learned<T> { value, sd });
 
 /// What was learned of one corner. Masses, damper and spring as relative deviations from the vehicle file.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,7 +46,7 @@ impl<T: Real> CornerCalibration<T> {
 }
 
 /// What was learned of the whole car.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct VehicleCalibration<T> {
     /// The corners, in the order of [`Corner::ALL`](crate::model::Corner::ALL).
@@ -64,8 +62,6 @@ pub struct VehicleCalibration<T> {
     /// Seconds of useful driving it was learned from.
     pub learned_s: T,
 }
-
-blank!(VehicleCalibration<T> { corners, bar, gain, wheelbase, skew_s, learned_s });
 
 /// What a stored reference cannot be.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,7 +1,7 @@
 //! What an estimator knows about the car.
 
 use super::estimate::CornerConfig;
-use crate::memory::{Blank, blank};
+use crate::memory::Blank;
 use crate::real::Real;
 
 /// What an estimator knows about the car.
@@ -20,15 +20,14 @@ impl<T: Real> Blank for CarConfig<T> {
 }
 
 /// When tires may gain air.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Inflation {
     /// At stops only: while they roll, tires hold their air or lose it. So after a calibration none is believed to have more
     /// than it was set to, but for warming up.
     #[default]
+    #[blank]
     AtStops,
     /// On the way, too: a car with pumps.
     WhileRolling,
 }
-
-blank!(Inflation::AtStops);

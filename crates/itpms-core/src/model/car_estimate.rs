@@ -1,7 +1,7 @@
 //! What is known of a car after a sample.
 
 use super::estimate::CornerEstimate;
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::real::Real;
 
 /// What is known of the car after a sample.
@@ -19,7 +19,7 @@ pub struct CarEstimate<T> {
 }
 
 /// How far front and rear of one side share a road now.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TrackState<T> {
     /// Whether the shared road is being learned from.
@@ -28,8 +28,6 @@ pub struct TrackState<T> {
     /// roads that have nothing in common differ by has twice the power of one); NaN when unknown.
     pub incoherence: T,
 }
-
-blank!(TrackState<T> { shared, incoherence });
 
 impl<T: Real> TrackState<T> {
     /// Nothing is shared, nothing is known.

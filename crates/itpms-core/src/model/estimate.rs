@@ -1,12 +1,12 @@
 //! What goes out, for every estimator alike: pressure and stiffness with their standard deviations, whether to
 //! believe them, and a warning.
 
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::{Confidence, ParameterError, ParameterUncertainty, PressureMap, QuarterCar, positive};
 use crate::real::Real;
 
 /// What an estimator knows about its corner.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CornerConfig<T> {
     /// Masses, spring and damper.
@@ -22,8 +22,6 @@ pub struct CornerConfig<T> {
     /// How well all of this is known.
     pub uncertainty: ParameterUncertainty<T>,
 }
-
-blank!(CornerConfig<T> { quarter_car, tire, placard_kpa, accel_noise_m_s2, initial_kpa, uncertainty });
 
 impl<T: Real> CornerConfig<T> {
     /// A corner with the placard's pressure as its start and unknown sensor noise, its parameters as well known as
@@ -82,13 +80,14 @@ impl<T: Real> CornerConfig<T> {
 }
 
 /// Whether, and if not why not, an estimate may be believed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 // `Starting` is zero, as is all memory that is not configured.
 pub enum Validity {
     /// The data says this.
     Valid = 1,
     /// Not enough has been seen since the start.
+    #[blank]
     Starting = 0,
     /// Nothing to learn from for a while: standing still, too smooth, hidden in noise.
     NoInformation = 2,
@@ -100,8 +99,6 @@ pub enum Validity {
     Misfit = 5,
 }
 
-blank!(Validity::Starting);
-
 impl Validity {
     /// True for [`Validity::Valid`] alone.
     #[must_use]
@@ -111,10 +108,11 @@ impl Validity {
 }
 
 /// What the level of a pressure rests on; changes show by themselves.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Level {
     /// On masses and the tire's stiffness in the vehicle file.
+    #[blank]
     VehicleFile,
     /// On a calibration of this drive, which set it.
     Calibration,
@@ -123,8 +121,6 @@ pub enum Level {
     /// On nothing: what is known is how the tire differs from the others since a calibration. What all four lost alike is not seen.
     OtherTires,
 }
-
-blank!(Level::VehicleFile);
 
 impl Level {
     /// The word in files: `file`, `calibration`, `reference` or `other-tires`.

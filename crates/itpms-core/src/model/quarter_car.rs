@@ -5,7 +5,7 @@
 
 use thiserror::Error;
 
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::real::Real;
 
 /// A parameter outside its physical range.
@@ -33,7 +33,7 @@ pub fn positive<T: Real>(name: &'static str, value: T) -> Result<T, ParameterErr
 }
 
 /// Parameters of one corner of the car, valid by construction.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct QuarterCar<T> {
     sprung_mass_kg: T,
@@ -41,8 +41,6 @@ pub struct QuarterCar<T> {
     damping_n_s_per_m: T,
     spring_n_per_m: T,
 }
-
-blank!(QuarterCar<T> { sprung_mass_kg, unsprung_mass_kg, damping_n_s_per_m, spring_n_per_m });
 
 impl<T: Real> QuarterCar<T> {
     /// A quarter car of sprung mass `m_b`, unsprung mass `m_w` (kg), damping `c_s` (N s/m) and suspension spring

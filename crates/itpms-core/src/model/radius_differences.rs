@@ -1,6 +1,6 @@
 //! By how much the tires' radii differ from what they were at a calibration, as a source that compares wheel speeds finds it.
 
-use crate::memory::blank;
+use crate::memory::Blank;
 
 /// What the three ratios see of each wheel's radius.
 pub(crate) const SEEN: [[f64; 3]; 4] =
@@ -9,7 +9,7 @@ pub(crate) const SEEN: [[f64; 3]; 4] =
 /// Changes of three ratios of rolling radii since the calibration, in thousandths of the log: front left over right, rear left over
 /// right, front over rear (the mean of left and right each). What all four radii do alike is in none of them. Given to
 /// [`CarEstimator::follow_radii`](crate::CarEstimator::follow_radii).
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct RadiusDifferences<T> {
     /// The changes.
@@ -21,5 +21,3 @@ pub(crate) struct RadiusDifferences<T> {
     /// Its standard deviation, as a share of it.
     pub per_ln_pressure_relative_sd: T,
 }
-
-blank!(RadiusDifferences<T> { change_1e3, covariance_1e6, per_ln_pressure, per_ln_pressure_relative_sd });

@@ -2,16 +2,17 @@
 
 use core::ops::{Index, IndexMut};
 
-use crate::memory::blank;
+use crate::memory::Blank;
 
 /// An acceleration in m/s² that is none: a wheel on a kerb reaches some 500 m/s²; twice that is no car any more.
 pub(crate) const ABSURD_M_S2: f64 = 1000.0;
 
 /// A corner of the car.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Corner {
     /// Front left.
+    #[blank]
     FrontLeft,
     /// Front right.
     FrontRight,
@@ -20,8 +21,6 @@ pub enum Corner {
     /// Rear right.
     RearRight,
 }
-
-blank!(Corner::FrontLeft);
 
 impl Corner {
     /// All corners, in the order of every four-element array here.
@@ -71,14 +70,13 @@ impl Corner {
 }
 
 /// A side of the car.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) enum Side {
+    #[blank]
     Left,
     Right,
 }
-
-blank!(Side::Left);
 
 impl Side {
     /// Both, in the order of every two-element array of them.

@@ -5,7 +5,7 @@
 
 use thiserror::Error;
 
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::{ParameterError, positive};
 use crate::real::Real;
 
@@ -35,7 +35,7 @@ pub enum RegressionError {
 }
 
 /// Stiffness as a straight line over pressure, with the covariance of its two coefficients.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PressureMap<T> {
     stiffness_per_kpa: T,
@@ -44,8 +44,6 @@ pub struct PressureMap<T> {
     variance_intercept: T,
     covariance: T,
 }
-
-blank!(PressureMap<T> { stiffness_per_kpa, stiffness_at_zero, variance_slope, variance_intercept, covariance });
 
 impl<T: Real> PressureMap<T> {
     /// An exactly known line: `stiffness_per_kpa` in N/m per kPa, `stiffness_at_zero` in N/m.

@@ -1,7 +1,7 @@
 //! How well a corner's parameters are known, by where they come from (docs/vehicle.md, section 3). Asked for by whoever weighs
 //! them; knows no file.
 
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::real::Real;
 
 /// One-sided 95 % quantile of a normal distribution: a quantity counts as past a limit when this many sds still are.
@@ -47,7 +47,7 @@ const MOST_OWN_TIRE: f64 = 0.024;
 
 /// Standard deviations of one corner's parameters, relative (0.05 is 5 %) unless the name has a unit, with two
 /// parameters that the quarter car does not have.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ParameterUncertainty<T> {
     /// Of the sprung mass: which load the value is for. Estimators identify the load on the way.
@@ -71,19 +71,6 @@ pub struct ParameterUncertainty<T> {
     /// Its standard deviation in N s/m.
     pub tire_damping_sd_n_s_per_m: T,
 }
-
-blank!(ParameterUncertainty<T> {
-    sprung_mass_relative_sd,
-    unsprung_mass_relative_sd,
-    spring_relative_sd,
-    damping_relative_sd,
-    stiffness_relative_sd,
-    stiffness_over_mass_relative_sd,
-    friction_n,
-    friction_sd_n,
-    tire_damping_n_s_per_m,
-    tire_damping_sd_n_s_per_m,
-});
 
 impl<T: Real> ParameterUncertainty<T> {
     /// What is usual for parameters of this origin.

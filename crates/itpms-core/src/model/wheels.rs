@@ -3,15 +3,13 @@
 use core::fmt;
 use core::ops::BitOr;
 
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::Corner;
 
 /// Some of the four wheels.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Wheels(u8);
-
-blank!(Wheels::NONE);
 
 impl Wheels {
     /// No wheel.

@@ -1,13 +1,13 @@
 //! How a monitored car is configured: the car, how its estimator is used, and the limits of its warnings.
 
 use crate::car::EstimatorOptions;
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::{CarConfig, ParameterError, positive};
 use crate::real::Real;
 use crate::warning::{Limits, Regulation};
 
 /// The configuration of a monitor.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MonitorConfig<T> {
     /// The car, as its estimator knows it.
@@ -19,8 +19,6 @@ pub struct MonitorConfig<T> {
     /// How the car's estimator is used.
     pub options: EstimatorOptions,
 }
-
-blank!(MonitorConfig<T> { car, limits, reference_kpa, options });
 
 impl<T: Real> MonitorConfig<T> {
     /// The car with the limits of UN R141, against its placard.

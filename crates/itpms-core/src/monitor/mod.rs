@@ -26,7 +26,7 @@ use crate::diagnosis::debounce::Debouncer;
 use crate::diagnosis::decorrelation::DecorrelationDetector;
 use crate::diagnosis::standstill::Standstill;
 use crate::diagnosis::{Diagnosis, Fault};
-use crate::memory::{Blank, Placed, blank};
+use crate::memory::{Blank, Placed};
 use crate::model::CarEstimate;
 use crate::model::{
     CarSample, Corner, CornerEstimate, CornerSample, ONE_SIDED_95, ParameterError, Side, Validity, Warning,
@@ -49,7 +49,7 @@ const ROLLBACK_HOLDOFF_S: f64 = 60.0;
 /// A running monitor, for an estimator that is none of this crate's. A value: clone it, save it, go on. Per sample: [`screen`](Self::screen)
 /// what the sensors say, give the estimator what `screen` returns, and let [`judge`](Self::judge) look at what comes out; [`MonitoredCar`]
 /// does so, and asks whether the estimator is to take anything back.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Monitor<T: Real> {
     config: MonitorConfig<T>,
@@ -78,12 +78,6 @@ pub struct Monitor<T: Real> {
     ahead_s: f64,
     report: MonitorReport<T>,
 }
-
-blank!(Monitor<T> {
-    config, told_kpa, reference, reference_kpa, diagnosis, faults, suspects, late_detection_s,
-    rollback_requested, faulted, wheels, decorrelation, leaks, all_low, standstill, speed_m_s,
-    decided_s, ahead_s, report,
-});
 
 impl<T: Real> Monitor<T> {
     /// A monitor for samples that come at about `sample_rate_hz`.

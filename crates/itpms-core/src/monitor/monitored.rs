@@ -3,21 +3,19 @@
 
 use crate::car::CarEstimator;
 use crate::estimator::OutsideStiffness;
-use crate::memory::{Blank, blank};
+use crate::memory::Blank;
 use crate::model::{CalibrationError, CarEstimate, CarSample, Corner, ParameterError, VehicleCalibration};
 use crate::monitor::{Monitor, MonitorConfig, MonitoredWheels};
 use crate::real::Real;
 use crate::warning::MonitorReport;
 
 /// A running estimator and its monitor. A value: clone it, save it, go on.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MonitoredCar<T: Real> {
     estimator: CarEstimator<T>,
     monitor: Monitor<T>,
 }
-
-blank!(MonitoredCar<T> { estimator, monitor });
 
 impl<T: Real> MonitoredCar<T> {
     /// A car for samples that come at about `sample_rate_hz`, by value: some 140 KB in `f32`, and on the stack more than once

@@ -6,7 +6,7 @@ mod tests;
 
 use crate::conditioning::pauses::PAUSE_S;
 use crate::diagnosis::{Malfunction, Place, Sensor};
-use crate::memory::{Placed, blank};
+use crate::memory::{Blank, Placed};
 use crate::model::{Corner, ParameterError, RadiusDifferences, Validity, Warning, Wheels};
 use crate::real::Real;
 use crate::torsion::CarTorsion;
@@ -26,7 +26,7 @@ const ROUNDING_S: f64 = 1e-6;
 const BEYOND_DOUBT: f64 = 1e-3;
 
 /// A radius analysis under its monitor; less than 4 kB in `f32`.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MonitoredWheels<T: Real> {
     radii: RadiusMonitor<T>,
@@ -37,8 +37,6 @@ pub struct MonitoredWheels<T: Real> {
     state: RadiusState,
     alert: Placed<Alert<T>>,
 }
-
-blank!(MonitoredWheels<T> { radii, calibration_left_s, since_s, state, alert });
 
 impl<T: Real> MonitoredWheels<T> {
     /// The monitor of a car's wheel speeds, uncalibrated.

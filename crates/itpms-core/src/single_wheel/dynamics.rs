@@ -3,7 +3,7 @@
 
 use nalgebra::SMatrix;
 
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::real::Real;
 
 /// Leak modes.
@@ -61,7 +61,7 @@ pub(crate) const ENVELOPE_SD: f64 = 1.0;
 const ENVELOPE_DIFFUSION: f64 = 0.005;
 
 /// Everything a prediction step needs, made once for a step length.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Dynamics<T: Real> {
     /// Mode transitions per step, `[from][to]`.
@@ -79,10 +79,6 @@ pub(crate) struct Dynamics<T: Real> {
     /// Variance of the envelope parameter per step.
     pub(crate) envelope_variance: T,
 }
-
-blank!(Dynamics<T> {
-    leak, level, kernel, hold_kernel, level_variance, slope_keep, slope_variance, envelope_variance,
-});
 
 impl<T: Real> Dynamics<T> {
     pub(crate) fn new(hop_s: f64) -> Self {

@@ -7,7 +7,7 @@ use super::road_fits::RoadFits;
 use super::road_model::Evidence;
 use super::{Frame, HOP_S, Informed, OVERLAP};
 use crate::conditioning::{LEAST_GRID_HZ, STANDING_M_S};
-use crate::memory::{Blank, Placed, blank};
+use crate::memory::{Blank, Placed};
 use crate::real::Real;
 
 /// A piece of a frame's work.
@@ -56,7 +56,7 @@ pub(crate) enum Pace {
 }
 
 /// What is left to do with a pair of frames.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct FrameWork<T: Real> {
     /// Whether there is any, and how many units are done.
@@ -76,8 +76,6 @@ pub(super) struct FrameWork<T: Real> {
     before_cells2: T,
     fits: RoadFits<T>,
 }
-
-blank!(FrameWork<T> { under_way, done, moves, evidence, log_speed_ratio, nis, first, is_late, before_cells2, fits });
 
 impl<T: Real> FrameWork<T> {
     /// There is nothing to do.
@@ -111,15 +109,13 @@ impl<T: Real> FrameWork<T> {
 }
 
 /// A frame that waits for the next one, with which it is learned from: at half the cost, and the pressure moves little meanwhile.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct FirstFrame<T> {
     evidence: Evidence<T>,
     nis: T,
     log_speed_ratio: T,
 }
-
-blank!(FirstFrame<T> { evidence, nis, log_speed_ratio });
 
 impl<T: Real> Informed<T> {
     /// Takes a complete frame: what it is worth, and what is to be done with it.

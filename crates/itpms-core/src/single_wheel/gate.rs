@@ -1,7 +1,7 @@
 //! How much of a frame to believe: nothing while the road is hidden in sensor noise, less when a frame is an event
 //! such as a pothole that no stationary road explains (docs/math/informed.md, section 5).
 
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::real::Real;
 use crate::single_wheel::road_model::{Evidence, Road};
 use crate::single_wheel::tables::Tables;
@@ -32,7 +32,7 @@ pub(crate) enum SpeedKnowledge {
 }
 
 /// The gate's memory and its last verdict.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Gate<T> {
     signal_to_noise: T,
@@ -44,8 +44,6 @@ pub(crate) struct Gate<T> {
     nis: T,
     open: T,
 }
-
-blank!(Gate<T> { signal_to_noise, quick_log_power, slow_log_power, running, nis, open });
 
 impl<T: Real> Gate<T> {
     pub(crate) fn new() -> Self {

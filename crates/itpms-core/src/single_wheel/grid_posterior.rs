@@ -5,7 +5,7 @@
 
 use nalgebra::Matrix3;
 
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::real::Real;
 use crate::single_wheel::BINS;
 use crate::single_wheel::cells::{self, Cells, moments};
@@ -28,7 +28,7 @@ const NARROWEST_CELLS: f64 = 1.2;
 const LEAST_SAID: f64 = 1e-3;
 
 /// The mean and spread of the pressure, and what the modes say.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Summary<T> {
     /// Mean cell, fractional.
@@ -39,10 +39,8 @@ pub(crate) struct Summary<T> {
     pub(crate) moving: T,
 }
 
-blank!(Summary<T> { mean_cell, variance_cells2, moving });
-
 /// The whole belief. See the [module](self).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Posterior<T: Real> {
     weight: [[Cells<T>; LEAK_MODES]; LEVEL_MODES],
@@ -58,10 +56,6 @@ pub(crate) struct Posterior<T: Real> {
     /// What all of it says of the pressure.
     summary: Summary<T>,
 }
-
-blank!(Posterior<T> {
-    weight, road, dynamics, given_log_likelihood, given_pairs, settling_pairs, road_known, summary,
-});
 
 impl<T: Real> Posterior<T> {
     /// For frames that come every `hop_s`; [`restart`](Self::restart) has to follow.

@@ -30,7 +30,7 @@ mod tables;
 use nalgebra::Complex;
 
 use crate::conditioning::{GridSample, STANDING_M_S};
-use crate::memory::{Placed, blank};
+use crate::memory::{Blank, Placed};
 use crate::model::{CornerConfig, QuarterCar};
 use crate::real::Real;
 use crate::single_wheel::frame_units::FrameWork;
@@ -82,7 +82,7 @@ const MOST_AT_EDGE: f64 = 0.1;
 const BEYOND_RANGE: f64 = 0.5;
 
 /// The default one-corner estimator's core, fed with grid samples. See the [module](self).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Informed<T: Real> {
     config: CornerConfig<T>,
@@ -112,12 +112,6 @@ pub(crate) struct Informed<T: Real> {
     /// What is left to do with the newest frame.
     work: FrameWork<T>,
 }
-
-blank!(Informed<T> {
-    config, grid, body, tables, friction, clock, posterior, sample_rate_hz, grid_period_s,
-    noise_density, bins, gate, persistence, variance_growth, learned_s, last_speed_m_s, invalid, outside,
-    outside_s, last_time_s, work,
-});
 
 impl<T: Real> Informed<T> {
     /// An estimator where it lies, for samples that were taken at `sample_rate_hz` and come on a grid of `grid_period_s`.

@@ -1,11 +1,11 @@
 //! A stiffness that a source outside the estimator follows by itself.
 
-use crate::memory::blank;
+use crate::memory::Blank;
 
 /// A tire's stiffness as a source of evidence outside the estimator follows it, as on a road that repeats itself: whoever
 /// knows better than the frames of a corner gives it to [`Estimator::follow`](crate::Estimator::follow) or
 /// [`MonitoredCar::follow`](crate::MonitoredCar::follow).
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct OutsideStiffness<T> {
     /// Stiffness in N/m, all in all.
@@ -24,7 +24,3 @@ pub struct OutsideStiffness<T> {
     /// Seconds of full information since the last one.
     pub learned_s: T,
 }
-
-blank!(OutsideStiffness<T> {
-    stiffness_n_per_m, stiffness_sd_n_per_m, rate_per_s, independent_sd_n_per_m, change_probability, nis, learned_s,
-});

@@ -8,7 +8,7 @@ use super::dynamics::{CALM, JUMP, LEVEL_MODES};
 use super::grid_posterior::Posterior;
 use super::road_model::{Evidence, RoadBelief, RoadPrior};
 use super::tables::{CELLS, NEAREST, Tables, cubic_weights};
-use crate::memory::{Placed, blank};
+use crate::memory::{Blank, Placed};
 use crate::real::Real;
 
 /// Every so many cells one is fitted, whatever its probability: the frame's evidence is smooth in between.
@@ -20,7 +20,7 @@ const APART: usize = 2;
 const NOT_EXPECTED: f64 = 2.0;
 
 /// The fits of one frame, as far as they are. See the [module](self).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct RoadFits<T: Real> {
     /// Cells that are fitted, a bit each; the first of them that is still to be.
@@ -37,8 +37,6 @@ pub(crate) struct RoadFits<T: Real> {
     log_evidence: [Cells<T>; LEVEL_MODES],
     covariance: [Matrix3<T>; LEVEL_MODES],
 }
-
-blank!(RoadFits<T> { fitted, next, times, owed, priors, best, expected, log_evidence, covariance });
 
 impl<T: Real> RoadFits<T> {
     /// Before the first fit, of which there are `times`; `nis` is the frame's mean power over what the most likely road had

@@ -5,7 +5,7 @@
 
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::real::Real;
 use crate::single_wheel::BINS;
 use crate::single_wheel::dynamics::{ENVELOPE_SD, SLOPE_MEAN, SLOPE_SD};
@@ -31,7 +31,7 @@ const SMALLEST_DETERMINANT: f64 = 1e-30;
 const STEEPEST: f64 = -3.0;
 
 /// One frame, ready to be weighed: the road velocity reconstructed with `θ` has the power `a + 2 θ b + θ² c` per bin.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Evidence<T> {
     pub(crate) a: [T; BINS],
@@ -46,8 +46,6 @@ pub(crate) struct Evidence<T> {
     /// Exponent of the likelihood: overlap of the frames times the gates.
     pub(crate) weight: T,
 }
-
-blank!(Evidence<T> { a, b, c, envelope, bins, noise_density, weight });
 
 impl<T: Real> Evidence<T> {
     /// Of this frame and another one: their powers' weighted mean, counted as often as both.
@@ -214,14 +212,12 @@ impl<T: Real> Road<T> {
 }
 
 /// What the cells of a level mode believe of the road before a frame, but for the mean: one covariance, and what is made of it.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct RoadPrior<T: Real> {
     information: Matrix3<T>,
     log_determinant: T,
 }
-
-blank!(RoadPrior<T> { information, log_determinant });
 
 /// A road fitted to a frame.
 pub(crate) struct Fitted<T: Real> {
@@ -281,14 +277,12 @@ impl<T: Real> RoadPrior<T> {
 }
 
 /// The roads of all cells of a level mode: a mean for every cell, and one covariance, that of the most likely cell.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct RoadBelief<T: Real> {
     pub(crate) mean: SMatrix<T, PARAMETERS, CELLS>,
     pub(crate) covariance: Matrix3<T>,
 }
-
-blank!(RoadBelief<T> { mean, covariance });
 
 impl<T: Real> RoadBelief<T> {
     /// The same belief everywhere.

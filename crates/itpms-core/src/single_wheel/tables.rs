@@ -6,7 +6,7 @@
 
 use nalgebra::{ComplexField, SMatrix, SVector};
 
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::PressureMap;
 use crate::real::Real;
 use crate::single_wheel::BINS;
@@ -42,14 +42,12 @@ const LOWEST_HZ: f64 = 0.1;
 const SHAPE_REACH: f64 = 0.6;
 
 /// The pressure grid.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Grid<T> {
     lowest_kpa: T,
     step_kpa: T,
 }
-
-blank!(Grid<T> { lowest_kpa, step_kpa });
 
 impl<T: Real> Grid<T> {
     pub(crate) fn new(placard_kpa: T) -> Self {
@@ -100,7 +98,7 @@ impl<T: Real> CellTables<T> {
 }
 
 /// Tables over (node, bin), see [`CellTables`], over cells, and over bins alone.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Tables<T: Real> {
     log_gain: SMatrix<T, BINS, NODES>,
@@ -124,11 +122,6 @@ pub(crate) struct Tables<T: Real> {
     next_node: usize,
     next_bin: usize,
 }
-
-blank!(Tables<T> {
-    log_gain, log_gain_by_exponent, noise, determinant_noise, node_theta, theta, log_frequency, window,
-    frequency_squared, window_power, bin_spacing_hz, next_node, next_bin,
-});
 
 impl<T: Real> Tables<T> {
     pub(crate) fn configure(

@@ -1,13 +1,13 @@
 //! Butterworth filters in sections of order two.
 
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::real::Real;
 
 /// Quality factors of the two sections of a Butterworth filter of order four.
 pub(crate) const QUALITY: [f64; 2] = [0.541_196_1, 1.306_563];
 
 /// A section of a low-pass or high-pass of order two, transposed direct form II.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Section<T> {
     gain: T,
@@ -15,8 +15,6 @@ pub(crate) struct Section<T> {
     middle: T,
     feedback: [T; 2],
 }
-
-blank!(Section<T> { gain, middle, feedback });
 
 impl<T: Real> Section<T> {
     pub(crate) fn low_pass(corner_hz: f64, rate_hz: f64, quality: f64) -> Self {

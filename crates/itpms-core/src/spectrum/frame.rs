@@ -5,14 +5,14 @@
 
 use nalgebra::{Complex, SMatrix};
 
-use crate::memory::{Blank, blank};
+use crate::memory::Blank;
 use crate::real::Real;
 
 /// Share of a frame below which it is not scaled up any further.
 const HARDLY_SEEN: f64 = 0.01;
 
 /// The complex spectra of one frame, scaled so that a squared magnitude is a one-sided power density per Hz.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Frame<T: Real, const BINS: usize, const SIGNALS: usize> {
     pub(crate) re: SMatrix<T, BINS, SIGNALS>,
@@ -20,8 +20,6 @@ pub(crate) struct Frame<T: Real, const BINS: usize, const SIGNALS: usize> {
     /// Share of the window's energy that fell on steps that count.
     pub(crate) seen: T,
 }
-
-blank!(Frame<T, BINS, SIGNALS> { re, im, seen });
 
 impl<T: Real, const BINS: usize, const SIGNALS: usize> Frame<T, BINS, SIGNALS> {
     pub(crate) fn zero() -> Self {
@@ -42,7 +40,7 @@ impl<T: Real, const BINS: usize, const SIGNALS: usize> Frame<T, BINS, SIGNALS> {
 
 /// Sums over the steps of one hop: `Σ x_i e^{-jα (2m+1) (i+½)}`, `α = π / (2 hop)`: at `m = 0` and, for `m` from 1 on, half a bin above
 /// each bin.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Sums<T: Real, const BINS: usize, const SIGNALS: usize> {
     lowest: SMatrix<T, SIGNALS, 2>,
@@ -52,14 +50,12 @@ struct Sums<T: Real, const BINS: usize, const SIGNALS: usize> {
     unseen: [T; 2],
 }
 
-blank!(Sums<T, BINS, SIGNALS> { lowest, re, im, unseen });
-
 /// Accumulates frames of two hops each, one every hop.
 ///
 /// A sine is two complex exponentials, so a frame under a sine window is the difference of two spectra without a window, half a bin
 /// below and above: `w_i = sin(2α (i+½)/2)` gives `Σ x_i w_i e^{-j2αk(i+½)} = (Q_{k-1} - Q_k) / 2j` with
 /// `Q_m = Σ x_i e^{-jα(2m+1)(i+½)}`. Sums over single hops serve both frames that they are part of.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct FrameClock<T: Real, const BINS: usize, const SIGNALS: usize> {
     /// Steps per hop.
@@ -75,10 +71,6 @@ pub(crate) struct FrameClock<T: Real, const BINS: usize, const SIGNALS: usize> {
     before: Sums<T, BINS, SIGNALS>,
     now: Sums<T, BINS, SIGNALS>,
 }
-
-blank!(FrameClock<T, BINS, SIGNALS> {
-    hop, grid_period_s, step, is_under_way, phase, first_phase, turn, before, now,
-});
 
 impl<T: Real, const BINS: usize, const SIGNALS: usize> FrameClock<T, BINS, SIGNALS> {
     /// Frames of twice `hop_s`, one every `hop_s`, rounded to whole steps of the grid, at least one.

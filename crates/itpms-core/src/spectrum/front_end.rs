@@ -4,7 +4,7 @@
 use super::butterworth::{QUALITY, Section};
 use super::reconstruction::{BODY_JERK, Channel, LAG, Reconstruction, SIGNALS, WHEEL_JERK};
 use crate::conditioning::GridSample;
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::real::Real;
 
 /// Elements in parallel of which a strut's friction consists.
@@ -38,7 +38,7 @@ impl<T: Real> Signals<T> {
 }
 
 /// See the [module](self).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct FrontEnd<T> {
     reconstruction: Reconstruction<T>,
@@ -47,8 +47,6 @@ pub(crate) struct FrontEnd<T> {
     motion_states: [[[T; 2]; 4]; SIGNALS],
     friction_states: [[[T; 2]; 4]; ELEMENTS],
 }
-
-blank!(FrontEnd<T> { reconstruction, friction, sections, motion_states, friction_states });
 
 impl<T: Real> FrontEnd<T> {
     pub(crate) fn new(grid_period_s: f64) -> Self {

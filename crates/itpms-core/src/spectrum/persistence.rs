@@ -6,7 +6,7 @@
 
 use nalgebra::Complex;
 
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::real::Real;
 
 /// Bins of a frame around wheel hop.
@@ -22,7 +22,7 @@ const LINE: f64 = 0.5;
 const LEAST_FRAMES: u32 = 10;
 
 /// Running means of a few bins around wheel hop.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Persistence<T: Real> {
     /// The newest frames' road velocities, newest first.
@@ -32,8 +32,6 @@ pub(crate) struct Persistence<T: Real> {
     frames: u32,
     hop_s: f64,
 }
-
-blank!(Persistence<T> { before, product, power, frames, hop_s });
 
 impl<T: Real> Persistence<T> {
     /// For frames of which one comes every `hop_s`.

@@ -6,7 +6,7 @@
 //! sprung mass and the body sensor's noise stay out of it.
 
 use crate::conditioning::GridSample;
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::real::Real;
 
 /// Leak of the integrators in rad/s: low enough to leave the first bin alone, high enough to keep the slow road,
@@ -33,7 +33,7 @@ pub const RELATIVE_VELOCITY: usize = 3;
 pub(crate) const BODY_JERK: usize = 4;
 
 /// One signal: offset, leaky integral, derivative.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Channel<T> {
     offset: T,
@@ -42,8 +42,6 @@ pub(crate) struct Channel<T> {
     /// The leaky integrals three and two samples ago, older first: it needs one sample of the future.
     integral: [T; 2],
 }
-
-blank!(Channel<T> { offset, acceleration, integral });
 
 impl<T: Real> Channel<T> {
     pub(crate) fn new() -> Self {
@@ -92,7 +90,7 @@ impl<T: Real> Channel<T> {
 
 /// The running reconstruction: from a grid step's two accelerations the signals that the road's velocity is a linear combination of
 /// (docs/math/informed.md, eq. 1-4).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Reconstruction<T> {
     dt: T,
@@ -100,8 +98,6 @@ pub struct Reconstruction<T> {
     body: Channel<T>,
     wheel: Channel<T>,
 }
-
-blank!(Reconstruction<T> { dt, steps, body, wheel });
 
 impl<T: Real> Reconstruction<T> {
     /// For steps of `grid_period_s`.

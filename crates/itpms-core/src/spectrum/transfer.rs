@@ -3,12 +3,12 @@
 use nalgebra::Complex;
 
 use super::reconstruction::LEAK_RAD_S;
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::QuarterCar;
 use crate::real::Real;
 
 /// What a corner is believed to be now; the unsprung mass is known and does not change.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Body<T> {
     pub(crate) sprung_mass_kg: T,
@@ -16,8 +16,6 @@ pub(crate) struct Body<T> {
     pub(crate) damping_n_s_per_m: T,
     pub(crate) spring_n_per_m: T,
 }
-
-blank!(Body<T> { sprung_mass_kg, unsprung_mass_kg, damping_n_s_per_m, spring_n_per_m });
 
 impl<T: Real> From<&QuarterCar<T>> for Body<T> {
     fn from(car: &QuarterCar<T>) -> Self {
@@ -36,14 +34,12 @@ pub(crate) const FRICTION_SPACING_HZ: f64 = 2.5;
 
 /// What the friction of a strut makes of its motion on average, as a spring and a damper: the part of the friction force that goes with
 /// the deflection, in N/m, by frequency (docs/math/unknown-car.md, eq. 5).
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct DescribingFunction<T> {
     /// Real and imaginary part per bin.
     pub(crate) n_per_m: [[T; 2]; FRICTION_BINS],
 }
-
-blank!(DescribingFunction<T> { n_per_m });
 
 impl<T: Real> DescribingFunction<T> {
     /// No friction.

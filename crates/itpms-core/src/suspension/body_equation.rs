@@ -12,7 +12,7 @@ use self::fit::first;
 use super::coherence::geometric_mean;
 use super::rigid_body::{MODES, RigidBody};
 use super::strut::{ACCELERATION, BIN_SPACING_HZ, BINS, BODY, FRICTION, StrutFrame, VELOCITY, WHEEL};
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::{Corner, CornerConfig};
 use crate::real::Real;
 use crate::spectrum::front_end::ELEMENTS;
@@ -77,7 +77,7 @@ fn slip(element: usize, corner: Corner) -> usize {
 }
 
 /// Running powers of a corner, per bin.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Powers<T: Real> {
     body: SVector<T, BINS>,
@@ -89,8 +89,6 @@ struct Powers<T: Real> {
     elements: SMatrix<T, BINS, { 2 * ELEMENTS }>,
 }
 
-blank!(Powers<T> { body, residual, noise, velocity, elements });
-
 impl<T: Real> Powers<T> {
     fn clear(&mut self) {
         for power in [&mut self.body, &mut self.residual, &mut self.noise, &mut self.velocity] {
@@ -101,7 +99,7 @@ impl<T: Real> Powers<T> {
 }
 
 /// See the [module](self).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct BodyEquation<T: Real> {
     body: RigidBody<T>,
@@ -126,11 +124,6 @@ pub(crate) struct BodyEquation<T: Real> {
     /// Units of the newest frames' work that are left, one a sample: every bin, how well friction is known, then the fit.
     units_left: usize,
 }
-
-blank!(BodyEquation<T> {
-    body, damping, spring, noise_density, parameters, information, score, held, powers, hop_bin, impedance_variance,
-    learned_s, known, time_s, units_left,
-});
 
 /// How far the frames at hand are learned from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -3,7 +3,7 @@
 
 use nalgebra::{Complex, SMatrix, SVector};
 
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::real::Real;
 use crate::spectrum::transfer::{FRICTION_BINS as BINS, FRICTION_SPACING_HZ};
 
@@ -15,7 +15,7 @@ const MEMORY_S: f64 = 20.0;
 const ABOVE_NOISE: f64 = 4.0;
 
 /// Running powers of body and wheel, the sensors' noise taken off, and their cross power.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Coherence<T: Real> {
     body: SVector<T, BINS>,
@@ -25,8 +25,6 @@ pub(super) struct Coherence<T: Real> {
     /// See [`incoherence`](Self::incoherence): logarithms, which no sample should have to take.
     incoherence: T,
 }
-
-blank!(Coherence<T> { body, wheel, cross, learned_s, incoherence });
 
 impl<T: Real> Coherence<T> {
     pub(super) fn new() -> Self {

@@ -1,7 +1,7 @@
 //! Friction of a strut as elements in parallel that each stick like a spring until they slip (Maxwell-slip model: Lampaert, Al-Bender and
 //! Swevers 2003), every one smooth as in Dahl's model (1968): docs/math/unknown-car.md, eq. 1.
 
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::real::Real;
 use crate::spectrum::front_end::ELEMENTS;
 
@@ -12,15 +12,13 @@ const SLIP_M: [f64; ELEMENTS] = [1e-4, 3e-4, 1e-3];
 const LEAK_RAD_S: f64 = core::f64::consts::TAU * 0.15;
 
 /// The elements' forces for a slip force of one newton each.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct MaxwellSlip<T> {
     last_accel: T,
     velocity: T,
     force: [T; ELEMENTS],
 }
-
-blank!(MaxwellSlip<T> { last_accel, velocity, force });
 
 impl<T: Real> MaxwellSlip<T> {
     pub(crate) fn new() -> Self {

@@ -3,7 +3,7 @@
 
 use nalgebra::SMatrix;
 
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::{Corner, Side};
 use crate::real::Real;
 
@@ -16,15 +16,13 @@ const ROLL: f64 = 0.65;
 pub(super) const MODES: usize = 4;
 
 /// Acceleration of every corner in m/s² for a newton at every other, at nominal masses.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct RigidBody<T: Real> {
     /// Sprung masses in kg, and which there are.
     mass_kg: [T; 4],
     present: [bool; 4],
 }
-
-blank!(RigidBody<T> { mass_kg, present });
 
 impl<T: Real> RigidBody<T> {
     pub(super) fn new(mass_kg: [Option<T>; 4]) -> Self {

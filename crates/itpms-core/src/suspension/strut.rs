@@ -3,7 +3,7 @@
 use super::coherence::Coherence;
 use super::maxwell_slip::MaxwellSlip;
 use crate::conditioning::{GridSample, STANDING_M_S};
-use crate::memory::{Placed, blank};
+use crate::memory::{Blank, Placed};
 use crate::real::Real;
 use crate::spectrum::front_end::{ELEMENTS, FrontEnd, Signals};
 use crate::spectrum::reconstruction::{
@@ -33,7 +33,7 @@ pub(super) const WHEEL: usize = FRICTION + ELEMENTS;
 const SIGNALS: usize = WHEEL + 1;
 
 /// A frame of one corner.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct StrutFrame<T: Real> {
     /// Time in s of its end.
@@ -49,7 +49,7 @@ impl<T: Real> StrutFrame<T> {
 }
 
 /// See the [module](self).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Strut<T: Real> {
     /// Slip forces in N of the elements, as identified.
@@ -69,12 +69,6 @@ pub(crate) struct Strut<T: Real> {
     noise_density: T,
     coherence: Coherence<T>,
 }
-
-blank!(StrutFrame<T> { time_s, spectra });
-blank!(Strut<T> {
-    slip_force_n, slip, front_end, masses_kg, dt, every, step, clock, begun, invalid_hops, frame,
-    noise_density, coherence,
-});
 
 impl<T: Real> Strut<T> {
     /// For grid steps of this period, unsprung and sprung mass in kg, and sensors of this noise density in (m/s²)²/Hz; whatever was there is

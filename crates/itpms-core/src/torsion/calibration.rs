@@ -1,14 +1,14 @@
 //! What a calibration teaches of a wheel's torsion, to be stored and loaded at the next start. The teeth are not in it: which one passes
 //! first after a start is not known, and they are found anew within half a minute.
 
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::real::Real;
 
 /// Slope, curvature and `ln` damping of the spectrum, and the resonance.
 pub(super) const CURVES: usize = 4;
 
 /// A parabola `b_0 + b_1 y + b_2 y²` of the speed, `y = (v - 20 m/s) / 10 m/s`, as information: `information b = vector`.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TorsionCurve<T> {
     /// Inverse of the coefficients' covariance.
@@ -17,10 +17,8 @@ pub struct TorsionCurve<T> {
     pub vector: [T; 3],
 }
 
-blank!(TorsionCurve<T> { information, vector });
-
 /// What to store after a calibration and load at the next start (`docs/math/wheel-speed.md`, eq. 17).
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TorsionCalibration<T> {
     /// The resonance in Hz from which the last curve counts.
@@ -30,8 +28,6 @@ pub struct TorsionCalibration<T> {
     /// Slope, curvature and `ln` damping of the spectrum, and the resonance in Hz over `around_hz`.
     pub curves: [TorsionCurve<T>; CURVES],
 }
-
-blank!(TorsionCalibration<T> { around_hz, pieces, curves });
 
 impl<T: Real> TorsionCalibration<T> {
     /// Whether it can be of a tire: a resonance of 10 to 150 Hz, pieces, positive and symmetric information, coefficients that are finite.

@@ -2,12 +2,12 @@
 //! ([`MonitoredWheels::update_with_pulses`](crate::monitor::MonitoredWheels::update_with_pulses)).
 
 use super::{TorsionCalibration, TorsionChange, TorsionConfig, TorsionEvidence, TorsionPiece, TorsionWheel};
-use crate::memory::{Blank, blank};
+use crate::memory::Blank;
 use crate::model::{Corner, ParameterError, positive};
 use crate::real::Real;
 
 /// The torsional analysis of a car's four wheels; less than 10 kB in `f32`.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CarTorsion<T: Real> {
     wheels: [TorsionWheel<T>; 4],
@@ -15,8 +15,6 @@ pub struct CarTorsion<T: Real> {
     reference_kpa: [T; 4],
     above_kpa: [T; 4],
 }
-
-blank!(CarTorsion<T> { wheels, reference_kpa, above_kpa });
 
 impl<T: Real> CarTorsion<T> {
     /// Memory for a car, as a constant of zeros; [`configure`](Self::configure) fills it where it lies.

@@ -1,12 +1,12 @@
 //! What torsional analysis knows beforehand of a wheel.
 
 use super::teeth::MOST_TEETH;
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::{ParameterError, positive};
 use crate::real::Real;
 
 /// A wheel's sensor and tire.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TorsionConfig<T> {
     /// Teeth of the sensor's ring, 20 to 96.
@@ -18,8 +18,6 @@ pub struct TorsionConfig<T> {
     /// By how many Hz it rises per kPa.
     pub resonance_per_kpa: T,
 }
-
-blank!(TorsionConfig<T> { teeth, rolling_radius_m, resonance_hz, resonance_per_kpa });
 
 impl<T: Real> TorsionConfig<T> {
     /// A passenger car's wheel nothing is known of: 48 teeth, 49.5 Hz, .052 Hz per kPa.

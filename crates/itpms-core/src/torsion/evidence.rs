@@ -2,7 +2,7 @@
 //! of the sixteen sets of low tires.
 
 use super::SCALE_SD;
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::real::Real;
 
 /// What a tire that is low has lost of its pressure, with its sd, and by how much one that is not differs by itself: the losses that
@@ -15,7 +15,7 @@ const OWN_SD_KPA: f64 = 4.4;
 const COMMON_SD_KPA: f64 = 6.7;
 
 /// By how much the pressures have changed since the calibration, as the pieces alone say.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct TorsionEvidence<T> {
     /// Changes against what the pressures should be, in kPa, in the order of [`Corner::ALL`](crate::model::Corner::ALL).
@@ -25,8 +25,6 @@ pub(crate) struct TorsionEvidence<T> {
     /// What the pressures should be, in kPa.
     pub reference_kpa: [T; 4],
 }
-
-blank!(TorsionEvidence<T> { change_kpa, information, reference_kpa });
 
 /// A wheel under a hypothesis.
 struct Wheel<T> {
@@ -107,7 +105,6 @@ mod tests {
     use nalgebra::{Matrix4, Vector4};
 
     use super::*;
-    use crate::memory::Blank as _;
 
     /// The normal density of eq. 19 from its full covariance.
     fn density(seen: &TorsionEvidence<f64>, low: [bool; 4]) -> f64 {

@@ -43,7 +43,7 @@ use self::reference::Reference;
 use self::speed::Speed;
 use self::teeth::{Edge, Teeth};
 use crate::conditioning::pauses::LONG_STOP_S;
-use crate::memory::{Blank, blank};
+use crate::memory::Blank;
 use crate::model::ParameterError;
 use crate::real::Real;
 use crate::spectrum::FrameClock;
@@ -73,7 +73,7 @@ const SCALE_SD: f64 = 0.2;
 pub(crate) const OUTLIER: f64 = 4.0;
 
 /// What a piece of driving has shown.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TorsionPiece<T> {
     /// Time of its end in s.
@@ -94,10 +94,8 @@ pub struct TorsionPiece<T> {
     pub change: Option<TorsionChange<T>>,
 }
 
-blank!(TorsionPiece<T> { time_s, speed_m_s, resonance_hz, resonance_sd_hz, signal_to_noise, used, change });
-
 /// Change of pressure since the calibration.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TorsionChange<T> {
     /// In kPa.
@@ -106,21 +104,18 @@ pub struct TorsionChange<T> {
     pub change_sd_kpa: T,
 }
 
-blank!(TorsionChange<T> { change_kpa, change_sd_kpa });
-
 /// What is done with a piece.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 enum Phase {
+    #[blank]
     Idle,
     Learning,
     Watching,
 }
 
-blank!(Phase::Idle);
-
 /// The torsional analysis of one wheel; less than 2.5 kB in `f32`.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TorsionWheel<T: Real> {
     config: TorsionConfig<T>,
@@ -141,9 +136,6 @@ pub struct TorsionWheel<T: Real> {
     prior_kpa2: T,
     last_s: f64,
 }
-
-blank!(TorsionWheel<T> { config, phase, teeth, speed, frames, power, number, begun_s, turned_rad, slowest, fastest, reference,
-    change_kpa, variance_kpa2, prior_kpa2, last_s });
 
 impl<T: Real> TorsionWheel<T> {
     /// A wheel with this sensor and tire, uncalibrated.

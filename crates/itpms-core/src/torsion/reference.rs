@@ -6,7 +6,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::calibration::{CURVES, TorsionCalibration, TorsionCurve};
 use super::config::TorsionConfig;
 use super::fit::{Fitted, SHAPES, Shape};
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::real::Real;
 
 /// For level, slope and curvature over speed: mean and sd before a calibration.
@@ -21,14 +21,12 @@ const SHAPE_PRIORS: [(Prior, f64); SHAPES] = [
 const RESONANCE_PRIOR: Prior = [(0.0, 5.0), (1.0, 2.0), (0.6, 1.0)];
 
 /// A parabola of `x = (v - 20 m/s) / 10 m/s` as information.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Parabola<T: Real> {
     information: Matrix3<T>,
     vector: Vector3<T>,
 }
-
-blank!(Parabola<T> { information, vector });
 
 impl<T: Real> Parabola<T> {
     fn new(prior: &Prior) -> Self {
@@ -63,7 +61,7 @@ impl<T: Real> Parabola<T> {
 }
 
 /// What was learned.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Reference<T: Real> {
     shapes: [Parabola<T>; SHAPES],
@@ -71,8 +69,6 @@ pub(super) struct Reference<T: Real> {
     around_hz: T,
     pieces: u32,
 }
-
-blank!(Reference<T> { shapes, resonance, around_hz, pieces });
 
 impl<T: Real> Reference<T> {
     pub(super) fn new(config: &TorsionConfig<T>) -> Self {

@@ -1,13 +1,13 @@
 //! A wheel's turning from edge to edge, as steps of a fixed length without what is slow (`docs/math/wheel-speed.md`, eq. 14).
 
 use super::STEP_S;
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::real::Real;
 
 /// `e^(-2 pi 4 Hz 1 ms)`: what of the slow part a step keeps.
 const KEPT: f64 = 0.975_180;
 
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Speed<T> {
     /// End of the step under way, and what it has turned by over the step's length.
@@ -17,8 +17,6 @@ pub(super) struct Speed<T> {
     /// The slow part of the rate, and of what is left without it.
     slow: [T; 2],
 }
-
-blank!(Speed<T> { until_s, turned, running, slow });
 
 impl<T: Real> Speed<T> {
     pub(super) fn restart(&mut self) {

@@ -1,6 +1,6 @@
 //! Where a ring's teeth are, from the times at which they pass, and by how much an edge varies (`docs/math/wheel-speed.md`, eq. 12, 13).
 
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::real::Real;
 
 /// Teeth of the largest ring.
@@ -25,7 +25,7 @@ pub(super) enum Edge<T> {
 }
 
 /// A ring.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Teeth<T> {
     number: usize,
@@ -46,8 +46,6 @@ pub(super) struct Teeth<T> {
     residuals: [T; 2],
     products: [T; 3],
 }
-
-blank!(Teeth<T> { number, tooth, intervals, logs, sum, first, longer, turns, errors, residuals, products });
 
 /// A number for each tooth, as rows that can be saved.
 #[derive(Debug, Clone, Copy)]

@@ -3,7 +3,7 @@
 use core::fmt;
 
 use crate::diagnosis::Malfunction;
-use crate::memory::{Blank, blank};
+use crate::memory::Blank;
 use crate::model::{Level, PressureUnit, Wheels};
 use crate::real::Real;
 
@@ -11,7 +11,7 @@ use crate::real::Real;
 const SAME_S: f64 = 1e-3;
 
 /// Something the driver or the workshop should know.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Alert<T> {
     /// Whom it is about.
@@ -23,8 +23,6 @@ pub struct Alert<T> {
     /// Why.
     pub cause: Cause<T>,
 }
-
-blank!(Alert<T> { wheels, since_s, reported_s, cause });
 
 /// Why an alert stands.
 // With a tag of its own, so that the first variant of zeros is all zeros.
@@ -84,7 +82,7 @@ impl<T: Real> Blank for Cause<T> {
 }
 
 /// The pressure that decided.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Reading<T> {
     /// Gauge pressure in kPa.
@@ -100,18 +98,17 @@ pub struct Reading<T> {
 }
 
 /// What a pressure was held against.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Basis {
     /// Against its level as the vehicle file has it.
+    #[blank]
     VehicleFile,
     /// Against what a calibration has set.
     Calibration,
     /// Against the other tires: its level is not known that well, but it is surely lower than they are.
     OtherTires,
 }
-
-blank!(Basis::VehicleFile);
 
 impl Basis {
     /// The word in files: `calibration`, `file` or `other-tires`.
@@ -144,8 +141,6 @@ impl From<Level> for Basis {
         }
     }
 }
-
-blank!(Reading<T> { pressure_kpa, sd_kpa, limit_kpa, reference_kpa, basis });
 
 impl<T> Cause<T> {
     /// Whether it says that a tire has too little air.

@@ -2,7 +2,7 @@
 //! day it may as well be the car that has changed, as a whole or by axle, which is reported as what it is.
 
 use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::{CarEstimate, Corner, Level, ONE_SIDED_95, Wheels};
 use crate::real::Real;
 use crate::warning::low::is_learning;
@@ -19,7 +19,7 @@ const ALL_LOW: DebounceTimes = DebounceTimes { set_s: 150.0, clear_s: 20.0 };
 const SHIFTED: DebounceTimes = DebounceTimes { set_s: 60.0, clear_s: 20.0 };
 
 /// Remembers since when all wheels are low.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct AllLow<T> {
     debouncer: Debouncer,
@@ -30,8 +30,6 @@ pub(crate) struct AllLow<T> {
     shifted: Wheels,
     shifted_share: [T; 2],
 }
-
-blank!(AllLow<T> { debouncer, shift, mean_share, sd_share, shifted, shifted_share });
 
 impl<T: Real> AllLow<T> {
     pub(crate) fn new() -> Self {

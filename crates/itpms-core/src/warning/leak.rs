@@ -3,7 +3,7 @@
 //! another level than was believed has lost nothing.
 
 use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::Corner;
 use crate::real::Real;
 
@@ -36,7 +36,7 @@ pub(crate) struct Height<T> {
 }
 
 /// Pressures of all wheels over the last minutes, and who leaks.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct LeakWatch<T> {
     kept: [[Kept<T>; 4]; KEPT],
@@ -44,8 +44,6 @@ pub(crate) struct LeakWatch<T> {
     leaks: [Debouncer; 4],
     rate_kpa_per_min: [T; 4],
 }
-
-blank!(LeakWatch<T> { kept, kept_s, leaks, rate_kpa_per_min });
 
 impl<T: Real> LeakWatch<T> {
     pub(crate) fn new() -> Self {

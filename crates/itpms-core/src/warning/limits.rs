@@ -1,6 +1,6 @@
 //! The limits that a regulation or an engineer sets.
 
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::{ParameterError, positive};
 use crate::real::Real;
 
@@ -50,7 +50,7 @@ const WARM_SPAN: [f64; 2] = [0.97, 1.08];
 const PLACARD_SPAN: [f64; 2] = [1.0, 1.0];
 
 /// When to say what. Shares are of a wheel's reference pressure.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Limits<T> {
     /// Below this share a wheel is low: between the fine pressure and the loss that must be warned of.
@@ -71,11 +71,6 @@ pub struct Limits<T> {
     /// Seconds of driving without information that are reported.
     pub no_information_s: f64,
 }
-
-blank!(Limits<T> {
-    low_share, low_clears_share, all_low_share, over_share, over_clears_share, fast_leak_kpa_per_min,
-    reference_span, no_information_s,
-});
 
 impl<T: Real> Limits<T> {
     /// Limits for a loss (a share of the warm reference) that must be warned of.

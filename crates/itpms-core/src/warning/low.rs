@@ -1,7 +1,7 @@
 //! One wheel's pressure against its limits, and how long ago something was learned of it.
 
 use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::{CornerEstimate, Level, ONE_SIDED_95, Validity};
 use crate::real::Real;
 use crate::warning::report::{Doubt, WheelState};
@@ -82,7 +82,7 @@ impl<T: Real> Around<T> {
 }
 
 /// What is remembered of a wheel.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct WheelWatch {
     pub(crate) low: Debouncer,
@@ -102,20 +102,6 @@ pub(crate) struct WheelWatch {
     /// Whether the tire seems hard as a rim and the other one of its side overfull, which is no pressure.
     pub(crate) side_is_off: bool,
 }
-
-blank!(WheelWatch {
-    low,
-    over,
-    flat,
-    uninformed,
-    informed_s,
-    known_until_s,
-    anew_s,
-    driven_s,
-    stood_s,
-    fitted_s,
-    side_is_off
-});
 
 impl WheelWatch {
     pub(crate) fn new() -> Self {

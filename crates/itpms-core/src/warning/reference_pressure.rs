@@ -5,7 +5,7 @@
 //! has to guess, it takes the tire to be cold, because a reference that is too low warns later and never wrongly.
 //! Derivation and limits: docs/math/monitor.md, section 1; docs/reset.md.
 
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::CarEstimate;
 use crate::model::{ParameterError, positive};
 use crate::real::Real;
@@ -26,7 +26,7 @@ const TAKEN_S: f64 = 300.0;
 const LEAST_S: f64 = 30.0;
 
 /// What one tire had at the end of a calibration.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Taken<T> {
     /// Seconds that were learned from, the mean pressure in kPa and the mean warmth in them.
@@ -35,10 +35,8 @@ struct Taken<T> {
     warmth: T,
 }
 
-blank!(Taken<T> { seconds, pressure_kpa, warmth });
-
 /// What all tires should have.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct ReferencePressure<T> {
     /// 0 for cold tires, 1 for those as warm as driving makes them.
@@ -51,8 +49,6 @@ pub(crate) struct ReferencePressure<T> {
     taken: [Taken<T>; 4],
     time_s: f64,
 }
-
-blank!(ReferencePressure<T> { warmth, calibration_s, takes_from_s, ends_s, taken, time_s });
 
 impl<T: Real> ReferencePressure<T> {
     /// Cold tires, never reset.

@@ -2,7 +2,7 @@
 //!
 //! Made by the monitor; read by displays, files and studies. Holds no logic beyond reading it.
 
-use crate::memory::{Blank, Placed, blank};
+use crate::memory::{Blank, Placed};
 use crate::model::{Corner, Validity, Warning};
 use crate::real::Real;
 use crate::warning::Alert;
@@ -105,7 +105,7 @@ pub struct WheelReport<T> {
 }
 
 /// Everything the monitor has to say after a sample.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MonitorReport<T: Real> {
     /// Time in s; like all times here, by the samples' clock as it is now.
@@ -116,8 +116,6 @@ pub struct MonitorReport<T: Real> {
     /// By how much that clock was set back so far, in s.
     set_back_s: f64,
 }
-
-blank!(MonitorReport<T> { time_s, wheels, slots, set_back_s });
 
 impl<T: Real> MonitorReport<T> {
     /// Nothing is reported.

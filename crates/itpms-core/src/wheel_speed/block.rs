@@ -3,7 +3,7 @@
 use super::config::{DrivenAxle, WheelSpeedConfig};
 use super::sample::WheelSpeedSample;
 use super::{AXLE, FRONT, REAR, SCALE};
-use crate::memory::{Blank, blank};
+use crate::memory::Blank;
 use crate::real::Real;
 
 /// Length of a block in s.
@@ -30,7 +30,7 @@ pub(super) const LEAST_NOISE: f64 = 0.0025;
 const ABSURD_RATIO: f64 = 30.0;
 
 /// A block that was driven well.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Block<T> {
     /// Front left over right, rear left over right, front over rear: `ln` of the speeds, in thousandths.
@@ -55,10 +55,8 @@ pub(super) struct Block<T> {
     pub good: bool,
 }
 
-blank!(Block<T> { ratio, spread, used, hidden, speed_m_s, yaw_rate_rad_s, force_m_s2, grade_seen, lateral_m_s2, good });
-
 /// Sums of the block that is being driven.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct BlockSums<T> {
     begun_s: f64,
@@ -76,9 +74,6 @@ pub(super) struct BlockSums<T> {
     accel_y: [T; 2],
     braked: bool,
 }
-
-blank!(BlockSums<T> { begun_s, samples, first, ratio, square, speed, time, time_square, time_speed, slowest, yaw, accel_x,
-    accel_y, braked });
 
 impl<T: Real> BlockSums<T> {
     /// An empty block from `time_s` on.

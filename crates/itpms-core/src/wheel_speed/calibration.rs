@@ -1,7 +1,7 @@
 //! What a calibration teaches: how the tires' radii differ, and how the driven axle slips.
 
 use super::{OFFSET, SLIP, UNEQUAL_SLIP};
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::real::Real;
 
 /// Numbers that a calibration teaches.
@@ -13,7 +13,7 @@ pub(super) const LEARNED: [usize; NUMBERS] =
 /// What to store after a calibration and load at the next start. In thousandths: the log ratios of the tires' radii front left over
 /// right, rear left over right, front over rear, the slip of the driven axle per m/s², and what of it the left wheel in front, and the
 /// left one at the rear, has more than the right one.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RadiusCalibration<T> {
     /// Offsets and slips.
@@ -25,8 +25,6 @@ pub struct RadiusCalibration<T> {
     /// Whether the yaw rate went against the wheels and was left out: so it is from the next start on, until a calibration judges it anew.
     pub leaves_out_yaw_rate: bool,
 }
-
-blank!(RadiusCalibration<T> { mean_1e3, covariance_1e6, radius_1e3, leaves_out_yaw_rate });
 
 impl<T: Real> RadiusCalibration<T> {
     /// Whether it can be of a car: finite, offsets below a fifth, variances that are some, correlations below one.

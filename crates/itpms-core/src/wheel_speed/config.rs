@@ -1,14 +1,15 @@
 //! What radius analysis knows beforehand: the car's dimensions, its driven axle, how a radius follows the pressure, what loads may do.
 
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::{ParameterError, positive};
 use crate::real::Real;
 
 /// Which wheels the engine turns.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum DrivenAxle {
     /// The front wheels.
+    #[blank]
     Front,
     /// The rear wheels.
     Rear,
@@ -16,10 +17,8 @@ pub enum DrivenAxle {
     Both,
 }
 
-blank!(DrivenAxle::Front);
-
 /// By how much the loads of the tires may change while the car stands, as standard deviations; zero where loads are known not to change.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LoadUncertainty<T> {
     /// Of the load of both rear tires, as a share of it.
@@ -29,8 +28,6 @@ pub struct LoadUncertainty<T> {
     /// Front passengers who get in or out.
     pub front_passengers: T,
 }
-
-blank!(LoadUncertainty<T> { rear_axle, rear_left_right, front_passengers });
 
 impl<T: Real> LoadUncertainty<T> {
     /// A passenger car nothing is known of: a fifth of the rear axle's load, 3 % between its wheels, one front passenger.
@@ -65,7 +62,7 @@ impl<T: Real> LoadUncertainty<T> {
 }
 
 /// What [`MonitoredWheels`](crate::monitor::MonitoredWheels) know of a car beforehand.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WheelSpeedConfig<T> {
     /// Distance between the axles in m.
@@ -85,9 +82,6 @@ pub struct WheelSpeedConfig<T> {
     /// What loads may do while the car stands.
     pub load: LoadUncertainty<T>,
 }
-
-blank!(WheelSpeedConfig<T> { wheelbase_m, track_front_m, track_rear_m, driven, limited_slip, radius_per_ln_pressure,
-    radius_per_ln_pressure_sd, load });
 
 impl<T: Real> WheelSpeedConfig<T> {
     /// A car of these dimensions in m with an open differential, on unknown tires: 0.007 ± 60 % of its radius per ln p

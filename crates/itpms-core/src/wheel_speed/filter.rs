@@ -9,7 +9,7 @@ use super::{
     AXLE, AXLE_FORCE, FRONT, FRONT_WANDER, OFFSET, RADIUS, REAR, REAR_WANDER, SCALE, SLIP, STATES,
     UNEQUAL_SLIP, YAW_BIAS, YAW_NOISE,
 };
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::real::Real;
 
 /// Nothing happens; wheel `i` leaks: `1 + i`; the block is an outlier.
@@ -55,7 +55,7 @@ const PER_LATERAL: f64 = 0.2;
 const LONGEST_STEP_S: f64 = 4.0;
 
 /// The bank.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Filter<T> {
     modes: [Gaussian<T>; MODES],
@@ -65,8 +65,6 @@ pub(super) struct Filter<T> {
     /// Whether its force was measured, grades included.
     pub grade_seen: bool,
 }
-
-blank!(Filter<T> { modes, weight, yaw_known, grade_seen });
 
 impl<T: Real> Filter<T> {
     /// Nothing known of the car but how cars are; these are the radii of now, by which the offsets are meant.

@@ -1,21 +1,19 @@
 //! What is believed of offsets, radii and disturbances under one hypothesis: a Gaussian whose covariance is kept once, not twice.
 
 use super::STATES;
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::real::Real;
 
 /// Numbers of a symmetric matrix, as rows of so many states: what is saved knows no longer arrays.
 const ROWS: usize = STATES.div_ceil(2);
 
 /// Mean and lower triangle of the covariance, row by row without gaps.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Gaussian<T> {
     pub mean: [T; STATES],
     covariance: [[T; STATES]; ROWS],
 }
-
-blank!(Gaussian<T> { mean, covariance });
 
 impl<T: Real> Gaussian<T> {
     /// Independent states.

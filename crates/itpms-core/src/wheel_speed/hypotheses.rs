@@ -1,7 +1,7 @@
 //! Which tires are low: sixteen hypotheses against what is believed of the radii (`docs/math/wheel-speed.md`, eq. 9-11, 20).
 
 use super::config::LoadUncertainty;
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::{Corner, SEEN, Wheels};
 use crate::real::Real;
 use crate::torsion::TorsionEvidence;
@@ -31,7 +31,7 @@ const PASSENGER: [f64; 3] = [-0.3, -0.2, 0.2];
 pub(super) type Triangle<T> = [T; 6];
 
 /// How probable each hypothesis is, and what follows for each wheel.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Blank)]
 pub(super) struct Decision<T> {
     /// Bit `i` of the index: wheel `i` is low.
     pub probability: [T; HYPOTHESES],
@@ -41,8 +41,6 @@ pub(super) struct Decision<T> {
     /// Whether a loss of a quarter of each wheel would be found.
     pub informed: [bool; 4],
 }
-
-blank!(Decision<T> { probability, change, change_sd, informed });
 
 impl<T: Real> Decision<T> {
     /// The changes of the three ratios of radii with their covariance, in thousandths, and that of the offsets which a calibration taught;

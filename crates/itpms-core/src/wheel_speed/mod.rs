@@ -56,7 +56,7 @@ pub use self::sample::WheelSpeedSample;
 use self::sensor_watch::SensorWatch;
 use self::yaw_witness::YawWitness;
 use crate::conditioning::pauses::{LONG_STOP_S, PAUSE_S};
-use crate::memory::{Blank, blank};
+use crate::memory::Blank;
 use crate::model::{Corner, ParameterError, RadiusDifferences, Wheels};
 use crate::real::Real;
 use crate::torsion::TorsionEvidence;
@@ -101,7 +101,7 @@ impl<T> Blank for Phase<T> {
 }
 
 /// Finds which tires roll on a smaller radius than at the calibration; less than 4 kB in `f32`.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct RadiusMonitor<T> {
     config: WheelSpeedConfig<T>,
@@ -128,9 +128,6 @@ pub(crate) struct RadiusMonitor<T> {
     torsion: TorsionEvidence<T>,
     report: RadiusReport<T>,
 }
-
-blank!(RadiusMonitor<T> { config, configured, phase, learned_s, calibration, radius_1e3, filter, sums, ended, before_good, last, stood_s, loads_may_differ, yaw, sensors, torsion,
-    report });
 
 impl<T: Real> RadiusMonitor<T> {
     /// Begins anew with this car, uncalibrated.

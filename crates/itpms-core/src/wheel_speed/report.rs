@@ -2,7 +2,7 @@
 
 use super::config::WheelSpeedConfig;
 use super::hypotheses::{Decision, Triangle};
-use crate::memory::{Blank, blank};
+use crate::memory::Blank;
 use crate::model::{Corner, Wheels};
 use crate::real::Real;
 use crate::torsion::TorsionEvidence;
@@ -15,10 +15,11 @@ const SURE_FOR_S: f64 = 2.0;
 const OPEN_FOR_S: f64 = 10.0;
 
 /// Which tires have lost air since the calibration, against the others.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum RadiusState {
     /// Nothing was learned of this car: no radius is compared with anything.
+    #[blank]
     Uncalibrated,
     /// A calibration goes on.
     Calibrating,
@@ -31,8 +32,6 @@ pub enum RadiusState {
     /// One or more of these tires are low; which ones, is not known.
     OneOf(Wheels),
 }
-
-blank!(RadiusState::Uncalibrated);
 
 /// Which tires are low, by their places on the car.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -70,7 +69,7 @@ impl From<Wheels> for Pattern {
 }
 
 /// What cannot be seen at the moment.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Unseen {
     /// A loss of all four tires alike: there is nothing to compare them with, unless tooth pulses show it.
@@ -83,10 +82,8 @@ pub struct Unseen {
     pub hidden_by_torque: Wheels,
 }
 
-blank!(Unseen { all_alike, which_of_a_diagonal, loads, hidden_by_torque });
-
 /// What is known of a wheel's radius.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WheelRadius<T> {
     /// Change of the rolling radius since the calibration, as a share of it. NaN: not known.
@@ -102,8 +99,6 @@ pub struct WheelRadius<T> {
     /// Whether a loss of a quarter of this tire alone would be found.
     pub informed: bool,
 }
-
-blank!(WheelRadius<T> { change, change_sd, lost_share, lost_share_sd, low_probability, informed });
 
 impl<T: Real> WheelRadius<T> {
     fn unknown() -> Self {
@@ -121,7 +116,7 @@ impl<T: Real> WheelRadius<T> {
 }
 
 /// What radius analysis says at a time.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RadiusReport<T> {
     /// Time of the last sample in s; NaN before the first one.
@@ -146,8 +141,6 @@ pub struct RadiusReport<T> {
     probable: RadiusState,
     probable_s: T,
 }
-
-blank!(RadiusReport<T> { time_s, state, lasted_s, any_low_probability, wheels, unseen, difference, difference_sd, informed_s, probable, probable_s });
 
 impl<T: Real> RadiusReport<T> {
     /// Nothing known.

@@ -3,7 +3,7 @@
 use super::block::LEAST_SPEED_M_S;
 use super::sample::WheelSpeedSample;
 use crate::conditioning::pauses::PAUSE_S;
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::{Corner, Wheels};
 use crate::real::Real;
 
@@ -13,7 +13,7 @@ const OTHERS_CHANGED: u8 = 12;
 const STEPS: f64 = 3.0;
 
 /// See the [module](self).
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct SensorWatch<T> {
     last: [T; 4],
@@ -25,8 +25,6 @@ pub(super) struct SensorWatch<T> {
     step: T,
     stuck: Wheels,
 }
-
-blank!(SensorWatch<T> { last, others, changed, for_s, step, stuck });
 
 impl<T: Real> SensorWatch<T> {
     /// Takes a sample that is complete, so many s after the last one.

@@ -4,7 +4,7 @@
 use super::block::{BLOCK_S, Block, LEAST_SPEED_M_S};
 use super::config::WheelSpeedConfig;
 use super::{FRONT, REAR, SCALE};
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::real::Real;
 
 /// Time in s after which a yaw rate counts as usual: bends are shorter.
@@ -18,7 +18,7 @@ const BY_LOAD: f64 = 8e-4;
 const LEFT: f64 = 0.01;
 
 /// See the [module](self).
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct YawWitness<T> {
     /// The usual yaw rates by the front wheels, by the rear ones, and by the sensor, in rad/s.
@@ -28,8 +28,6 @@ pub(super) struct YawWitness<T> {
     left: T,
     doubted: bool,
 }
-
-blank!(YawWitness<T> { usual, begun, left, doubted });
 
 impl<T: Real> YawWitness<T> {
     /// Whether the sensor was found to go against the wheels.

@@ -1,19 +1,17 @@
 //! What the road's spectra read of the pressures during a calibration: whether the driver has set them.
 
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::Corner;
 use crate::real::Real;
 
 /// Running sums of each corner's pseudo-measurements.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct CalibrationReading<T> {
     /// One over the variances in kPa², and that times how much more than the placard's pressure was read, in kPa.
     weight: [T; 4],
     excess: [T; 4],
 }
-
-blank!(CalibrationReading<T> { weight, excess });
 
 impl<T: Real> CalibrationReading<T> {
     pub(super) fn new() -> Self {

@@ -8,7 +8,7 @@ use crate::belief::{HYPOTHESES, PREDICTION_PARTS};
 use crate::inter_axle::HOP_S;
 use crate::inter_axle::alignment::axle_pair::{Measured, PRODUCT_PARTS};
 use crate::inter_axle::residual::model::{AxleFrame, Signals, linearize};
-use crate::memory::{Placed, blank};
+use crate::memory::{Blank, Placed};
 use crate::model::Side;
 use crate::real::Real;
 
@@ -63,7 +63,7 @@ const _: () =
     assert!(2.0 * UNITS as f64 * UNIT_S < 0.5 * HOP_S && 2.0 * UNITS as f64 * FAST_UNIT_S < 0.75 * HOP_S);
 
 /// Frames that are to be learned from. See the [module](self).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct FrameQueue<T: Real> {
     /// The sides' frames; that of which side is done first.
@@ -77,8 +77,6 @@ pub(super) struct FrameQueue<T: Real> {
     /// What the first one measures, once that is known.
     measured: Placed<Measured<T>>,
 }
-
-blank!(FrameQueue<T> { frames, first, done, due_s, unit_s, measured });
 
 impl<T: Real> FrameQueue<T> {
     /// For samples of this rate.

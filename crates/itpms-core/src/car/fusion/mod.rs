@@ -29,7 +29,7 @@ use crate::inter_axle::alignment::axle_pair::AxlePair;
 use crate::inter_axle::alignment::delay_search::Found;
 use crate::inter_axle::alignment::speed_latency::SpeedLatency;
 use crate::inter_axle::{Aligned, HOP_S, InterAxle};
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::{
     CalibrationError, CarConfig, Corner, Inflation, Level, QuarterCar, Side, TrackState, VehicleCalibration,
 };
@@ -43,7 +43,7 @@ const PATIENCE_S: f64 = 6.0;
 const FOUND_SD_S: f64 = 1e-3;
 
 /// See the [module](self).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Fusion<T: Real> {
     inter_axle: InterAxle<T>,
@@ -61,11 +61,6 @@ pub(super) struct Fusion<T: Real> {
     /// What is believed of the tires, as of the last frame that was learned from.
     tires: Tires<T>,
 }
-
-blank!(Fusion<T> {
-    inter_axle, belief, single_wheel, pseudo_measured_s, detections, speed_latency, calibration_reading,
-    friction_variance, queue, tires,
-});
 
 impl<T: Real> Fusion<T> {
     /// The wheelbase in m of a car with both corners of a side; `None`: there is nothing to fuse.

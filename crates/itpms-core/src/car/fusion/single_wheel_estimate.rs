@@ -3,7 +3,7 @@
 
 use super::FusedEstimate;
 use crate::inter_axle::residual::noise::within;
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::Corner;
 use crate::real::Real;
 
@@ -19,7 +19,7 @@ const NOTICED: f64 = 0.1;
 const BELIEVED: f64 = 0.5;
 
 /// What one corner finds.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::car) struct SingleWheelEstimate<T> {
     /// Probability that its pressure is changing; no number where nobody looks for that.
@@ -27,8 +27,6 @@ pub(in crate::car) struct SingleWheelEstimate<T> {
     pub(in crate::car) stiffness_n_per_m: T,
     pub(in crate::car) sd_n_per_m: T,
 }
-
-blank!(SingleWheelEstimate<T> { changing, stiffness_n_per_m, sd_n_per_m });
 
 impl<T: Real> SingleWheelEstimate<T> {
     /// A corner that finds nothing.

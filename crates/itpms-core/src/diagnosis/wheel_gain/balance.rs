@@ -10,7 +10,7 @@ use crate::diagnosis::moments::FILLED;
 use crate::diagnosis::signals::Block;
 use crate::diagnosis::single_sensor::evidence;
 use crate::diagnosis::{Fault, Malfunction, Place, Sensor};
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::Corner;
 use crate::real::Real;
 
@@ -34,7 +34,7 @@ const PATIENCE: DebounceTimes = DebounceTimes { set_s: 5.0, clear_s: 10.0 };
 const HOP_AGREES: f64 = 0.15;
 
 /// What the wheels of a car say of each other's gain.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct WheelGainBalance<T: Real> {
     /// Logs of wheel over body, less the median of the four and less that of the axle's other corner.
@@ -49,8 +49,6 @@ pub(crate) struct WheelGainBalance<T: Real> {
     largest_deviation: [T; 4],
     words: [FaultLatch<T>; 4],
 }
-
-blank!(WheelGainBalance<T> { over_median, over_partner, as_reported, filled, hop, largest_deviation, words });
 
 impl<T: Real> WheelGainBalance<T> {
     pub(crate) fn new() -> Self {

@@ -8,7 +8,7 @@
 use crate::diagnosis::debounce::{DebounceTimes, Debouncer};
 use crate::diagnosis::matching::median;
 use crate::diagnosis::single_sensor::evidence;
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::Corner;
 use crate::real::Real;
 
@@ -36,7 +36,7 @@ const LARGEST: f64 = 1.0;
 pub(crate) const LONGEST_S: f64 = 120.0;
 
 /// How a corner's hop looks in a block, as logs of powers.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Hop<T> {
     /// What the strut makes of the wheel's motion, over the body's acceleration.
@@ -45,20 +45,16 @@ pub(crate) struct Hop<T> {
     pub(crate) hop_frequency: T,
 }
 
-blank!(Hop<T> { transmissibility, hop_frequency });
-
 /// A running quantity of a corner: what is usual of it, and by how much the newest blocks were off; newest last.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Baseline<T> {
     mean: T,
     deviation: [T; NEWEST],
 }
 
-blank!(Baseline<T> { mean, deviation });
-
 /// A corner's usual hop, and whether it has left it.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct WheelGainJump<T> {
     transmissibility: Baseline<T>,
@@ -71,8 +67,6 @@ pub(crate) struct WheelGainJump<T> {
     /// Seconds for which it has been suspected, or the hop frequency not the usual one.
     lasted_s: f64,
 }
-
-blank!(WheelGainJump<T> { transmissibility, hop_frequency, blocks, debouncer, hop_shifted, lasted_s });
 
 impl<T: Real> Baseline<T> {
     fn new() -> Self {

@@ -8,7 +8,7 @@ use crate::diagnosis::matching::median;
 use crate::diagnosis::signals::Block;
 use crate::diagnosis::single_sensor::evidence;
 use crate::diagnosis::wheel_gain::jump::{Hop, LONGEST_S};
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::Corner;
 use crate::real::Real;
 
@@ -38,7 +38,7 @@ const SLOWER: f64 = 0.14;
 const BY_TIRE: f64 = 2.0;
 
 /// What every wheel does to its body, and whether that has shifted.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct WheelGainShift<T> {
     /// Averaged shares of the power in the hop band: accelerations of the bodies, what the struts make of the wheels' motion, and
@@ -50,10 +50,8 @@ pub(crate) struct WheelGainShift<T> {
     corners: [Shift<T>; 4],
 }
 
-blank!(WheelGainShift<T> { bodies, struts, wheels, filled, corners });
-
 /// A corner's usual hop, and whether it has left it.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Shift<T> {
     baseline: Hop<T>,
@@ -67,8 +65,6 @@ struct Shift<T> {
     /// Since when no tire makes it what it is; NaN: one might.
     pending_since_s: f64,
 }
-
-blank!(Shift<T> { baseline, blocks, debouncer, hop_shifted, lasted_s, pending_since_s });
 
 impl<T: Real> Shift<T> {
     fn new() -> Self {

@@ -21,7 +21,7 @@ use crate::inter_axle::residual::instrument::Instrument;
 use crate::inter_axle::residual::model::{Axle, AxleFrame, Wheel};
 use crate::inter_axle::residual::noise::{Coherence, MOST_LASTING};
 use crate::inter_axle::{HOP_S, SIGNALS};
-use crate::memory::{Placed, blank};
+use crate::memory::{Blank, Placed};
 use crate::model::{Side, TrackState};
 use crate::real::Real;
 use crate::spectrum::FrameClock;
@@ -42,7 +42,7 @@ const NOT_SHARED: f64 = 0.5;
 const REALIGN_ABOVE: f64 = 0.04;
 
 /// A frame's measurement for the belief, and what the pair keeps of it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Measured<T: Real> {
     pub(crate) measurement: SideMeasurement<T>,
@@ -51,17 +51,13 @@ pub(crate) struct Measured<T: Real> {
     noise: [T; BINS],
 }
 
-blank!(Measured<T> { measurement, common, noise });
-
 /// A correction and the time it was saved at.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct SavedCorrection<T: Real> {
     time_s: f64,
     frf_correction: FrfCorrection<T>,
 }
-
-blank!(SavedCorrection<T> { time_s, frf_correction });
 
 /// What is believed of the car where the two axles meet.
 pub(crate) struct PairingContext<'a, T: Real> {
@@ -73,7 +69,7 @@ pub(crate) struct PairingContext<'a, T: Real> {
 }
 
 /// See the [module](self).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct AxlePair<T: Real> {
     side: Side,
@@ -105,12 +101,6 @@ pub(crate) struct AxlePair<T: Real> {
     /// Pseudo-measurements of both corners' spectra since the last frame.
     spectral_updates: u32,
 }
-
-blank!(AxlePair<T> {
-    side, period_s, noise_density, delay_line, delay_search, aligned, clock, instruments,
-    frf_correction, saved, imbalance, way, coherence, products, on_line, hop_excess, log_snr, used, invalid_hops,
-    learned_until_s, spectral_updates,
-});
 
 impl<T: Real> AxlePair<T> {
     pub(crate) fn configure(&mut self, side: Side, period_s: f64, noise_density: [T; 2]) {

@@ -3,7 +3,7 @@
 
 use crate::conditioning::GridSample;
 use crate::inter_axle::alignment::way::Way;
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::real::Real;
 use crate::spectrum::reconstruction::{
     RELATIVE_ACCELERATION, RELATIVE_VELOCITY, SIGNALS, WHEEL_JERK, WHEEL_VELOCITY,
@@ -24,7 +24,7 @@ const LEAST_RATE_HZ: f64 = 200.0;
 pub(crate) const RELATIVE: usize = 3;
 
 /// A thinned set of signals.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Entry<T> {
     /// Time in s.
@@ -43,10 +43,8 @@ pub(crate) struct Entry<T> {
     pub(crate) after_gap: bool,
 }
 
-blank!(Entry<T> { time_s, way, speed_m_s, signals, invalid, unloaded, after_gap });
-
 /// See the [module](self).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Channel {
     grid_period_s: f64,
@@ -58,8 +56,6 @@ pub(crate) struct Channel {
     most_echo_steps: u32,
     after_gap: bool,
 }
-
-blank!(Channel { grid_period_s, every, step, invalid, echo_steps, most_echo_steps, after_gap });
 
 impl Channel {
     pub(crate) fn new(grid_period_s: f64) -> Self {

@@ -4,7 +4,7 @@ use nalgebra::{SMatrix, SVector};
 
 use crate::inter_axle::alignment::channel::{Entry, KEPT};
 use crate::inter_axle::alignment::way::Way;
-use crate::memory::{Blank, blank};
+use crate::memory::Blank;
 use crate::real::Real;
 
 /// Entries kept: a second at 250 Hz.
@@ -13,7 +13,7 @@ const LENGTH: usize = 256;
 const POINTS: usize = 6;
 
 /// A ring of the newest entries.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct DelayLine<T: Real> {
     /// Time in s of the newest entry.
@@ -29,8 +29,6 @@ pub(crate) struct DelayLine<T: Real> {
     /// Entries in a second.
     rate_hz: T,
 }
-
-blank!(DelayLine<T> { newest_s, way, speed_m_s, signals, invalid, unloaded, newest, filled, rate_hz });
 
 /// What was read back.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,7 +3,7 @@
 
 use nalgebra::SVector;
 
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::real::Real;
 
 /// Shifts tried.
@@ -22,7 +22,7 @@ const ENOUGH: f64 = 0.6;
 const GIVE_UP_S: f64 = 6.0;
 
 /// Running sums of the search on one side.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct DelaySearch<T: Real> {
     /// How far it looks, as a share of the delay.
@@ -37,8 +37,6 @@ pub(crate) struct DelaySearch<T: Real> {
     /// Wheelbase and skew that were believed when the search began, which its shifts are counted from.
     used: Option<[T; 2]>,
 }
-
-blank!(DelaySearch<T> { reach, cross, front, rear, seconds, delay_sum_s, stretch_sum, count, used });
 
 /// A delay that was found: seconds more than expected with this wheelbase and skew, at a mean expected delay and a mean logarithm of
 /// the rear's speed over the front's.

@@ -4,7 +4,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::real::Real;
 
 /// Sd of what is not known before: wheelbase over speed, the rear's lateness in s, the speed's in s; and of a find, as a share of the
@@ -22,7 +22,7 @@ const SURE: f64 = 5.0;
 const EXPLAINED: f64 = 3.0;
 
 /// The least squares of what was found, in units of [`PRIOR_SD`].
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct SpeedLatency<T: Real> {
     count: T,
@@ -30,8 +30,6 @@ pub(crate) struct SpeedLatency<T: Real> {
     score: Vector3<T>,
     square: T,
 }
-
-blank!(SpeedLatency<T> { count, information, score, square });
 
 /// Where both sides found the other axle's road.
 #[derive(Debug, Clone, Copy, PartialEq)]

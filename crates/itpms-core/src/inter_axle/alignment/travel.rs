@@ -3,14 +3,14 @@
 use super::axle_pair::SLOWEST_M_S;
 use super::way::Way;
 use crate::conditioning::pauses::MISSING_S;
-use crate::memory::{Blank, blank};
+use crate::memory::Blank;
 use crate::real::Real;
 
 /// Time in s over which the speed is averaged.
 const SPEED_S: f64 = 1.5;
 
 /// See the [module](self).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Travel<T> {
     time_s: f64,
@@ -20,8 +20,6 @@ pub(crate) struct Travel<T> {
     /// Seconds driven since a shared road was last learned from; all of them while the speed is unknown.
     unshared_s: T,
 }
-
-blank!(Travel<T> { time_s, way, speed_m_s, mean_speed_m_s, unshared_s });
 
 impl<T: Real> Travel<T> {
     pub(crate) fn new() -> Self {

@@ -7,7 +7,7 @@ use nalgebra::Complex;
 use crate::belief::measurement::BINS;
 use crate::inter_axle::Frame;
 use crate::inter_axle::alignment::channel::{BOTH, SEEN};
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::real::Real;
 use crate::spectrum::Frame as Spectra;
 
@@ -24,7 +24,7 @@ pub(crate) type FrfRatios<T> = [[Complex<T>; BOTH]; BINS];
 type Products<T> = Spectra<T, BINS, BOTH>;
 
 /// Running averages of one side.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct FrfCorrection<T: Real> {
     /// With the signals as measured, and as the instruments have them.
@@ -33,8 +33,6 @@ pub(crate) struct FrfCorrection<T: Real> {
     /// Frames seen, those long ago counting less.
     frames: T,
 }
-
-blank!(FrfCorrection<T> { measured, foretold, frames });
 
 impl<T: Real> FrfCorrection<T> {
     pub(crate) fn new() -> Self {

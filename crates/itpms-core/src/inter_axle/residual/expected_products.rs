@@ -2,11 +2,11 @@
 //! as the car does: once all are known, one bin is computed anew with every frame.
 
 use crate::belief::measurement::{BINS, Gram, Products, pack_lower};
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::real::Real;
 
 /// See the [module](self).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct ExpectedProducts<T: Real> {
     of_bin: [Products<T>; BINS],
@@ -14,8 +14,6 @@ pub(crate) struct ExpectedProducts<T: Real> {
     due: usize,
     missing: usize,
 }
-
-blank!(ExpectedProducts<T> { of_bin, due, missing });
 
 impl<T: Real> ExpectedProducts<T> {
     /// Nothing is known any more.

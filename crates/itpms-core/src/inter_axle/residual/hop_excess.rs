@@ -5,7 +5,7 @@ use nalgebra::SVector;
 
 use crate::belief::measurement::BINS;
 use crate::inter_axle::NEAR_HOP_BINS;
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::real::Real;
 
 /// Memory in s, and seconds before anything is reported: the line of a wheel out of balance is found and taken off by then.
@@ -13,14 +13,12 @@ const MEMORY_S: f64 = 10.0;
 const ENOUGH_S: f64 = 40.0;
 
 /// Running mean of the logarithm.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct HopExcess<T> {
     log: T,
     seconds: T,
 }
-
-blank!(HopExcess<T> { log, seconds });
 
 impl<T: Real> HopExcess<T> {
     pub(crate) fn new() -> Self {

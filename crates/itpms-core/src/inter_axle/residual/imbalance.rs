@@ -5,7 +5,7 @@
 use nalgebra::{Complex, SVector};
 
 use crate::inter_axle::alignment::channel::BOTH;
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::real::Real;
 
 /// Turning rates tried, in radians per meter: of rolling radii from 0.45 to 0.22 m.
@@ -28,7 +28,7 @@ const LOST: f64 = 2.5;
 const WIDTH: f64 = 0.06;
 
 /// See the [module](self).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Imbalance<T: Real> {
     /// Cosine and sine sums of the look under way, and the way it has come in m.
@@ -44,8 +44,6 @@ pub(crate) struct Imbalance<T: Real> {
     /// The line in each signal: amplitudes with the turn's cosine and sine.
     lines: [[T; 2]; BOTH],
 }
-
-blank!(Imbalance<T> { cosine, sine, looked_m, power, looks, per_m, turned, lines });
 
 impl<T: Real> Imbalance<T> {
     pub(crate) fn new() -> Self {

@@ -6,14 +6,14 @@ use nalgebra::{SMatrix, SVector};
 
 use crate::inter_axle::alignment::channel::KEPT;
 use crate::inter_axle::residual::model::Axle;
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::real::Real;
 
 /// Wheel velocity, body velocity, deflection of the spring, force of the tire.
 const STATES: usize = 4;
 
 /// A quarter car on a road of given velocity, by the bilinear rule.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Instrument<T: Real> {
     transition: SMatrix<T, STATES, STATES>,
@@ -25,8 +25,6 @@ pub(crate) struct Instrument<T: Real> {
     /// Damping without friction's.
     damper: T,
 }
-
-blank!(Instrument<T> { transition, input, state, last_road, car, damper });
 
 impl<T: Real> Instrument<T> {
     pub(crate) fn new() -> Self {

@@ -13,7 +13,7 @@ use crate::belief::state::{
 use crate::inter_axle::alignment::channel::{BOTH, SEEN};
 use crate::inter_axle::residual::correction::FrfRatios;
 use crate::inter_axle::{BIN_SPACING_HZ, Frame, bin_hz};
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::model::{Corner, Side};
 use crate::real::Real;
 use crate::spectrum::front_end::high_pass_power;
@@ -26,7 +26,7 @@ const KERNEL: usize = 2 * KERNEL_HALF + 1;
 const LOWEST_HZ: f64 = 0.5;
 
 /// What is known of one axle's corner.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Wheel<T> {
     /// As in the vehicle file.
@@ -38,10 +38,8 @@ pub(crate) struct Wheel<T> {
     pub(crate) corner: Corner,
 }
 
-blank!(Wheel<T> { body, friction_n_s_per_m, theta, corner });
-
 /// A complete frame of both axles, and where it was taken.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct AxleFrame<T: Real> {
     /// Spectra of the front's and the rear's signals, then of what both would be on the common road.
@@ -54,8 +52,6 @@ pub(crate) struct AxleFrame<T: Real> {
     pub(crate) used_wheelbase: T,
     pub(crate) used_skew: T,
 }
-
-blank!(AxleFrame<T> { frame, middle_s, delay_s, used_wheelbase, used_skew });
 
 /// Whose signals of a frame.
 #[derive(Debug, Clone, Copy)]

@@ -5,7 +5,7 @@ use nalgebra::SVector;
 
 use crate::belief::measurement::{BINS, Expectation, Gram, OVERLAP, Products, UpdateRecord};
 use crate::inter_axle::NEAR_HOP_BINS;
-use crate::memory::blank;
+use crate::memory::Blank;
 use crate::real::Real;
 
 /// Incoherence assumed before anything was seen, and the least that is believed: a millisecond between a wheel's sensor and
@@ -34,7 +34,7 @@ const LASTING_S: f64 = 20.0;
 pub(crate) const MOST_LASTING: f64 = 0.2;
 
 /// Running averages of one side.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Coherence<T: Real> {
     /// Share of the power that is not common, per bin.
@@ -47,8 +47,6 @@ pub(crate) struct Coherence<T: Real> {
     /// Incoherence near wheel hop that has lasted.
     lasting: T,
 }
-
-blank!(Coherence<T> { incoherence, power, frames, parting, lasting });
 
 impl<T: Real> Coherence<T> {
     pub(crate) fn new() -> Self {
