@@ -12,12 +12,11 @@ use nalgebra::SMatrix;
 use crate::diagnosis::filters::{Averager, Band, Triangle};
 use crate::diagnosis::moments::Moments;
 use crate::memory::Blank;
-use crate::model::CarConfig;
+use crate::model::{CarConfig, HOP_BAND_HZ};
 use crate::real::Real;
 
-const HOP_HZ: [f64; 2] = [8.0, 20.0];
 /// Width of the hop band in Hz.
-pub(crate) const HOP_WIDTH_HZ: f64 = HOP_HZ[1] - HOP_HZ[0];
+pub(crate) const HOP_WIDTH_HZ: f64 = HOP_BAND_HZ[1] - HOP_BAND_HZ[0];
 const BOUNCE_HZ: [f64; 2] = [1.0, 6.0];
 const SLOW_HZ: [f64; 2] = [0.4, 0.9];
 /// Rates in Hz to which samples are averaged before hop, and before bounce and slow.
@@ -89,7 +88,7 @@ impl<T: Real> Signals<T> {
         self.to_slow = Averager::new(slow_by);
         self.to_slow_band = Triangle::new(slow_by);
         self.quick_step_s = T::lit(1.0 / quick_hz);
-        self.hop.fill(Band::new(HOP_HZ, quick_hz));
+        self.hop.fill(Band::new(HOP_BAND_HZ, quick_hz));
         self.bounce.fill(Band::new(BOUNCE_HZ, slow_hz));
         self.slow.fill(Band::new(SLOW_HZ, slow_hz));
         self.struts = car.corners.each_ref().map(strut);

@@ -12,6 +12,7 @@ mod sample;
 mod strut_reading;
 mod tire;
 mod uncertainty;
+mod wheel_hop;
 mod wheels;
 
 pub use self::body_fit::{BodyFit, Misfit};
@@ -29,4 +30,5 @@ pub use self::strut_reading::StrutReading;
 pub use self::tire::{PressureMap, RegressionError};
 pub(crate) use self::uncertainty::ONE_SIDED_95;
 pub use self::uncertainty::{Confidence, ParameterUncertainty};
+pub(crate) use self::wheel_hop::{HOP_BAND_HZ, HOP_HZ};
 pub use self::wheels::Wheels;

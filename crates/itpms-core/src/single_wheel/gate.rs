@@ -2,6 +2,7 @@
 //! such as a pothole that no stationary road explains (docs/math/informed.md, section 5).
 
 use crate::memory::Blank;
+use crate::model::HOP_BAND_HZ;
 use crate::real::Real;
 use crate::single_wheel::road_model::{Evidence, Road};
 use crate::single_wheel::tables::Tables;
@@ -21,8 +22,6 @@ const QUICK: f64 = 0.12;
 const SLOW: f64 = 0.006;
 /// Velocity power in (m/s)²/Hz beyond any road: ISO 8608 class H at 70 km/h reaches two at 10 Hz.
 const NO_ROAD: f64 = 3.0;
-/// Highest frequency in Hz of that ratio: where wheel hop lives.
-const HOP_BAND_HZ: f64 = 20.0;
 
 /// Whether the speed is known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -73,7 +72,7 @@ impl<T: Real> Gate<T> {
         for (bin, &road) in expected.iter().enumerate().take(frame.bins) {
             let (power, noise) = (reading.power[bin], reading.expected.noise[bin]);
             largest = largest.max(power);
-            if tables.frequency_squared[bin] <= T::lit(HOP_BAND_HZ * HOP_BAND_HZ) {
+            if tables.frequency_squared[bin] <= T::lit(HOP_BAND_HZ[1] * HOP_BAND_HZ[1]) {
                 ratio += power / noise;
                 hop_bins += T::one();
             }

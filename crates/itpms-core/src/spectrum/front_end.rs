@@ -5,6 +5,7 @@ use super::butterworth::{QUALITY, Section};
 use super::reconstruction::{BODY_JERK, Channel, LAG, Reconstruction, SIGNALS, WHEEL_JERK};
 use crate::conditioning::GridSample;
 use crate::memory::Blank;
+use crate::model::HOP_HZ;
 use crate::real::Real;
 
 /// Elements in parallel of which a strut's friction consists.
@@ -13,8 +14,6 @@ pub(crate) const ELEMENTS: usize = 3;
 /// integrated, and the body's own swaying: both would leak into the lowest bin.
 const SMOOTH_HZ: f64 = 35.0;
 const LOWEST_HZ: f64 = 2.0;
-/// Frequency in Hz of wheel hop: where the delay of the filter is taken.
-const WHEEL_HOP_HZ: f64 = 12.0;
 
 /// The signals of a corner at one step, and the rates of the friction's elements for a slip force of one newton each.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -114,7 +113,7 @@ pub(crate) fn high_pass_power<T: Real>(frequency_hz: T) -> T {
 /// Group delay of the high-pass at wheel hop.
 fn high_pass_late_s() -> f64 {
     // Of s²/(s² + s/q + 1) at s = ix: (1 + x²)/q / ((1 - x²)² + (x/q)²)
-    let x2 = (WHEEL_HOP_HZ / LOWEST_HZ) * (WHEEL_HOP_HZ / LOWEST_HZ);
+    let x2 = (HOP_HZ / LOWEST_HZ) * (HOP_HZ / LOWEST_HZ);
     let late = |q: f64| (1.0 + x2) / q / ((1.0 - x2) * (1.0 - x2) + x2 / (q * q));
     QUALITY.iter().fold(0.0, |sum, &q| sum + late(q)) / (core::f64::consts::TAU * LOWEST_HZ)
 }
