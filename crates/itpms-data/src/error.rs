@@ -182,7 +182,7 @@ pub enum Problem {
     },
     /// Text where a number belongs.
     #[error(
-        "{place}, column {column}: found {found:?}, expected a number, or NaN or nothing where it is missing"
+        "{place}, column {column}: found {found:?}, expected a number, or NaN or nothing where it is missing{hint}"
     )]
     NotANumber {
         /// Where.
@@ -191,6 +191,8 @@ pub enum Problem {
         column: String,
         /// The cell (its beginning, if long).
         found: String,
+        /// What else could stand there, in parentheses, or nothing.
+        hint: &'static str,
     },
     /// A row that is longer or shorter than the header.
     #[error("{place}: found {found} cells, expected {expected} as in the header")]
@@ -272,7 +274,6 @@ pub enum Problem {
         since_s: f64,
     },
     /// Many readings of one signal do not fit the clock of the others.
-    #[cfg(any(feature = "can", feature = "mdf4"))]
     #[error(
         "{left_out} of the {readings} readings of {column} have stamps that contradict those of the others by more than ten seconds or \
          go through the same seconds again, expected 1 % at most (was a clock set? then cut the log there)"

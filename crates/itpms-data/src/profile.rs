@@ -247,6 +247,7 @@ fn take_row(profile: &mut RoadProfile, text: &[u8], line: u64, slots: &[Slot]) -
                 place,
                 column: slot_name(profile, slot),
                 found: shortened(&String::from_utf8_lossy(cell)),
+                hint: "",
             })?,
         };
         row.push((slot, value));

@@ -195,3 +195,56 @@ fn a_clock_of_dates_is_read_in_every_spelling() {
         }
     }
 }
+
+/// A table with a row for every message: the speed's, the body's, the wheel's, each later than the one before by `lag_s`.
+fn messages(lag_s: f64) -> String {
+    let mut text = NAMES.join(",") + "\n";
+    for i in 0..ROWS {
+        let [time_s, values @ ..] = values(i);
+        for (place, value) in values.iter().enumerate() {
+            let mut cells = [const { String::new() }; NAMES.len()];
+            cells[0] = format!("{:.4}", time_s + lag_s * place as f64);
+            cells[1 + place] = value.to_string();
+            text += &(cells.join(",") + "\n");
+        }
+    }
+    text
+}
+
+#[test]
+fn rows_that_are_messages_are_put_together_by_their_times() {
+    let bench = Bench::new();
+    let (expected, _) = read(&bench.write("plain.csv", plain()), None).unwrap();
+    let accelerations = |row: &LogRow| row.corners[0].map(|c| (c.body_accel_m_s2, c.wheel_accel_m_s2));
+    for lag_s in [0.0, 0.0005] {
+        let path = bench.write("messages.csv", messages(lag_s));
+        let (rows, _) = read(&path, None).unwrap();
+        assert_eq!(rows.len(), expected.len());
+        for (row, expected) in rows.iter().zip(&expected) {
+            assert!(
+                (row.time_s - expected.time_s - lag_s).abs() < 1e-9,
+                "{} {}",
+                row.time_s,
+                expected.time_s
+            );
+            assert_eq!(accelerations(row), accelerations(expected), "{lag_s} {}", row.time_s);
+        }
+        let log = LogReader::open(&path).unwrap();
+        assert!(log.remarks()[0].contains("each row of the table is a message"), "{:?}", log.remarks());
+    }
+}
+
+/// A sensor that loses seven of eight samples is one that loses samples: the others' are in the same rows.
+#[test]
+fn a_sensor_that_loses_samples_makes_no_messages_of_rows() {
+    let bench = Bench::new();
+    let lossy = table(",", |place, value| {
+        let is_lost = place == 3 && value != 3.0;
+        if is_lost { String::new() } else { value.to_string() }
+    });
+    let path = bench.write("lossy.csv", lossy);
+    let (rows, _) = read(&path, None).unwrap();
+    assert_eq!(rows.len(), ROWS as usize);
+    assert!(rows.iter().filter(|row| row.corners[0].unwrap().wheel_accel_m_s2.is_nan()).count() > 250);
+    assert!(LogReader::open(&path).unwrap().alignment().is_none());
+}

@@ -1,7 +1,7 @@
 //! Times that are written as dates, or as days and a clock: what pandas, polars and many loggers write into CSV.
 
 /// Seconds since 1970 of `2026-03-01 08:00:00.002`, with `T` or a blank, with `Z`, an offset or nothing (taken for UTC) after
-/// it, or with the date as `01.03.2026`; or the seconds of `0 days 00:00:01.5`, of `00:00:01.5` and of MATLAB's `1.5 sec`.
+/// it, or with the date as `01.03.2026`, or as `03/01/2026 08:00:00 AM`; or the seconds of `0 days 00:00:01.5`, of `00:00:01.5` and of MATLAB's `1.5 sec`.
 pub(crate) fn seconds(text: &[u8]) -> Option<f64> {
     let text = std::str::from_utf8(text).ok()?.trim();
     let text = text.strip_suffix("UTC").or_else(|| text.strip_suffix("GMT")).unwrap_or(text).trim_end();
@@ -11,6 +11,12 @@ pub(crate) fn seconds(text: &[u8]) -> Option<f64> {
     if let Some((days, clock)) = text.split_once(" days ") {
         let (days, clock) = (days.parse::<i64>().ok()?, clock.trim_start_matches('+'));
         return Some(days as f64 * 86_400.0 + clock_s(clock)?);
+    }
+    if let Some((date, clock)) = text.strip_suffix('M').and_then(|text| text.split_once(' ')) {
+        let half_day_s = if clock.ends_with('P') { 43_200.0 } else { 0.0 };
+        let clock = clock.strip_suffix(['A', 'P'])?.trim_end();
+        let clock_s = clock_s(clock).filter(|clock_s| (3600.0..46_800.0).contains(clock_s))?;
+        return Some(american_days_since_1970(date)? as f64 * 86_400.0 + clock_s % 43_200.0 + half_day_s);
     }
     let Some((date, rest)) = text.split_once(['T', ' ']) else { return clock_s(text) };
     let days = days_since_1970(date)?;
@@ -47,6 +53,13 @@ fn clock_s(text: &str) -> Option<f64> {
         seconds.replace(',', ".").parse().ok().filter(|seconds| (0.0..61.0).contains(seconds))?;
     let minutes = f64::from(60 * whole(hours, 23)? + whole(minutes, 59)?);
     parts.next().is_none().then_some(60.0 * minutes + seconds)
+}
+
+/// Days from 1970-01-01 to `MM/DD/YYYY`, which has that order where the clock has twelve hours.
+fn american_days_since_1970(date: &str) -> Option<i64> {
+    let mut parts = date.split('/');
+    let (month, day, year) = (parts.next()?, parts.next()?, parts.next()?);
+    days_since_1970(&format!("{year}-{month}-{day}")).filter(|_| parts.next().is_none())
 }
 
 /// Days from 1970-01-01 to `YYYY-MM-DD` or `DD.MM.YYYY` in the Gregorian calendar.
@@ -91,6 +104,10 @@ mod tests {
             ("0 days 00:00:01.500000", 1.5),
             ("0.002 sec", 0.002),
             ("01.03.2026 08:00:00,25", 1_772_352_000.25),
+            ("03/01/2026 08:00:00.25 AM", 1_772_352_000.25),
+            ("3/1/2026 08:00:00PM", 1_772_395_200.0),
+            ("03/01/2026 12:00:00 AM", 1_772_323_200.0),
+            ("03/01/2026 12:00:00 PM", 1_772_366_400.0),
             ("1 days 00:00:00", 86_400.0),
             ("01:02:03.5", 3723.5),
         ] {
@@ -111,6 +128,11 @@ mod tests {
             "12:30",
             "1:2:3:4",
             "NaN:0:0",
+            "03/01/2026 08:00:00",
+            "31/01/2026 08:00:00 AM",
+            "03/01/2026 13:00:00 PM",
+            "03/01/2026 00:30:00 AM",
+            "AM",
         ] {
             assert_eq!(seconds(text.as_bytes()), None, "{text}");
         }

@@ -108,7 +108,20 @@ impl CsvSource {
                 place,
                 column: slot.name(),
                 found: shortened(&String::from_utf8_lossy(cell)),
+                hint: hint(slot, cell),
             }),
         }
+    }
+}
+
+/// What a cell that is no number may have been meant as.
+fn hint(slot: Slot, cell: &[u8]) -> &'static str {
+    let separators = cell.iter().filter(|byte| matches!(byte, b'.' | b',' | b'\'')).count();
+    match slot {
+        _ if separators > 1 && !cell.contains(&b':') => " (without separators between thousands)",
+        Slot::Time => {
+            " (or as 2026-03-01 08:00:00.002, 01.03.2026 08:00:00.002 or 03/01/2026 08:00:00.002 AM; 03/01/2026 alone could be two days)"
+        }
+        _ => "",
     }
 }

@@ -13,6 +13,7 @@ use super::repair::RepairReport;
 use super::row::{Field, LogColumns, LogRow, SLOTS, Slot};
 use super::source::Source;
 use super::survey::{GAP_PERIODS, Survey};
+use super::table::Table;
 use super::twins;
 use super::units::{self, UnitCheck};
 use crate::error::{DataError, Problem};
@@ -84,7 +85,7 @@ impl LogReader {
         options: &LogOptions,
     ) -> Result<Self, DataError> {
         let source = MemorySource::new(name, names, rows, pieces, options.any_map()?.as_ref())?;
-        Self::of(name, Source::Memory(source), options.units)
+        Self::of(name, Source::of_table(Table::Memory(source)), options.units)
     }
 
     fn of(path: &Path, source: Source, units: UnitCheck) -> Result<Self, DataError> {

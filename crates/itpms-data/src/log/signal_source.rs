@@ -1,8 +1,9 @@
-//! Rows from logs that hold signal after signal, each on its own clock: MDF4 and CAN logs.
+//! Rows from logs that hold signal after signal, each on its own clock: MDF4 and CAN logs, tables with a message in each row.
 //!
 //! Between the reader of drive logs, which wants rows, and a feed, which has readings; the aligner makes the ones of the
 //! others.
 
+#[cfg(any(feature = "can", feature = "mdf4"))]
 use std::path::Path;
 
 #[cfg(feature = "can")]
@@ -10,13 +11,19 @@ use super::can_feed::CanFeed;
 use super::header::Header;
 #[cfg(feature = "mdf4")]
 use super::mdf4_feed::Mdf4Feed;
+#[cfg(any(feature = "can", feature = "mdf4"))]
 use super::options::LogOptions;
 use super::row::{RawRow, Slot};
 use super::signal_order::SignalOrder;
 use super::stamps::Fate;
-use crate::error::{DataError, Place, Problem};
+use super::table::TableSource;
+#[cfg(any(feature = "can", feature = "mdf4"))]
+use crate::error::DataError;
+use crate::error::{Place, Problem};
+#[cfg(any(feature = "can", feature = "mdf4"))]
+use crate::signals::Resolved;
 use crate::signals::align::AlignmentReport;
-use crate::signals::{Aligner, Reading, Resolved};
+use crate::signals::{Aligner, Reading};
 
 /// Where readings come from, nearly in the order of time.
 #[derive(Debug)]
@@ -25,16 +32,18 @@ pub(super) enum Feed {
     Mdf4(Mdf4Feed),
     #[cfg(feature = "can")]
     Can(Box<CanFeed>),
+    Table(Box<TableSource>),
 }
 
 impl Feed {
     /// Hands out a few readings; false when there are no more.
-    fn step(&mut self, take: impl FnMut(Fate<Reading>)) -> Result<bool, DataError> {
+    fn step(&mut self, take: impl FnMut(Fate<Reading>)) -> Result<bool, Problem> {
         match self {
             #[cfg(feature = "mdf4")]
-            Feed::Mdf4(feed) => feed.step(take),
+            Feed::Mdf4(feed) => feed.step(take).map_err(|error| *error.problem),
             #[cfg(feature = "can")]
-            Feed::Can(feed) => feed.step(take),
+            Feed::Can(feed) => feed.step(take).map_err(|error| *error.problem),
+            Feed::Table(feed) => feed.step(take),
         }
     }
 
@@ -45,6 +54,7 @@ impl Feed {
             Feed::Mdf4(feed) => feed.start_ns(),
             #[cfg(feature = "can")]
             Feed::Can(_) => 0,
+            Feed::Table(_) => 0,
         }
     }
 
@@ -54,6 +64,7 @@ impl Feed {
             Feed::Mdf4(feed) => feed.progress(),
             #[cfg(feature = "can")]
             Feed::Can(feed) => feed.progress(),
+            Feed::Table(feed) => feed.progress(),
         }
     }
 
@@ -64,6 +75,7 @@ impl Feed {
             Feed::Mdf4(feed) => feed.repairs(),
             #[cfg(feature = "can")]
             Feed::Can(feed) => feed.repairs(),
+            Feed::Table(feed) => feed.repairs(),
         }
     }
 }
@@ -88,36 +100,41 @@ impl SignalSource {
             return Err(DataError::new(path, Problem::NotApplicable(what)));
         }
         let (feed, resolved) = Mdf4Feed::open(path, options.map()?.as_ref())?;
-        Self::new(path, Feed::Mdf4(feed), &resolved)
+        Self::resolved(path, Feed::Mdf4(feed), &resolved)
     }
 
     #[cfg(feature = "can")]
     pub(super) fn can(path: &Path, options: &LogOptions) -> Result<Self, DataError> {
         let (feed, resolved) = CanFeed::open(path, options.dbc.as_deref(), options.map()?.as_ref())?;
-        Self::new(path, Feed::Can(Box::new(feed)), &resolved)
+        Self::resolved(path, Feed::Can(Box::new(feed)), &resolved)
     }
 
-    fn new(path: &Path, feed: Feed, resolved: &Resolved) -> Result<Self, DataError> {
+    pub(super) fn table(feed: Box<TableSource>) -> Self {
+        let Header { slots, suspicious, mapping, .. } = feed.header().clone();
+        let slots: Vec<Slot> = slots.into_iter().flatten().collect();
+        Self::new(Feed::Table(feed), &slots, suspicious, mapping)
+    }
+
+    #[cfg(any(feature = "can", feature = "mdf4"))]
+    fn resolved(path: &Path, feed: Feed, resolved: &Resolved) -> Result<Self, DataError> {
         if let Some(why) = resolved.unusable() {
             return Err(DataError::new(path, Problem::UnusableSignals(why)));
         }
-        let aligner = Aligner::new(&resolved.slots());
-        let header = Header {
-            columns: *aligner.columns(),
-            slots: Vec::new(),
-            suspicious: Vec::new(),
-            conversions: Vec::new(),
-            mapping: resolved.said(),
-        };
-        Ok(Self {
+        Ok(Self::new(feed, &resolved.slots(), Vec::new(), resolved.said()))
+    }
+
+    fn new(feed: Feed, slots: &[Slot], suspicious: Vec<(String, String)>, mapping: Vec<String>) -> Self {
+        let aligner = Aligner::new(slots);
+        let columns = *aligner.columns();
+        Self {
             feed,
             order: SignalOrder::new(),
             aligner,
-            header,
+            header: Header { columns, slots: Vec::new(), suspicious, conversions: Vec::new(), mapping },
             rows: 0,
             last_s: f64::NEG_INFINITY,
             is_over: false,
-        })
+        }
     }
 
     pub(super) fn header(&self) -> &Header {
@@ -142,10 +159,17 @@ impl SignalSource {
         self.aligner.report()
     }
 
+    /// Whether the last line of a table was cut off and left out.
+    pub(super) fn cut_off(&self) -> bool {
+        matches!(&self.feed, Feed::Table(table) if table.cut_off())
+    }
+
     /// How readings came into order and into rows, in words.
     pub(super) fn remarks(&self) -> Vec<String> {
+        let messages = "each row of the table is a message with some of the signals; samples were made of them by their times";
+        let messages = matches!(&self.feed, Feed::Table(_)).then(|| messages.to_owned());
         let aligned = self.aligner.report().map(|report| report.remarks()).unwrap_or_default();
-        self.order.remarks().into_iter().chain(aligned).collect()
+        messages.into_iter().chain(self.order.remarks()).chain(aligned).collect()
     }
 
     pub(super) fn next_row(&mut self, row: &mut RawRow) -> Result<Option<Place>, Problem> {
@@ -164,7 +188,7 @@ impl SignalSource {
                 return if self.rows == 0 { Err(Problem::NoRows(self.repairs())) } else { Ok(None) };
             }
             let order = &mut self.order;
-            if !self.feed.step(|fate| order.take(fate)).map_err(|error| *error.problem)? {
+            if !self.feed.step(|fate| order.take(fate))? {
                 self.is_over = true;
                 self.order.finish();
             }

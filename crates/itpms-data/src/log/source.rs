@@ -7,28 +7,19 @@ use std::path::Path;
 
 use itpms_files::{FileProblem, input};
 
-use super::csv_source::CsvSource;
-use super::format::{Format, LogFormat};
+use super::format::LogFormat;
 use super::header::Header;
-use super::memory_source::MemorySource;
 use super::options::LogOptions;
-#[cfg(feature = "parquet")]
-use super::parquet_source::ParquetSource;
 use super::row::RawRow;
-#[cfg(any(feature = "can", feature = "mdf4"))]
 use super::signal_source::SignalSource;
+use super::table::{Table, TableSource};
 use crate::error::{DataError, Place, Problem};
-use crate::signals::SignalMap;
 use crate::signals::align::AlignmentReport;
 
 /// An open drive log.
 #[derive(Debug)]
 pub(super) enum Source {
-    Csv(CsvSource),
-    Memory(MemorySource),
-    #[cfg(feature = "parquet")]
-    Parquet(Box<ParquetSource>),
-    #[cfg(any(feature = "can", feature = "mdf4"))]
+    Table(Box<TableSource>),
     Signals(Box<SignalSource>),
 }
 
@@ -53,7 +44,7 @@ impl Source {
         match format {
             LogFormat::Table(format) => {
                 options.refuse_for_tables().map_err(fail)?;
-                Self::table(format, path, options.any_map()?.as_ref())
+                Table::open(format, path, options.any_map()?.as_ref()).map(Self::of_table)
             }
             #[cfg(feature = "mdf4")]
             LogFormat::Mdf4 => Ok(Source::Signals(Box::new(SignalSource::mdf4(path, options)?))),
@@ -62,25 +53,18 @@ impl Source {
         }
     }
 
-    fn table(format: Format, path: &Path, map: Option<&SignalMap>) -> Result<Self, DataError> {
-        let fail = |problem| DataError::new(path, problem);
-        match format {
-            Format::Csv => {
-                let (file, about) = input::open(path).map_err(fail)?;
-                CsvSource::new(path, file, about.len(), map).map(Source::Csv)
-            }
-            #[cfg(feature = "parquet")]
-            Format::Parquet => ParquetSource::new(path, map).map(|source| Source::Parquet(Box::new(source))),
+    /// A table; one with a message in each row holds signal after signal, as a bus does.
+    pub(super) fn of_table(table: Table) -> Self {
+        let table = Box::new(TableSource::new(table));
+        if table.is_of_messages() {
+            return Source::Signals(Box::new(SignalSource::table(table)));
         }
+        Source::Table(table)
     }
 
     pub(super) fn header(&self) -> &Header {
         match self {
-            Source::Csv(source) => source.header(),
-            Source::Memory(source) => source.header(),
-            #[cfg(feature = "parquet")]
-            Source::Parquet(source) => source.header(),
-            #[cfg(any(feature = "can", feature = "mdf4"))]
+            Source::Table(source) => source.header(),
             Source::Signals(source) => source.header(),
         }
     }
@@ -88,11 +72,7 @@ impl Source {
     /// Fills `row` with the next row, NaN where missing; `None` at the end.
     pub(super) fn next_row(&mut self, row: &mut RawRow) -> Result<Option<Place>, Problem> {
         match self {
-            Source::Csv(source) => source.next_row(row),
-            Source::Memory(source) => source.next_row(row),
-            #[cfg(feature = "parquet")]
-            Source::Parquet(source) => source.next_row(row),
-            #[cfg(any(feature = "can", feature = "mdf4"))]
+            Source::Table(source) => source.next_row(row),
             Source::Signals(source) => source.next_row(row),
         }
     }
@@ -100,29 +80,20 @@ impl Source {
     /// When time 0 was, in ns since 1970; 0 where only the times themselves know.
     pub(super) fn start_ns(&self) -> u64 {
         match self {
-            #[cfg(any(feature = "can", feature = "mdf4"))]
+            Source::Table(_) => 0,
             Source::Signals(source) => source.start_ns(),
-            _ => 0,
         }
     }
 
     /// Whether rows come in the order of their times.
     pub(super) fn is_in_order(&self) -> bool {
-        match self {
-            #[cfg(any(feature = "can", feature = "mdf4"))]
-            Source::Signals(_) => true,
-            _ => false,
-        }
+        matches!(self, Source::Signals(_))
     }
 
     /// Share of the file that has been read, 0 to 1.
     pub(super) fn progress(&self) -> f64 {
         match self {
-            Source::Csv(source) => source.progress(),
-            Source::Memory(source) => source.progress(),
-            #[cfg(feature = "parquet")]
-            Source::Parquet(source) => source.progress(),
-            #[cfg(any(feature = "can", feature = "mdf4"))]
+            Source::Table(source) => source.progress(),
             Source::Signals(source) => source.progress(),
         }
     }
@@ -130,22 +101,16 @@ impl Source {
     /// Whether the last line was cut off and left out.
     pub(super) fn cut_off(&self) -> bool {
         match self {
-            Source::Csv(source) => source.cut_off(),
-            Source::Memory(_) => false,
-            #[cfg(feature = "parquet")]
-            Source::Parquet(_) => false,
-            #[cfg(any(feature = "can", feature = "mdf4"))]
-            Source::Signals(_) => false,
+            Source::Table(source) => source.cut_off(),
+            Source::Signals(source) => source.cut_off(),
         }
     }
 
     /// What the format's own reader mended, left out or assumed so far.
     pub(super) fn repairs(&self) -> Vec<String> {
         match self {
-            Source::Csv(source) => source.repairs(),
-            #[cfg(any(feature = "can", feature = "mdf4"))]
+            Source::Table(source) => source.repairs(),
             Source::Signals(source) => source.repairs(),
-            _ => Vec::new(),
         }
     }
 
@@ -154,21 +119,19 @@ impl Source {
         &self.header().mapping
     }
 
-    /// How signals came into order and into rows, in words; nothing for tables.
+    /// How signals came into order and into rows, in words; nothing for tables of samples.
     pub(super) fn remarks(&self) -> Vec<String> {
         match self {
-            #[cfg(any(feature = "can", feature = "mdf4"))]
+            Source::Table(_) => Vec::new(),
             Source::Signals(source) => source.remarks(),
-            _ => Vec::new(),
         }
     }
 
-    /// How signals were put into rows; `None` for tables.
+    /// How signals were put into rows; `None` for tables of samples.
     pub(super) fn alignment(&self) -> Option<AlignmentReport> {
         match self {
-            #[cfg(any(feature = "can", feature = "mdf4"))]
+            Source::Table(_) => None,
             Source::Signals(source) => source.alignment(),
-            _ => None,
         }
     }
 }

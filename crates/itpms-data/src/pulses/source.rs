@@ -142,6 +142,7 @@ impl TextSource {
             place,
             column: TIME.to_owned(),
             found: shown(time),
+            hint: "",
         })?;
         let is = |corner: &Corner| wheel.eq_ignore_ascii_case(corner.label().as_bytes());
         let index = Corner::ALL.iter().position(is);
