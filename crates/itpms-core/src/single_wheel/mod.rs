@@ -43,7 +43,7 @@ use crate::single_wheel::tables::{Grid, Tables};
 use crate::spectrum::FrameClock;
 use crate::spectrum::persistence::Persistence;
 use crate::spectrum::reconstruction::{
-    RELATIVE_ACCELERATION, RELATIVE_VELOCITY, SIGNALS, WHEEL_JERK, WHEEL_VELOCITY,
+    RELATIVE_ACCELERATION, RELATIVE_VELOCITY, ROAD_SIGNALS, SIGNALS, WHEEL_JERK, WHEEL_VELOCITY,
 };
 use crate::spectrum::transfer::{Body, DescribingFunction};
 
@@ -53,8 +53,8 @@ const BINS: usize = 12;
 const HOP_S: f64 = 0.06;
 /// Frames whose information the grid takes at once.
 const FRAMES_AT_ONCE: f64 = 2.0;
-/// A frame of all reconstructed signals.
-type Frame<T> = crate::spectrum::Frame<T, BINS, SIGNALS>;
+/// A frame of the signals that make up the road velocity.
+type Frame<T> = crate::spectrum::Frame<T, BINS, ROAD_SIGNALS>;
 
 /// Share of a frame's log-likelihood that counts. Frames under a sine window that overlap by half say everything twice;
 /// a little less than half lets the interval cover what the model leaves out.
@@ -92,7 +92,7 @@ pub(crate) struct Informed<T: Real> {
     tables: Tables<T>,
     /// What the strut's friction makes of its motion.
     friction: DescribingFunction<T>,
-    clock: FrameClock<T, BINS, SIGNALS>,
+    clock: FrameClock<T, BINS, ROAD_SIGNALS>,
     posterior: Posterior<T>,
     sample_rate_hz: f64,
     grid_period_s: f64,
@@ -165,7 +165,7 @@ impl<T: Real> Informed<T> {
         self.last_time_s = sample.time_s;
         self.invalid |= sample.invalid;
         let learned = self.work_on(pace);
-        if let Some(frame) = self.clock.push(signals) {
+        if let Some(frame) = signals.first_chunk().and_then(|signals| self.clock.push(signals)) {
             self.begin_frame(&frame, sample.speed_m_s);
         }
         learned

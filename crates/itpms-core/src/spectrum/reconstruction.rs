@@ -19,8 +19,9 @@ const LARGEST_OFFSET_M_S2: f64 = 40.0;
 /// Samples by which the centred derivative lags.
 pub(crate) const LAG: usize = 3;
 
-/// Number of signals.
+/// Number of signals, and of the first of them that make up the road velocity.
 pub(crate) const SIGNALS: usize = 5;
+pub(crate) const ROAD_SIGNALS: usize = 4;
 /// `L v_w`: wheel velocity.
 pub const WHEEL_VELOCITY: usize = 0;
 /// `L ȧ_w`: wheel jerk.
