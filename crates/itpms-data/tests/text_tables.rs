@@ -234,6 +234,33 @@ fn rows_that_are_messages_are_put_together_by_their_times() {
     }
 }
 
+/// Rows in memory are looked at as those of a file are, and one without a time is missed by nobody silently.
+#[test]
+fn messages_in_memory_and_one_without_a_time() {
+    let mut columns: Vec<Vec<f64>> = vec![Vec::new(); NAMES.len()];
+    for i in 0..ROWS {
+        let [time_s, values @ ..] = values(i);
+        for (place, value) in values.iter().enumerate() {
+            columns[0].push(if (i, place) == (200, 0) { f64::NAN } else { time_s });
+            (1..NAMES.len()).for_each(|k| columns[k].push(if k == 1 + place { *value } else { f64::NAN }));
+        }
+    }
+    let mut piece = Some(columns.into_iter().map(Ok).collect());
+    let names = NAMES.map(str::to_owned);
+    let pieces = Box::new(move || Ok(piece.take()));
+    let options = LogOptions::from(UnitCheck::Trusting);
+    let mut log = LogReader::from_pieces(Path::new("frame"), &names, None, pieces, &options).unwrap();
+    let mut rows = 0;
+    while let Some(row) = log.next_row().unwrap() {
+        let expected = values(rows);
+        assert_eq!((row.time_s, row.corners[0].unwrap().wheel_accel_m_s2), (expected[0], expected[3]));
+        rows += 1;
+    }
+    assert_eq!(rows, ROWS);
+    let warnings = log.repairs().warnings();
+    assert!(warnings.iter().any(|text| text.contains("1 row without a time was left out")), "{warnings:?}");
+}
+
 /// A sensor that loses seven of eight samples is one that loses samples: the others' are in the same rows.
 #[test]
 fn a_sensor_that_loses_samples_makes_no_messages_of_rows() {

@@ -69,11 +69,11 @@ pub(crate) use lines::Lines;
 pub use memory_source::{Piece, Pieces};
 pub use options::LogOptions;
 pub(crate) use quantity::Quantity;
-pub use reader::{LogReader, SURVEY_ROWS};
+pub use reader::LogReader;
 pub use repair::RepairReport;
 pub use row::{
     CornerColumns, Field, LogColumns, LogCorner, LogMotion, LogRow, Motion, MotionColumns, SLOTS, Slot,
 };
-pub use survey::Survey;
+pub use survey::{SURVEY_ROWS, Survey};
 pub(crate) use text_head::TextHead;
 pub use units::{UnitCheck, check as check_units};

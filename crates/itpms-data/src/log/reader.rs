@@ -12,15 +12,12 @@ use super::regular::Regular;
 use super::repair::RepairReport;
 use super::row::{Field, LogColumns, LogRow, SLOTS, Slot};
 use super::source::Source;
-use super::survey::{GAP_PERIODS, Survey};
+use super::survey::{GAP_PERIODS, SURVEY_ROWS, Survey};
 use super::table::Table;
 use super::twins;
 use super::units::{self, UnitCheck};
 use crate::error::{DataError, Problem};
 use crate::signals::align::AlignmentReport;
-
-/// Rows read ahead to judge a log before the first is handed out: 8 s at 500 Hz, 2 s at 2 kHz.
-pub const SURVEY_ROWS: usize = 4096;
 
 /// A drive log, row by row.
 ///

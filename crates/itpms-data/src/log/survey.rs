@@ -5,6 +5,8 @@
 use super::row::LogRow;
 use crate::error::Problem;
 
+/// Rows read ahead to judge a log before the first is handed out: 8 s at 500 Hz, 2 s at 2 kHz.
+pub const SURVEY_ROWS: usize = 4096;
 /// A step of more than this many median periods is a gap.
 pub(super) const GAP_PERIODS: f64 = 3.0;
 

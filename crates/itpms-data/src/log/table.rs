@@ -12,9 +12,9 @@ use super::header::Header;
 use super::memory_source::MemorySource;
 #[cfg(feature = "parquet")]
 use super::parquet_source::ParquetSource;
-use super::reader::SURVEY_ROWS;
 use super::row::{RawRow, SLOTS, Slot};
 use super::stamps::Fate;
+use super::survey::SURVEY_ROWS;
 use crate::error::{DataError, Place, Problem};
 use crate::signals::{Reading, SignalMap};
 
@@ -61,11 +61,13 @@ pub(super) struct TableSource {
     table: Table,
     /// The rows that were looked at, and why there are no more.
     ahead: VecDeque<Result<(RawRow, Place), Problem>>,
+    /// Messages that were left out.
+    without_time: u64,
 }
 
 impl TableSource {
     pub(super) fn new(table: Table) -> Self {
-        let mut source = Self { table, ahead: VecDeque::new() };
+        let mut source = Self { table, ahead: VecDeque::new(), without_time: 0 };
         let mut row = [f64::NAN; SLOTS];
         while source.ahead.len() < SURVEY_ROWS {
             match source.table.next_row(&mut row) {
@@ -119,14 +121,18 @@ impl TableSource {
         }
     }
 
-    /// Hands out the values of a row as readings; false when there are no more.
+    /// Hands out the values of a message as readings; false when there are no more.
     pub(super) fn step(&mut self, mut take: impl FnMut(Fate<Reading>)) -> Result<bool, Problem> {
         let mut row = [f64::NAN; SLOTS];
         if self.next_row(&mut row)?.is_none() {
             return Ok(false);
         }
         let time_s = row[Slot::Time.index()];
-        for slot in Slot::all().filter(|slot| *slot != Slot::Time && time_s.is_finite()) {
+        if !time_s.is_finite() {
+            self.without_time += 1;
+            return Ok(true);
+        }
+        for slot in Slot::all().filter(|slot| *slot != Slot::Time) {
             let value = row[slot.index()];
             if value.is_finite() {
                 take(Fate::Kept(Reading { time_s, slot, value }));
@@ -151,10 +157,16 @@ impl TableSource {
 
     /// What the format's own reader mended or left out so far.
     pub(super) fn repairs(&self) -> Vec<String> {
-        match &self.table {
+        let of_format = match &self.table {
             Table::Csv(source) => source.repairs(),
             _ => Vec::new(),
-        }
+        };
+        let without_time = match self.without_time {
+            0 => None,
+            1 => Some("1 row without a time was left out".to_owned()),
+            n => Some(format!("{n} rows without a time were left out")),
+        };
+        of_format.into_iter().chain(without_time).collect()
     }
 }
 
