@@ -42,7 +42,7 @@
   // Where something was said about a corner.
   const inkOf = { "over-inflated": "extra", malfunction: "warn", "no-information": "quiet" };
   const said = (u, ctx, corner) => data.alerts.filter((alert) => alert.wheels.includes(corner.id))
-    .forEach((alert) => flag(u, ctx, alert.said, inkOf[alert.kind] || "low"));
+    .forEach((alert) => flag(u, ctx, alert.reported, inkOf[alert.kind] || "low"));
 
   function pressure(host, corner) {
     const c = corner.time;
@@ -251,7 +251,7 @@
       const metres = (d) => "at " + digits(d, far ? 3 : 1) + " " + unit;
       panel(host, {
         title: `Road, ${side} track`, height: 190, x, group: "road", xLabel: `Distance (${unit})`, yLabel: "Height (mm)", at: metres, range: around(2),
-        note: `Felt by the ${wheels[0].name.toLowerCase()} wheel, freed of its moving average over 10 m.`,
+        note: `Estimated from the ${wheels[0].name.toLowerCase()} wheel, moving average over 10 m subtracted.`,
         items: [
           { label: "Truth", y: truth, color: "truth", dash: "dashed", width: 1, text: (i) => digits(truth[i], 1) + " mm" },
           { label: "Estimate", y: z, color: "estimate", text: (i) => digits(z[i], 1) + " mm" },
@@ -301,7 +301,7 @@
           { label: "95 % band", lo: one.lo, hi: one.hi, band: "band", text: (i) => digits(one.lo[i], places) + " to " + digits(one.hi[i], places) + unit },
           { label: "Estimate", y: one.y, color: "estimate", width: 2, text: (i) => digits(one.y[i], places) + unit },
         ],
-        marks: (u, ctx) => (level(u, ctx, 0, "soft", ""), data.alerts.filter((alert) => alert.kind === "differs").forEach((alert) => flag(u, ctx, alert.said, "low"))),
+        marks: (u, ctx) => (level(u, ctx, 0, "soft", ""), data.alerts.filter((alert) => alert.kind === "differs").forEach((alert) => flag(u, ctx, alert.reported, "low"))),
       }));
     }
   }

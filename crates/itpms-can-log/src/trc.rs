@@ -190,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn remote_extended_and_fd_messages_are_told_apart() {
+    fn remote_extended_and_fd_messages_are_distinguished() {
         let head = ";$FILEVERSION=2.1\n;$COLUMNS=N,O,T,B,I,d,R,L,D\n";
         let text = format!(
             "{head}1 1.0 RR 2 18FEF100 Tx - 8\n2 2.0 FB 1 0500 Rx - 9 00 01 02 03 04 05 06 07 08 09 0A 0B\n3 3.0 ER 1 0000 Rx - 5 04 00 02 00 00\n4 4 DT 1 07FF Rx - 0"

@@ -128,7 +128,7 @@ pub(crate) fn bits(wheels: Wheels) -> u32 {
 impl From<&Alert<itpms_real>> for itpms_alert {
     fn from(alert: &Alert<itpms_real>) -> Self {
         let nan = itpms_real::NAN;
-        let mut told = Self {
+        let mut alert_out = Self {
             since_s: alert.since_s,
             reported_s: alert.reported_s,
             driven_s: f64::NAN,
@@ -149,23 +149,23 @@ impl From<&Alert<itpms_real>> for itpms_alert {
         };
         match &alert.cause {
             Cause::UnderInflated(reading) | Cause::OverInflated(reading) | Cause::Flat(reading) => {
-                told.put_reading(reading);
+                alert_out.put_reading(reading);
             }
             Cause::FastLeak { reading, rate_kpa_per_min } => {
-                told.put_reading(reading);
-                told.rate_kpa_per_min = *rate_kpa_per_min;
+                alert_out.put_reading(reading);
+                alert_out.rate_kpa_per_min = *rate_kpa_per_min;
             }
             Cause::AllLow { mean_share, sd_share } | Cause::CommonShift { mean_share, sd_share } => {
-                (told.share, told.share_sd) = (*mean_share, *sd_share);
+                (alert_out.share, alert_out.share_sd) = (*mean_share, *sd_share);
             }
             Cause::Differs { lost_share, lost_sd_share, is_known } => {
-                (told.share, told.share_sd) = (*lost_share, *lost_sd_share);
-                told.wheels_are_known = u32::from(*is_known);
+                (alert_out.share, alert_out.share_sd) = (*lost_share, *lost_sd_share);
+                alert_out.wheels_are_known = u32::from(*is_known);
             }
-            Cause::Malfunction(malfunction) => told.put_malfunction(malfunction),
-            Cause::NoInformation { driven_s } => told.driven_s = *driven_s,
+            Cause::Malfunction(malfunction) => alert_out.put_malfunction(malfunction),
+            Cause::NoInformation { driven_s } => alert_out.driven_s = *driven_s,
         }
-        told
+        alert_out
     }
 }
 

@@ -65,8 +65,8 @@ impl Car {
         let mut sample = sample.read()?;
         let config =
             self.config.as_ref().filter(|config| config.has_corners()).ok_or(itpms_status::NoCorners)?;
-        for (corner, told) in sample.corners.iter_mut().zip(&config.monitor.car.corners) {
-            *corner = corner.filter(|_| told.is_some());
+        for (corner, configured) in sample.corners.iter_mut().zip(&config.monitor.car.corners) {
+            *corner = corner.filter(|_| configured.is_some());
         }
         let mut estimate = self.car.update(&sample);
         if config.wants_road {
@@ -143,8 +143,8 @@ impl Kept for Car {
         }
     }
 
-    fn configure(&mut self, told: &itpms_config) -> Result<(), Refusal> {
-        Ok(self.begin(&Config::read(told)?)?)
+    fn configure(&mut self, config: &itpms_config) -> Result<(), Refusal> {
+        Ok(self.begin(&Config::read(config)?)?)
     }
 
     fn reset(&mut self) -> Result<(), itpms_status> {

@@ -174,7 +174,7 @@ pub(crate) fn estimate(
     report: &MonitorReport<itpms_real>,
     radii: Option<&RadiusReport<itpms_real>>,
 ) -> itpms_estimate {
-    let mut told = itpms_estimate {
+    let mut estimate_out = itpms_estimate {
         time_s: car.map_or(radii.map_or(f64::NAN, |radii| radii.time_s), |car| car.time_s),
         wheels: [wheel(None, None); 4],
         correlation: car.map_or([[NAN; 4]; 4], |car| car.correlation),
@@ -183,17 +183,17 @@ pub(crate) fn estimate(
         low_wheels: 0,
     };
     let corners = car.map_or([None; 4], |car| car.corners);
-    for ((place, corner), report) in told.wheels.iter_mut().zip(&corners).zip(&report.wheels) {
+    for ((place, corner), report) in estimate_out.wheels.iter_mut().zip(&corners).zip(&report.wheels) {
         *place = wheel(corner.as_ref(), report.as_ref());
     }
     if let Some(radii) = radii {
-        (told.radius_state, told.low_wheels) = radius_state(radii.state);
-        for (place, radius) in told.wheels.iter_mut().zip(&radii.wheels) {
+        (estimate_out.radius_state, estimate_out.low_wheels) = radius_state(radii.state);
+        for (place, radius) in estimate_out.wheels.iter_mut().zip(&radii.wheels) {
             place.radius_lost_share = radius.lost_share;
             place.radius_lost_share_sd = radius.lost_share_sd;
         }
     }
-    told
+    estimate_out
 }
 
 /// An `itpms_radius_state`, and the wheels it is about as bits.

@@ -20,7 +20,7 @@ pub(crate) trait Kept: Sized {
     unsafe fn blank(place: *mut Self);
 
     /// Begins with this configuration.
-    fn configure(&mut self, told: &itpms_config) -> Result<(), Refusal>;
+    fn configure(&mut self, config: &itpms_config) -> Result<(), Refusal>;
 
     /// Begins anew as configured.
     fn reset(&mut self) -> Result<(), itpms_status>;

@@ -55,8 +55,8 @@ impl Kept for Wheels {
         }
     }
 
-    fn configure(&mut self, told: &itpms_config) -> Result<(), Refusal> {
-        let config = read_wheel_speeds(&told.wheel_speeds, told.wheelbase_m)?;
+    fn configure(&mut self, given: &itpms_config) -> Result<(), Refusal> {
+        let config = read_wheel_speeds(&given.wheel_speeds, given.wheelbase_m)?;
         let config = config.ok_or_else(|| Refusal::choice("wheel_speeds.is_used", 0, "1"))?;
         Ok(self.begin(&config)?)
     }
@@ -78,9 +78,9 @@ impl Kept for Wheels {
         mut take: impl FnMut(usize, &Change<itpms_real>),
     ) -> (usize, Result<(), itpms_status>) {
         // Alerts that were reported at one time are one.
-        let told = |alert: &Alert<itpms_real>| alert.reported_s.to_bits();
+        let reported = |alert: &Alert<itpms_real>| alert.reported_s.to_bits();
         let (now, before) = (self.wheels.alert(), self.reported);
-        if now.as_ref().map(told) == before.as_ref().map(told) {
+        if now.as_ref().map(reported) == before.as_ref().map(reported) {
             return (0, Ok(()));
         }
         let changes = before.map(Change::Ended).into_iter().chain(now.map(Change::Begun));

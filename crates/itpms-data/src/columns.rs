@@ -183,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn every_problem_is_said_with_its_place() {
+    fn every_problem_is_reported_with_its_place() {
         for (text, message) in [
             ("", "the file is empty, expected a header line with displacement_m,load_n"),
             ("displacement_m,load_n\n", "there is a header but no row under it"),

@@ -311,12 +311,12 @@ fn a_unit_that_is_stated_is_not_contradicted() {
             "[signals]\ntime_s = \"Time\"\nspeed_m_s = \"VehicleSpeed [UNIT]\"\n".replace("UNIT", unit);
         let refused = resolve(&candidates, Some(&map(&text).unwrap())).unwrap_err().to_string();
         assert!(refused.contains(&format!("is stated as {unit:?}")), "{refused}");
-        for said in resolved.said().into_iter().chain([resolved.to_toml(None), refused]) {
+        for said in resolved.assumptions().into_iter().chain([resolved.to_toml(None), refused]) {
             assert!(!said.contains("unit = "), "{unit}: {said}");
         }
     }
     // Not stated: asked for, with a column's own unit and the others that it may have.
     let candidates = listed("Time,FL_BodyAccZ [g],FL_WheelAccZ [g],VehicleSpeed");
-    let said = resolve(&candidates, None).unwrap().said().join("\n");
+    let said = resolve(&candidates, None).unwrap().assumptions().join("\n");
     assert!(said.contains("unit = \"m/s\" } (or m/s, km/h"), "{said}");
 }

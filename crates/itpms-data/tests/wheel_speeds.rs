@@ -191,5 +191,9 @@ fn an_acceleration_is_nothing_like_a_wheel_speed() {
     // Three are of no use, and what is missing is reported.
     let resolved = resolve(&candidates[..3], None).unwrap();
     assert!(resolved.unusable().unwrap().contains("the speeds of four wheels"));
-    assert!(resolved.said().iter().any(|line| line.ends_with("missing: rr")), "{:?}", resolved.said());
+    assert!(
+        resolved.assumptions().iter().any(|line| line.ends_with("missing: rr")),
+        "{:?}",
+        resolved.assumptions()
+    );
 }

@@ -103,7 +103,7 @@ pub fn learn_with(
     let mut concerns: Vec<String> = wheelbase::doubt(file, found).into_iter().collect();
     let written = file;
     let file = &wheelbase::with_found(file, found);
-    let told = file.car_config(&Corner::ALL);
+    let nominal = file.car_config(&Corner::ALL);
     let mut now = file.clone();
     let mut result = None;
     for pass in 0..PASSES {
@@ -120,7 +120,8 @@ pub fn learn_with(
             }
             done += 1.0;
         }
-        let learned = itpms_analysis::learn::learn(&told, &readings).map_err(|error| named(error, drives))?;
+        let learned =
+            itpms_analysis::learn::learn(&nominal, &readings).map_err(|error| named(error, drives))?;
         now = vehicle(file, drives, &learned);
         result = Some((learned, readings));
     }
@@ -317,16 +318,16 @@ fn vehicle(file: &Vehicle, drives: &[KnownDrive], learned: &Learned) -> Vehicle 
         {
             corner.tire = tire;
         }
-        let (known, told) = (&corner.uncertainty, &mut details.corners[i]);
+        let (known, stated) = (&corner.uncertainty, &mut details.corners[i]);
         let sd = |value: f64| Some((value * 1e4).round() / 1e4);
-        told.sprung_mass_relative_sd = sd(known.sprung_mass_relative_sd);
-        told.unsprung_mass_relative_sd = sd(known.unsprung_mass_relative_sd);
-        told.spring_relative_sd = sd(known.spring_relative_sd);
-        told.damping_relative_sd = sd(known.damping_relative_sd);
-        told.friction_n = Some((known.friction_n * 10.0).round() / 10.0);
-        told.friction_sd_n = Some((known.friction_sd_n * 10.0).round() / 10.0);
-        told.tire.stiffness_relative_sd = sd(known.stiffness_relative_sd);
-        told.tire.stiffness_over_mass_relative_sd = known.stiffness_over_mass_relative_sd.and_then(sd);
+        stated.sprung_mass_relative_sd = sd(known.sprung_mass_relative_sd);
+        stated.unsprung_mass_relative_sd = sd(known.unsprung_mass_relative_sd);
+        stated.spring_relative_sd = sd(known.spring_relative_sd);
+        stated.damping_relative_sd = sd(known.damping_relative_sd);
+        stated.friction_n = Some((known.friction_n * 10.0).round() / 10.0);
+        stated.friction_sd_n = Some((known.friction_sd_n * 10.0).round() / 10.0);
+        stated.tire.stiffness_relative_sd = sd(known.stiffness_relative_sd);
+        stated.tire.stiffness_over_mass_relative_sd = known.stiffness_over_mass_relative_sd.and_then(sd);
         corners[i] = Some(corner);
     }
     let learned = Some(described(drives));

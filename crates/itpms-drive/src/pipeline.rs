@@ -93,7 +93,7 @@ fn work(
     emptied: &Receiver<Vec<Step>>,
     watch: Watch<'_>,
 ) -> Result<(), DriveError> {
-    let (mut count, mut told_s) = (0u64, f64::NAN);
+    let (mut count, mut reported_s) = (0u64, f64::NAN);
     for Read { rows, progress, end } in rows {
         if count.is_multiple_of(ROWS_PER_LOOK) && watch(progress).is_break() {
             return Err(DriveError::Stopped);
@@ -106,8 +106,8 @@ fn work(
             let estimates = drive.update(&mut row).corners;
             let report = drive.report();
             // A report that says something else has another time; none has been given before the first.
-            let report = (report.time_s != told_s).then(|| Box::new(*report));
-            told_s = report.as_ref().map_or(told_s, |report| report.time_s);
+            let report = (report.time_s != reported_s).then(|| Box::new(*report));
+            reported_s = report.as_ref().map_or(reported_s, |report| report.time_s);
             let radii = drive.radii().map(Box::new);
             steps.push(Step { row, estimates, report, radii, cars: job.road.then(|| drive.quarter_cars()) });
         }
@@ -128,11 +128,11 @@ fn follow(
     record: &mut Record,
     sink: &mut (dyn Sink + Send),
 ) -> Result<(), DriveError> {
-    let mut said = None;
+    let mut newest = None;
     for mut batch in steps {
         for Step { row, estimates, report, radii, cars } in batch.drain(..) {
-            said = report.or(said);
-            let Some(report) = &said else { continue };
+            newest = report.or(newest);
+            let Some(report) = &newest else { continue };
             record.take(&row, &estimates, report, radii.as_deref(), cars.as_ref(), sink)?;
         }
         // It is not wanted where the drive is over.
@@ -276,24 +276,24 @@ mod tests {
 
     #[test]
     fn a_pipeline_tells_the_same_to_the_last_bit() {
-        let (told, _) = the_same(None, None, None);
-        assert_eq!(told.lines().filter(|line| line.starts_with("LogRow")).count(), 6400);
-        assert_eq!(told.lines().filter(|line| line.starts_with("LateRow")).count(), 6400);
-        assert!(told.contains("Begun"), "the nail was not reported");
+        let (received, _) = the_same(None, None, None);
+        assert_eq!(received.lines().filter(|line| line.starts_with("LogRow")).count(), 6400);
+        assert_eq!(received.lines().filter(|line| line.starts_with("LateRow")).count(), 6400);
+        assert!(received.contains("Begun"), "the nail was not reported");
     }
 
     #[test]
-    fn what_was_read_before_an_error_is_told_before_it() {
-        let (told, error) = the_same(Some(5003), None, None);
+    fn what_was_read_before_an_error_is_detected_before_it() {
+        let (received, error) = the_same(Some(5003), None, None);
         // Rows that wait for earlier ones come out, too.
-        assert_eq!(told.lines().filter(|line| line.starts_with("LogRow")).count(), 5003);
+        assert_eq!(received.lines().filter(|line| line.starts_with("LogRow")).count(), 5003);
         assert!(error.contains("5005"), "{error}");
     }
 
     #[test]
     fn a_sink_that_refuses_a_row_ends_the_drive_with_its_words() {
-        let (told, error) = the_same(None, Some(1000), None);
-        assert_eq!(told.lines().filter(|line| line.starts_with("LogRow")).count(), 1000);
+        let (received, error) = the_same(None, Some(1000), None);
+        assert_eq!(received.lines().filter(|line| line.starts_with("LogRow")).count(), 1000);
         assert_eq!(error, "row 1000");
         // That row comes before the one that cannot be read, though that one is read by then.
         let (_, error) = the_same(Some(5003), Some(5000), None);
@@ -302,8 +302,8 @@ mod tests {
 
     #[test]
     fn a_stop_ends_it_where_it_is_asked_for() {
-        let (told, error) = the_same(None, None, Some(3));
-        assert_eq!(told.lines().filter(|line| line.starts_with("LogRow")).count(), 2048);
+        let (received, error) = the_same(None, None, Some(3));
+        assert_eq!(received.lines().filter(|line| line.starts_with("LogRow")).count(), 2048);
         assert_eq!(error, "interrupted");
     }
 }

@@ -84,7 +84,7 @@ fn sources(vehicle: &Vehicle, corners: &[Corner]) -> Vec<(Parameter, String)> {
     let (stated, tire) =
         (&vehicle.details.corners[first.index()], &vehicle.details.corners[first.index()].tire);
     let source = |parameter: Parameter| {
-        let (learned, sd_told) = match parameter {
+        let (learned, sd_stated) = match parameter {
             Parameter::SprungMass => (false, stated.sprung_mass_relative_sd.is_some()),
             Parameter::UnsprungMass => (true, stated.unsprung_mass_relative_sd.is_some()),
             Parameter::Tire => (true, tire.stiffness_relative_sd.is_some()),
@@ -102,7 +102,7 @@ fn sources(vehicle: &Vehicle, corners: &[Corner]) -> Vec<(Parameter, String)> {
         };
         match &vehicle.learned {
             Some(drives) if learned => format!("learned: {drives}"),
-            _ if sd_told => "vehicle file".to_owned(),
+            _ if sd_stated => "vehicle file".to_owned(),
             _ => format!("vehicle file; ± as usual for {}", vehicle.details.confidence.label()),
         }
     };

@@ -15,7 +15,7 @@ use crate::error::DriveError;
 /// How far the smoother looks ahead; more changes nothing worth having at any speed.
 const LOOKAHEAD_S: f64 = 30.0;
 /// Seconds between two words to the recorders about stiffness, load and damping: each costs them some work.
-const TELL_S: f64 = 0.1;
+const UPDATE_S: f64 = 0.1;
 
 type Recorder = RoadRecorder<f64, Vec<RoadRow<f64>>, Vec<Segment<f64>>>;
 
@@ -37,7 +37,7 @@ pub struct RoadTrack {
     recorders: [Option<(Recorder, VecDeque<RoadPoint<f64>>)>; 4],
     waiting: VecDeque<LateRow>,
     odometer: Odometer,
-    told_s: f64,
+    updated_s: f64,
 }
 
 impl RoadTrack {
@@ -60,28 +60,33 @@ impl RoadTrack {
                 .map_err(|error| DriveError::Mismatch(error.to_string()))?;
             recorders[corner.index()] = Some((recorder, VecDeque::new()));
         }
-        Ok(Self { recorders, waiting: VecDeque::new(), odometer: Odometer::new(), told_s: f64::NEG_INFINITY })
+        Ok(Self {
+            recorders,
+            waiting: VecDeque::new(),
+            odometer: Odometer::new(),
+            updated_s: f64::NEG_INFINITY,
+        })
     }
 
     /// Takes a row of the log and what was estimated after it.
     pub fn push(&mut self, row: &LogRow, estimates: &Estimates, cars: &QuarterCars) {
         let speed_m_s = self.odometer.push(row.time_s, row.speed_m_s);
-        let tell = row.time_s - self.told_s >= TELL_S;
-        if tell {
-            self.told_s = row.time_s;
+        let due = row.time_s - self.updated_s >= UPDATE_S;
+        if due {
+            self.updated_s = row.time_s;
         }
         for corner in Corner::ALL {
             let i = corner.index();
             let (Some((recorder, points)), Some(sample)) = (&mut self.recorders[i], &row.corners[i]) else {
                 continue;
             };
-            if let Some(estimate) = estimates[i].filter(|_| tell) {
+            if let Some(estimate) = estimates[i].filter(|_| due) {
                 // A filter that has diverged has no stiffness to give; then the last good one stays.
                 let _ = recorder
                     .filter_mut()
                     .set_stiffness(estimate.stiffness_n_per_m, estimate.stiffness_sd_n_per_m);
             }
-            if let Some(car) = cars[i].filter(|_| tell) {
+            if let Some(car) = cars[i].filter(|_| due) {
                 recorder.filter_mut().set_quarter_car(car);
             }
             recorder.push(row.time_s, &sample.sample(), |point| points.push_back(point));

@@ -387,7 +387,7 @@ mod tests {
     }
 
     #[test]
-    fn without_a_wheelbase_or_on_roads_of_their_own_nothing_is_said() {
+    fn without_a_wheelbase_or_on_roads_of_their_own_nothing_is_reported() {
         let mut axis = TimeAxis::new(None);
         rows(2.0, 0.0, false).iter().for_each(|row| axis.take(row));
         assert_eq!(axis.contradiction(), None);

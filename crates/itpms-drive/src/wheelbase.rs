@@ -59,14 +59,16 @@ pub(crate) fn with_found(file: &Vehicle, found: Option<FoundWheelbase>) -> Vehic
 pub(crate) fn doubt(file: &Vehicle, found: Option<FoundWheelbase>) -> Option<String> {
     let side = |front, rear| file.corner(front).is_some() && file.corner(rear).is_some();
     let has_side = side(Corner::FrontLeft, Corner::RearLeft) || side(Corner::FrontRight, Corner::RearRight);
-    let told_m = file.wheelbase_m.filter(|_| has_side)?;
+    let stated_m = file.wheelbase_m.filter(|_| has_side)?;
     match found {
         None if file.assumes_wheelbase() => Some(format!(
-            "the wheelbase of {told_m} m was assumed and the drives do not show it (front and rear were not found to follow each other): measure it and set wheelbase_m"
+            "the wheelbase of {stated_m} m was assumed and the drives do not show it (front and rear were not found to follow each other): measure it and set wheelbase_m"
         )),
-        Some(found) if !file.assumes_wheelbase() && (found.wheelbase_m - told_m).abs() > FAR * found.sd_m => {
+        Some(found)
+            if !file.assumes_wheelbase() && (found.wheelbase_m - stated_m).abs() > FAR * found.sd_m =>
+        {
             Some(format!(
-                "the drives show a wheelbase of {:.2} ± {:.2} m, the file has {told_m} m: measure it, or write wheelbase_sd_m = 0.15 beside wheelbase_m to have it learned",
+                "the drives show a wheelbase of {:.2} ± {:.2} m, the file has {stated_m} m: measure it, or write wheelbase_sd_m = 0.15 beside wheelbase_m to have it learned",
                 found.wheelbase_m, found.sd_m
             ))
         }

@@ -159,8 +159,8 @@ impl BrokerAddress {
             // Never without encryption where it was asked for: an empty store trusts none.
             Encryption::Wanted => drop(options.set_transport(Transport::tls(Vec::new(), None, None))),
             Encryption::Tls(client) => {
-                let told = TlsConfiguration::Rustls(Arc::clone(client));
-                options.set_transport(Transport::tls_with_config(told));
+                let tls = TlsConfiguration::Rustls(Arc::clone(client));
+                options.set_transport(Transport::tls_with_config(tls));
             }
         }
         let mut network = NetworkOptions::new();

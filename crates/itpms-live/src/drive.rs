@@ -93,8 +93,8 @@ impl Drive {
         }
     }
 
-    /// Takes a row; gives what began and ended to `said`. `true` if an estimate is due to be published.
-    pub fn update(&mut self, row: &LogRow, mut said: impl FnMut(f64, Change<f64>)) -> bool {
+    /// Takes a row; gives what began and ended to `reported`. `true` if an estimate is due to be published.
+    pub fn update(&mut self, row: &LogRow, mut reported: impl FnMut(f64, Change<f64>)) -> bool {
         let mut estimate = self.car.update(&row.sample());
         self.road.update(&row.sample(), &self.car.estimator().quarter_cars(), &mut estimate);
         let progress = &mut self.progress;
@@ -103,20 +103,20 @@ impl Drive {
         if let Some(wheels) = &self.wheels {
             self.car.follow_wheels(&wheels.monitor);
         }
-        let told_m_s = match rolls_m_s {
+        let measured_m_s = match rolls_m_s {
             Some(rolls_m_s) if row.speed_m_s.is_nan() => rolls_m_s,
             _ if self.car.denies_standstill() => f64::NAN,
             _ => row.speed_m_s,
         };
-        let speed_m_s = progress.odometer.push(row.time_s, told_m_s);
+        let speed_m_s = progress.odometer.push(row.time_s, measured_m_s);
         self.roughness.push(&estimate, speed_m_s, progress.odometer.distance_m());
         self.latest = Some(estimate);
         let report = self.wheels.as_ref().map_or(self.car.report(), |wheels| &*wheels.report);
         if self.progress.before.as_ref().is_none_or(|before| before.time_s != report.time_s) {
             let time_s = report.time_s;
             match self.progress.before.replace(*report) {
-                None => report.alerts().for_each(|alert| said(time_s, Change::Begun(*alert))),
-                Some(before) => report.changes_since(&before).for_each(|change| said(time_s, change)),
+                None => report.alerts().for_each(|alert| reported(time_s, Change::Begun(*alert))),
+                Some(before) => report.changes_since(&before).for_each(|change| reported(time_s, change)),
             }
         }
         self.gate.lets_through(row.time_s)

@@ -61,7 +61,7 @@ pub struct Engine {
     past: Past,
     units: UnitWatch,
     /// Whether it was reported that rows come in bursts.
-    bursts_told: bool,
+    bursts_reported: bool,
 }
 
 enum Stage {
@@ -109,7 +109,7 @@ impl Engine {
             transitions: 0,
             past: Past::new(),
             units,
-            bursts_told: false,
+            bursts_reported: false,
         }
     }
 
@@ -212,7 +212,7 @@ impl Engine {
         };
         let span_s = rows.first().zip(rows.last()).map_or(0.0, |(first, last)| last.time_s - first.time_s);
         if !ended && (rows.len() as f64) < FULL_SHARE * span_s * rate_hz {
-            if !std::mem::replace(&mut self.bursts_told, true) {
+            if !std::mem::replace(&mut self.bursts_reported, true) {
                 let count = rows.len();
                 self.warn(&format!(
                     "{count} rows in {span_s:.1} s, though {:.1} ms apart: bursts; looking on",

@@ -51,13 +51,13 @@ pub struct Monitor {
     last_row: Instant,
     /// When a frame with a signal that is wanted came last.
     last_frame: Instant,
-    last_told: Instant,
+    last_published: Instant,
     /// Losses that the queue between source and estimate has had.
     queue_dropped: u64,
     lost: u64,
-    failures_told: usize,
+    failures_reported: usize,
     /// Whether it was reported that no frame is of use.
-    useless_told: bool,
+    useless_reported: bool,
 }
 
 impl Monitor {
@@ -81,11 +81,11 @@ impl Monitor {
             say,
             last_row: now,
             last_frame: now,
-            last_told: now,
+            last_published: now,
             queue_dropped: 0,
             lost: 0,
-            failures_told: 0,
-            useless_told: false,
+            failures_reported: 0,
+            useless_reported: false,
         }
     }
 
@@ -193,9 +193,9 @@ impl Monitor {
 
     fn row(&mut self, row: &LogRow, arrived: Option<Instant>) -> Result<(), LiveError> {
         self.last_row = Instant::now();
-        let Self { engine, hub, outputs, last_told, .. } = self;
+        let Self { engine, hub, outputs, last_published, .. } = self;
         engine.take(row, arrived, &mut |published| {
-            *last_told = Instant::now();
+            *last_published = Instant::now();
             publish(hub, outputs, published);
         })
     }
@@ -217,13 +217,13 @@ impl Monitor {
 
     /// Says once that frames come and none is of use: another bus, or another bus's description.
     fn tell_useless_frames(&mut self) {
-        let Some(feed) = self.feed.as_ref().filter(|feed| feed.used() == 0 && !self.useless_told) else {
+        let Some(feed) = self.feed.as_ref().filter(|feed| feed.used() == 0 && !self.useless_reported) else {
             return;
         };
         let unknown = feed.unknown_ids();
         let source = self.engine.source_mut();
         if source.frames > 0 {
-            self.useless_told = true;
+            self.useless_reported = true;
             let (name, frames) = (&source.name, source.frames);
             (self.say)(Note::Warning(format!(
                 "{name}: {frames} frames have come and none with a signal that is wanted; {unknown} have identifiers that the DBC file does not have"
@@ -237,7 +237,7 @@ impl Monitor {
             let source = self.engine.source_mut();
             let news = source.state == SourceState::Live;
             source.state = SourceState::Stale;
-            if news || self.last_told.elapsed() > STALE_EVERY {
+            if news || self.last_published.elapsed() > STALE_EVERY {
                 self.tell_now();
                 self.tell_useless_frames();
             }
@@ -254,15 +254,15 @@ impl Monitor {
     fn nobody_listens(&mut self) -> bool {
         let failures: Vec<&str> = self.outputs.iter().filter_map(Output::failure).collect();
         let over = !failures.is_empty() && failures.len() == self.outputs.len() && !self.hub.is_read();
-        if failures.len() > self.failures_told && !over {
-            self.failures_told = failures.len();
+        if failures.len() > self.failures_reported && !over {
+            self.failures_reported = failures.len();
             (self.say)(Note::Warning(format!("an output has ended: {}", failures.join("; "))));
         }
         over
     }
 
     fn tell_now(&mut self) {
-        self.last_told = Instant::now();
+        self.last_published = Instant::now();
         let snapshot = self.engine.snapshot();
         publish(&self.hub, &self.outputs, Published::Estimate(snapshot));
     }

@@ -30,7 +30,7 @@ impl SpeedDoubt {
 pub(crate) struct SpeedWord {
     /// What is doubted now, since when, and when that was looked at last.
     doubted: Option<(SpeedDoubt, f64, f64)>,
-    said: Vec<SpeedDoubt>,
+    reported: Vec<SpeedDoubt>,
 }
 
 impl SpeedWord {
@@ -46,13 +46,13 @@ impl SpeedWord {
             _ => time_s,
         };
         self.doubted = doubt.map(|doubt| (doubt, since_s, time_s));
-        let doubt = doubt.filter(|doubt| !self.said.contains(doubt))?;
+        let doubt = doubt.filter(|doubt| !self.reported.contains(doubt))?;
         let what = match doubt {
             SpeedDoubt::Missing if time_s - since_s < LASTS_S => return None,
             SpeedDoubt::Missing => "there has been no speed_m_s that a car can have",
             SpeedDoubt::Contradicted => "speed_m_s says that the car stands while its wheels roll",
         };
-        self.said.push(doubt);
+        self.reported.push(doubt);
         Some(format!("since {since_s:.1} s {what}; for as long every wheel is by itself: less accurate"))
     }
 }
@@ -62,9 +62,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_reason_is_said_once_and_a_hole_only_when_it_lasts() {
+    fn each_reason_is_reported_once_and_a_hole_only_when_it_lasts() {
         let mut word = SpeedWord::default();
-        let mut said = Vec::new();
+        let mut reported = Vec::new();
         let rows = (0..600u32).map(|tenths| 0.1 * f64::from(tenths));
         for time_s in rows {
             let doubt = match time_s {
@@ -73,11 +73,14 @@ mod tests {
                 t if (20.0..21.0).contains(&t) => Some(SpeedDoubt::Contradicted),
                 _ => None,
             };
-            said.extend(word.take(time_s, doubt).map(|text| format!("{time_s:.1}: {text}")));
+            reported.extend(word.take(time_s, doubt).map(|text| format!("{time_s:.1}: {text}")));
         }
-        assert_eq!(said.len(), 2, "{said:?}");
-        assert!(said[0].starts_with("15.0: since 10.0 s there has been no speed_m_s"), "{said:?}");
-        assert!(said[1].starts_with("20.0: since 20.0 s speed_m_s says that the car stands"), "{said:?}");
+        assert_eq!(reported.len(), 2, "{reported:?}");
+        assert!(reported[0].starts_with("15.0: since 10.0 s there has been no speed_m_s"), "{reported:?}");
+        assert!(
+            reported[1].starts_with("20.0: since 20.0 s speed_m_s says that the car stands"),
+            "{reported:?}"
+        );
         // A clock that is set back begins to count again, and so does a bus that slept.
         let mut word = SpeedWord::default();
         for time_s in [100.0, 104.0, 3.0, 7.0, 5000.0] {

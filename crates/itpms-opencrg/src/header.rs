@@ -227,22 +227,22 @@ impl Header {
     }
 
     fn take(&mut self, section: Section, line: &str, number: u64) -> Result<(), CrgProblem> {
-        let said = line.split('!').next().unwrap_or_default().trim_end();
-        if said.trim().is_empty() {
+        let statement = line.split('!').next().unwrap_or_default().trim_end();
+        if statement.trim().is_empty() {
             return Ok(());
         }
         match section {
             Section::Other => Ok(()),
-            Section::Road => assign(&mut self.road, section, &ROAD_KEYS, said, number),
+            Section::Road => assign(&mut self.road, section, &ROAD_KEYS, statement, number),
             Section::Modifiers => {
                 let numbers = self.modifiers.get_or_insert_default();
-                assign(numbers, section, &MODIFIER_KEYS, said, number)
+                assign(numbers, section, &MODIFIER_KEYS, statement, number)
             }
             Section::Definition => {
-                self.definitions.push(Definition { line: number, text: said.trim_start().to_owned() });
+                self.definitions.push(Definition { line: number, text: statement.trim_start().to_owned() });
                 Ok(())
             }
-            Section::File => Err(CrgProblem::OtherFile { line: number, file: shortened(said.trim()) }),
+            Section::File => Err(CrgProblem::OtherFile { line: number, file: shortened(statement.trim()) }),
         }
     }
 }
@@ -252,13 +252,17 @@ fn assign(
     numbers: &mut Numbers,
     section: Section,
     known: &[&str],
-    said: &str,
+    statement: &str,
     line: u64,
 ) -> Result<(), CrgProblem> {
-    let Some((key, value)) = said.split_once('=') else {
-        return Err(CrgProblem::Assignment { line, section: section.name(), found: shortened(said.trim()) });
+    let Some((key, value)) = statement.split_once('=') else {
+        return Err(CrgProblem::Assignment {
+            line,
+            section: section.name(),
+            found: shortened(statement.trim()),
+        });
     };
-    let column = said[..key.len() + 1].chars().count() + 1 + value.chars().count()
+    let column = statement[..key.len() + 1].chars().count() + 1 + value.chars().count()
         - value.trim_start().chars().count();
     let (key, value) = (key.trim().to_ascii_lowercase(), value.trim());
     if !known.contains(&key.as_str()) {

@@ -155,11 +155,11 @@ fn drop_incomplete_padding(values: &mut Vec<f64>, channels: usize) {
 
 fn text_value(cell: &[char], line: u64, first: usize, width: usize) -> Result<f64, CrgProblem> {
     let text: String = cell.iter().collect();
-    let said = text.trim();
-    let value = match said {
+    let cell = text.trim();
+    let value = match cell {
         _ if cell.len() < width => None,
-        _ if said.starts_with('*') || said.eq_ignore_ascii_case("nan") => Some(f64::NAN),
-        _ => number(said),
+        _ if cell.starts_with('*') || cell.eq_ignore_ascii_case("nan") => Some(f64::NAN),
+        _ => number(cell),
     };
     let last = first + cell.len() - 1;
     value.ok_or_else(|| CrgProblem::Cell { line, first, last, found: shortened(&text), width })

@@ -1,7 +1,7 @@
 //! A filter of one's own beside the published one and the default: `cargo run --release -p itpms-paper --example own_filter`.
 //!
 //! All three get the samples of the paper's sudden loss (Fig. 7), whose truth is known. [`Hop`] stands for yours: it takes the tire's
-//! stiffness from the frequency at which the wheel's acceleration, freed of what is far from wheel hop, crosses zero.
+//! stiffness from the frequency at which the wheel's acceleration, band-passed around wheel hop, crosses zero.
 
 use std::error::Error;
 

@@ -11,7 +11,7 @@ use crate::errors;
 use crate::output;
 use crate::pieces::{Pieces, reading};
 use crate::vehicle::Vehicle;
-use crate::work::{self, Meanwhile, Told};
+use crate::work::{self, Meanwhile, Progress};
 
 /// Holds a vehicle against the drive in a file.
 #[pyfunction]
@@ -22,10 +22,10 @@ pub(crate) fn check_log(
     trust_units: bool,
     dbc: Option<PathBuf>,
     signals: Option<PathBuf>,
-    told: Told,
+    progress: Progress,
 ) -> PyResult<Checked> {
     let options = reading(trust_units, dbc, signals);
-    run(py, vehicle, &told, || LogReader::open_with(&path, &options))
+    run(py, vehicle, &progress, || LogReader::open_with(&path, &options))
 }
 
 /// Holds a vehicle against a drive given piece by piece, as [`Pieces`] takes them. `name` is what messages call the drive.
@@ -39,21 +39,21 @@ pub(crate) fn check_pieces(
     vehicle: &Vehicle,
     trust_units: bool,
     signals: Option<PathBuf>,
-    told: Told,
+    progress: Progress,
 ) -> PyResult<Checked> {
     let options = reading(trust_units, None, signals);
     let pieces = Pieces::new(names, rows, pieces.unbind());
     let raised = pieces.raised();
-    raised.or(run(py, vehicle, &told, move || pieces.open(Path::new(name), &options)))
+    raised.or(run(py, vehicle, &progress, move || pieces.open(Path::new(name), &options)))
 }
 
 fn run(
     py: Python<'_>,
     vehicle: &Vehicle,
-    told: &Told,
+    progress: &Progress,
     open: impl FnOnce() -> Result<LogReader, DataError> + Send,
 ) -> PyResult<Checked> {
-    let result = work::run(py, told, |meanwhile: &Meanwhile| -> Result<CheckedVehicle, DriveError> {
+    let result = work::run(py, progress, |meanwhile: &Meanwhile| -> Result<CheckedVehicle, DriveError> {
         check(&vehicle.0, &mut open()?, &mut |share| meanwhile.done(share))
     })?;
     result.map(Checked).map_err(|error| errors::drive(py, &error))

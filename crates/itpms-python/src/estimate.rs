@@ -24,7 +24,7 @@ use crate::found::Found;
 use crate::options::Options;
 use crate::pieces::Pieces;
 use crate::vehicle::Vehicle;
-use crate::work::{self, Meanwhile, Told};
+use crate::work::{self, Meanwhile, Progress};
 
 /// Estimates the drive in a file.
 #[pyfunction]
@@ -33,10 +33,10 @@ pub(crate) fn estimate_log(
     path: PathBuf,
     vehicle: &Vehicle,
     options: Options,
-    told: Told,
+    progress: Progress,
 ) -> PyResult<Estimated> {
     let reading = options.reading();
-    run(py, vehicle, &options, &told, || LogReader::open_with(&path, &reading))
+    run(py, vehicle, &options, &progress, || LogReader::open_with(&path, &reading))
 }
 
 /// Estimates a drive given piece by piece, as [`Pieces`] takes them. `name` is what messages call the drive.
@@ -49,12 +49,12 @@ pub(crate) fn estimate_pieces(
     pieces: Bound<'_, PyIterator>,
     vehicle: &Vehicle,
     options: Options,
-    told: Told,
+    progress: Progress,
 ) -> PyResult<Estimated> {
     let reading = options.reading();
     let pieces = Pieces::new(names, rows, pieces.unbind());
     let raised = pieces.raised();
-    let result = run(py, vehicle, &options, &told, move || pieces.open(Path::new(name), &reading));
+    let result = run(py, vehicle, &options, &progress, move || pieces.open(Path::new(name), &reading));
     raised.or(result)
 }
 
@@ -62,14 +62,14 @@ fn run(
     py: Python<'_>,
     vehicle: &Vehicle,
     options: &Options,
-    told: &Told,
+    progress: &Progress,
     open: impl FnOnce() -> Result<LogReader, itpms_data::DataError> + Send,
 ) -> PyResult<Estimated> {
     let (settings, reading) = (options.settings(py)?, options.reading());
     let (vehicle, keep_road, save) = (&vehicle.0, options.road, options.save_reference.as_deref());
     // For a report the road is smoothed; the same report, whatever else was kept.
     let (report, smooth) = (options.report, options.report || keep_road);
-    let result = work::run(py, told, |meanwhile: &Meanwhile| -> Result<Estimated, DriveError> {
+    let result = work::run(py, progress, |meanwhile: &Meanwhile| -> Result<Estimated, DriveError> {
         let mut log = open()?;
         let corners = common_corners(&log, vehicle)?;
         let saving = save.map(|path| Saving::create(path, &settings, vehicle)).transpose()?;

@@ -11,7 +11,7 @@ use pyo3::types::PyIterator;
 use crate::errors;
 use crate::pieces::{self, Pieces, Raised};
 use crate::vehicle::Vehicle;
-use crate::work::{self, Meanwhile, Told};
+use crate::work::{self, Meanwhile, Progress};
 
 /// A drive: a path, or a name and what gives its pieces anew for every pass; and the pressures in kPa of the corners that were given.
 #[derive(FromPyObject)]
@@ -33,7 +33,7 @@ pub(crate) fn learn(
     trust_units: bool,
     dbc: Option<PathBuf>,
     signals: Option<PathBuf>,
-    told: Told,
+    progress: Progress,
 ) -> PyResult<Learned> {
     let options = pieces::reading(trust_units, dbc, signals);
     let known: Vec<KnownDrive> = drives
@@ -46,7 +46,7 @@ pub(crate) fn learn(
         })
         .collect();
     let mut raised = Raised::default();
-    let result = work::run(py, &told, |meanwhile: &Meanwhile| {
+    let result = work::run(py, &progress, |meanwhile: &Meanwhile| {
         let open = &mut |number: usize| -> Result<LogReader, DriveError> {
             let (given, drive) = (&drives[number], &known[number]);
             let Some((names, rows, pieces)) = &given.table else {

@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use crate::columns::{self, Columns, Packed};
 use crate::errors;
 use crate::vehicle::Vehicle;
-use crate::work::{self, Meanwhile, Told};
+use crate::work::{self, Meanwhile, Progress};
 
 /// A simulated drive with its truth.
 #[pyclass(frozen, module = "itpms._itpms")]
@@ -53,10 +53,10 @@ pub(crate) fn simulate(
     seed: u64,
     vehicle: Option<&Vehicle>,
     truth: bool,
-    told: Told,
+    progress: Progress,
 ) -> PyResult<Simulated> {
     let vehicle = vehicle.map(|vehicle| vehicle.0.clone());
-    let result = work::run(py, &told, |meanwhile: &Meanwhile| -> Result<Simulated, DriveError> {
+    let result = work::run(py, &progress, |meanwhile: &Meanwhile| -> Result<Simulated, DriveError> {
         let mut scenario = Scenario::load(scenario)?;
         simulated::take_crg(&mut scenario)?;
         if let Some(vehicle) = &vehicle {

@@ -17,7 +17,7 @@ const STACK_BYTES: usize = 32 << 20;
 const LOOK: Duration = Duration::from_millis(50);
 
 /// Who receives the share that is done, 0 to 1, some twenty times a second, on the thread that called.
-pub(crate) type Told = Option<Py<PyAny>>;
+pub(crate) type Progress = Option<Py<PyAny>>;
 
 /// What a computation and the thread that waits for it tell each other.
 #[derive(Debug, Default)]
@@ -35,19 +35,19 @@ impl Meanwhile {
     }
 
     /// Looks for a signal and tells how far it is.
-    fn look(&self, told: &Told) -> PyResult<()> {
+    fn look(&self, progress: &Progress) -> PyResult<()> {
         Python::attach(|py| {
             py.check_signals()?;
-            let Some(told) = told else { return Ok(()) };
-            told.call1(py, (f64::from_bits(self.done.load(Ordering::Relaxed)),)).map(drop)
+            let Some(progress) = progress else { return Ok(()) };
+            progress.call1(py, (f64::from_bits(self.done.load(Ordering::Relaxed)),)).map(drop)
         })
     }
 }
 
-/// Runs `work` without the interpreter's lock; on Ctrl-C, or what `told` raises, it is asked to stop, and that exception is raised.
+/// Runs `work` without the interpreter's lock; on Ctrl-C, or what `progress` raises, it is asked to stop, and that exception is raised.
 pub(crate) fn run<T: Send>(
     py: Python<'_>,
-    told: &Told,
+    progress: &Progress,
     work: impl FnOnce(&Meanwhile) -> T + Send,
 ) -> PyResult<T> {
     let meanwhile = Meanwhile::default();
@@ -65,7 +65,7 @@ pub(crate) fn run<T: Send>(
                 .map_err(|error| PyRuntimeError::new_err(format!("no thread to compute with: {error}")))?;
             let mut raised = Ok(());
             while let Err(RecvTimeoutError::Timeout) = wait.recv_timeout(LOOK) {
-                raised = meanwhile.look(told);
+                raised = meanwhile.look(progress);
                 if raised.is_err() {
                     meanwhile.stop.store(true, Ordering::Relaxed);
                     break;

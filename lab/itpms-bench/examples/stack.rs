@@ -10,7 +10,7 @@ use std::process::{Command, ExitCode, Stdio};
 use std::sync::Mutex;
 use std::{env, thread};
 
-use itpms_bench::car::{taken, told};
+use itpms_bench::car::{nominal, taken};
 use itpms_core::Real;
 use itpms_core::model::{CarSample, CornerSample};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
@@ -58,7 +58,7 @@ fn with_less(below: usize, bytes: usize, task: &mut dyn FnMut()) {
 
 /// Does it with so many bytes of the stack used up, and does not come back if what is left is too little.
 fn try_with<T: Real>(task: &str, bytes: usize, car: &'static Mutex<MonitoredCar<T>>) {
-    let config = MonitorConfig::new(&told());
+    let config = MonitorConfig::new(&nominal());
     let mut car = car.lock().expect("one thread");
     let samples = if task == "update" { samples::<T>() } else { Vec::new() };
     if task == "update" {

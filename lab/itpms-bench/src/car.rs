@@ -44,7 +44,7 @@ enum Car<T: Real> {
 
 /// What the estimator knows about the car of the built-in drives.
 #[must_use]
-pub fn told<T: Real>() -> CarConfig<T> {
+pub fn nominal<T: Real>() -> CarConfig<T> {
     let front = CornerConfig::<T>::paper();
     let car = &front.quarter_car;
     let [sprung, unsprung] = REAR_KG.map(T::lit);
@@ -59,7 +59,7 @@ pub fn told<T: Real>() -> CarConfig<T> {
 /// The estimator and its monitor as they are shipped.
 #[must_use]
 pub fn shipped<T: Real>(rate_hz: f64) -> Box<MonitoredCar<T>> {
-    monitored(&MonitorConfig::new(&told()), rate_hz)
+    monitored(&MonitorConfig::new(&nominal()), rate_hz)
 }
 
 fn monitored<T: Real>(config: &MonitorConfig<T>, rate_hz: f64) -> Box<MonitoredCar<T>> {
@@ -97,7 +97,7 @@ impl<T: Real> RunningCar<T> {
         let mut scenario = Scenario::builtin("drive-puncture").expect("a built-in drive");
         (scenario.rate_hz, scenario.duration_s) = (rate_hz, DRIVE_S);
         let rows = Simulation::new(&scenario, 1).expect("a built-in drive");
-        let mut config = told();
+        let mut config = nominal();
         if extent == Extent::CornersAlone {
             config.wheelbase_m = None;
         }

@@ -90,7 +90,7 @@ impl SideBound {
     }
 
     /// Bound on the standard deviations in kPa, `[front, rear]`, at each time (s, increasing) of a drive with these true
-    /// pressures, as [`CornerBound::history`](super::CornerBound::history). Up to `told_until_s` the
+    /// pressures, as [`CornerBound::history`](super::CornerBound::history). Up to `calibrated_until_s` the
     /// pressures are given, as during a reset.
     #[must_use]
     pub fn history(
@@ -98,7 +98,7 @@ impl SideBound {
         times_s: &[f64],
         pressures_kpa: &[[f64; 2]],
         prior_sd_kpa: f64,
-        told_until_s: Option<f64>,
+        calibrated_until_s: Option<f64>,
     ) -> Vec<[f64; 2]> {
         let mut known = Known::<4>::new(self.setting.road_knowledge, self.prior, prior_sd_kpa);
         let mut last: Option<(f64, [f64; 2], Matrix4<f64>)> = None;
@@ -114,7 +114,7 @@ impl SideBound {
                 let rates = [0, 1].map(|axle| (pressures[axle] - before[axle]) / dt);
                 known.drive(dt, &rates, &information);
             }
-            if told_until_s.is_some_and(|until_s| time <= until_s) {
+            if calibrated_until_s.is_some_and(|until_s| time <= until_s) {
                 known.tell_pressures();
             }
             sds.push([0, 1].map(|axle| known.variance_kpa2(axle).sqrt()));
@@ -214,14 +214,14 @@ mod tests {
             assert!((found[200][axle] * 20f64.sqrt() / closed[axle] - 1.0).abs() < 1e-3);
         }
         // A pressure that cannot change stays known.
-        let told = side.history(&times, &held, 1e4, Some(10.0));
-        assert!(told.iter().all(|sd| *sd == [0.0, 0.0]));
+        let history = side.history(&times, &held, 1e4, Some(10.0));
+        assert!(history.iter().all(|sd| *sd == [0.0, 0.0]));
         // One that changes has to be found out, the other not.
         side.prior = BoundPrior { walk_kpa_per_sqrt_s: 0.0, ..BoundPrior::default() };
         let falls: Vec<[f64; 2]> = times.iter().map(|t| [P - 40.0 * (t - 20.0).clamp(0.0, 2.5), P]).collect();
-        let told = side.history(&times, &falls, 36.0, Some(10.0));
-        assert!(told[200][0] < 1e-6 && told[225][0] > 10.0 && told[300][0] < told[225][0]);
-        assert!(told.iter().all(|sd| sd[1] < 1e-6));
+        let history = side.history(&times, &falls, 36.0, Some(10.0));
+        assert!(history[200][0] < 1e-6 && history[225][0] > 10.0 && history[300][0] < history[225][0]);
+        assert!(history.iter().all(|sd| sd[1] < 1e-6));
     }
 
     #[test]

@@ -304,7 +304,7 @@ mod tests {
     }
 
     #[test]
-    fn several_frequencies_in_a_row_are_told_apart() {
+    fn several_frequencies_in_a_row_are_distinguished() {
         // 8 periods of 1 Hz, then 20 of 3 Hz with a third of the amplitude, then a pause, then 10 of 1.5 Hz.
         let (mut t, mut x) = wave(300.0, 8.0 + 20.0 / 3.0 + 10.0 / 1.5, |t| {
             let second = 8.0 + 20.0 / 3.0;

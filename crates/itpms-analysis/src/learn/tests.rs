@@ -14,8 +14,9 @@ fn file() -> CarConfig<f64> {
 
 /// A drive in which every wheel reads `factor` times the file's stiffness over mass at `kpa`.
 fn drive(kpa: f64, factor: f64) -> DriveReading {
-    let told = CornerConfig::<f64>::paper();
-    let stiffness_over_mass = factor * told.tire.stiffness_n_per_m(kpa) / told.quarter_car.unsprung_mass_kg();
+    let nominal = CornerConfig::<f64>::paper();
+    let stiffness_over_mass =
+        factor * nominal.tire.stiffness_n_per_m(kpa) / nominal.quarter_car.unsprung_mass_kg();
     let wheel = WheelReading { stiffness_over_mass, relative_sd: 0.0, seconds: 600.0 };
     DriveReading { pressures_kpa: [kpa; 4], wheels: [Some(wheel); 4], struts: [None; 4] }
 }
@@ -39,10 +40,13 @@ fn what_all_wheels_read_alike_divides_as_the_files_variances_do() {
     // Nothing of it shows in the slope at placard pressure, and the estimator is given the same as the table says.
     assert_eq!(learned.slope.after, 1.0);
     assert!(!learned.slope.is_learned());
-    let told = learned.car.corners[2].unwrap();
-    assert!((told.tire.stiffness_n_per_m(PLACARD_KPA) - corner.tire_n_per_m.after).abs() < 1e-6);
-    assert_eq!(told.uncertainty.tire_relative_sd(), sd);
-    assert!(told.tire.map_sd_kpa(PLACARD_KPA) < 1e-4 && told.tire.map_sd_kpa(PLACARD_KPA - 50.0) > 2.0);
+    let learned_corner = learned.car.corners[2].unwrap();
+    assert!((learned_corner.tire.stiffness_n_per_m(PLACARD_KPA) - corner.tire_n_per_m.after).abs() < 1e-6);
+    assert_eq!(learned_corner.uncertainty.tire_relative_sd(), sd);
+    assert!(
+        learned_corner.tire.map_sd_kpa(PLACARD_KPA) < 1e-4
+            && learned_corner.tire.map_sd_kpa(PLACARD_KPA - 50.0) > 2.0
+    );
 }
 
 #[test]
@@ -80,10 +84,10 @@ fn a_file_that_was_learned_goes_on_where_it_was() {
 
 #[test]
 fn a_strut_is_weighed_against_its_file() {
-    let mut told = drive(PLACARD_KPA, 1.0);
+    let mut reading = drive(PLACARD_KPA, 1.0);
     let strut = StrutMean { damping_n_s_per_m: 1_200.0, spring_n_per_m: 29_114.0, friction_n: 80.0 };
-    told.struts = [Some(strut); 4];
-    let corner = learn(&file(), &[told, told]).unwrap().corners[1].unwrap();
+    reading.struts = [Some(strut); 4];
+    let corner = learn(&file(), &[reading, reading]).unwrap().corners[1].unwrap();
     // 30 % of the file against 5 % of the fit with 15 % of the sprung mass, twice on the same car.
     let (file, read) = (1.0 / 0.09, 1.0 / (0.05f64.powi(2) + 0.15f64.powi(2)));
     let damping = 925.8 * ((1_200.0f64 / 925.8).ln() * read / (file + read)).exp();

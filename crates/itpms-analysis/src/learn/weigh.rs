@@ -97,9 +97,9 @@ fn prior(file: &CarConfig<f64>) -> Belief {
         covariance[(MASS + i, MASS + j)] = a.common_mass_relative_sd() * b.common_mass_relative_sd() + axle;
         covariance[(TIRE + i, TIRE + j)] = a.common_tire_relative_sd() * b.common_tire_relative_sd() + own;
     }
-    let told =
+    let slope_sd_of =
         |corner: &CornerConfig<f64>| corner.tire.stiffness_per_kpa_sd() / corner.tire.stiffness_per_kpa();
-    let slope_sd = file.corners.iter().flatten().map(told).fold(0.0, f64::max);
+    let slope_sd = file.corners.iter().flatten().map(slope_sd_of).fold(0.0, f64::max);
     covariance[(SLOPE, SLOPE)] = if slope_sd > 0.0 { slope_sd } else { SLOPE_SD }.powi(2);
     covariance[(BIAS, BIAS)] = BIAS_SD * BIAS_SD;
     Belief { mean: Unknowns::zeros(), covariance }
@@ -110,14 +110,15 @@ fn know_ratios(file: &CarConfig<f64>, belief: &mut Belief) {
     let mut h = SMatrix::<f64, 4, SIZE>::zeros();
     let mut share = SVector::<f64, 4>::zeros();
     for (i, corner) in file.corners.iter().enumerate() {
-        let Some(told) = corner.as_ref().and_then(|c| c.uncertainty.stiffness_over_mass_relative_sd) else {
+        let Some(stated_sd) = corner.as_ref().and_then(|c| c.uncertainty.stiffness_over_mass_relative_sd)
+        else {
             continue;
         };
         let before = belief.ratio_sd(i);
-        if told < before {
+        if stated_sd < before {
             (h[(i, MASS + i)], h[(i, TIRE + i)]) = (-1.0, 1.0);
-            // Of variances: v r / (v + r) = told².
-            share[i] = told.max(1e-4) / (before * before - told * told).sqrt();
+            // Of variances: v r / (v + r) = stated_sd².
+            share[i] = stated_sd.max(1e-4) / (before * before - stated_sd * stated_sd).sqrt();
         }
     }
     if share.iter().all(|share| *share == 0.0) {
@@ -138,8 +139,8 @@ fn hear(file: &CarConfig<f64>, drive: &DriveReading, belief: &mut Belief) {
     for i in 0..4 {
         let (Some(wheel), Some(corner)) = (&drive.wheels[i], &file.corners[i]) else { continue };
         let (kpa, tire) = (drive.pressures_kpa[i], &corner.tire);
-        let told = tire.stiffness_n_per_m(kpa) / corner.quarter_car.unsprung_mass_kg();
-        read[i] = (wheel.stiffness_over_mass / told).ln();
+        let nominal = tire.stiffness_n_per_m(kpa) / corner.quarter_car.unsprung_mass_kg();
+        read[i] = (wheel.stiffness_over_mass / nominal).ln();
         let change = tire.stiffness_per_kpa() * (kpa - corner.placard_kpa) / tire.stiffness_n_per_m(kpa);
         (h[(i, MASS + i)], h[(i, TIRE + i)], h[(i, SLOPE)], h[(i, BIAS)]) = (-1.0, 1.0, change, 1.0);
         errors[(i, i)] = ROAD_SD.powi(2) + OWN_SD.powi(2) + wheel.relative_sd.powi(2);

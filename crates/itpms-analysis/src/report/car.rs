@@ -40,11 +40,12 @@ const BODY: &str = "<path class=\"car-body\" d=\"M78 16 Q120 4 162 16 Q190 26 19
 
 /// The picture; its words are those of the cards beside it.
 pub(super) fn drawing(data: &ReportData) -> String {
-    let said: Vec<String> = data.corners.iter().map(|corner| sentence(corner, data.pressure_unit)).collect();
+    let sentences: Vec<String> =
+        data.corners.iter().map(|corner| sentence(corner, data.pressure_unit)).collect();
     let mut out = format!(
         "<svg class=\"car\" viewBox=\"0 0 240 400\" role=\"img\" aria-label=\"The car from above. {}.\">{BODY}\
          <text class=\"car-front\" x=\"120\" y=\"34\" text-anchor=\"middle\">front</text>",
-        escape(&said.join(". "))
+        escape(&sentences.join(". "))
     );
     for corner in Corner::ALL {
         let seat = seat(corner);

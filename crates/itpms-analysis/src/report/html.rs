@@ -132,8 +132,8 @@ fn roads_section(data: &ReportData) -> String {
         return String::new();
     }
     format!(
-        "<section id=\"roads\"><h2>Road under the tracks</h2><p class=\"verdict\">What the wheels have felt of the road; the waves \
-         too long to be felt are not in it.</p><div class=\"panels\" data-roads></div>{table}</section>\n"
+        "<section id=\"roads\"><h2>Road under the tracks</h2><p class=\"verdict\">Road heights estimated from the accelerations; waves \
+         longer than they show are left out.</p><div class=\"panels\" data-roads></div>{table}</section>\n"
     )
 }
 

@@ -36,7 +36,7 @@ struct UnitJson {
 #[derive(Serialize)]
 struct AlertJson {
     wheels: Vec<&'static str>,
-    said: Number,
+    reported: Number,
     kind: &'static str,
 }
 
@@ -151,7 +151,7 @@ fn unit(unit: PressureUnit) -> UnitJson {
 fn alert(span: &AlertSpan) -> AlertJson {
     AlertJson {
         wheels: span.alert.wheels.iter().map(Corner::label).collect(),
-        said: position(span.alert.reported_s),
+        reported: position(span.alert.reported_s),
         kind: span.alert.cause.label(),
     }
 }

@@ -179,7 +179,7 @@ pub struct RoadReport {
     pub relative_error: Option<f64>,
 }
 
-/// Road height in m over distance in m, freed of its moving average over 10 m. Without a band: the estimate's standard deviation is that
+/// Road height in m over distance in m, its moving average over 10 m subtracted. Without a band: the estimate's standard deviation is that
 /// of the height with its slow drift, which is not in these curves (docs/math/road.md, section 3).
 #[derive(Debug, Clone, Default)]
 pub struct ProfileCurves {

@@ -16,7 +16,7 @@ const CELL_M: f64 = 0.05;
 const SEGMENT: usize = 1024;
 /// A longer step from sample to sample is a hole in the log.
 const LONGEST_STEP_M: f64 = 1.0;
-/// Half the length, in cells, of the moving average that the drawn profile is freed of.
+/// Half the length, in cells, of the moving average that is subtracted from the drawn profile.
 const HALF_WINDOW: usize = 100;
 /// Shortest stretch of road, in m, that roughness is given for.
 const ROUGHNESS_M: f64 = 20.0;

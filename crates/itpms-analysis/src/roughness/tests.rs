@@ -169,7 +169,7 @@ fn segments_taken_on_the_way_are_those_of_the_whole_track_and_memory_does_not_gr
 }
 
 #[test]
-fn waves_that_are_missing_are_said_to_be() {
+fn waves_that_are_missing_are_reported() {
     let law = PowerLaw { gd_n0_m3: 64e-6, waviness: 2.0 };
     let heights = road(law, 100.0, 0.05, 5);
     let mut slow = TrackSurvey::new(options(50.0, 0.05)).unwrap();

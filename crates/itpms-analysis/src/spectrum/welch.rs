@@ -1,4 +1,4 @@
-//! Welch's power spectral density: Hann window, 50 % overlap, each segment freed of its straight line.
+//! Welch's power spectral density: Hann window, 50 % overlap, each segment detrended.
 //!
 //! Works on a stream: memory is one segment and one sum per frequency, however long the record.
 

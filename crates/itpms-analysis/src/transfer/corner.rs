@@ -323,7 +323,7 @@ mod tests {
     }
 
     #[test]
-    fn a_sensor_upside_down_is_told_whatever_the_mass() {
+    fn a_sensor_upside_down_is_detected_whatever_the_mass() {
         for (turned, expected) in [(1.0, false), (-1.0, true)] {
             let spectra = driven_as(1_500.0, 22_000.0, 0.02, turned);
             assert_eq!(no_suspension_allows(&spectra), expected);
@@ -363,7 +363,7 @@ mod tests {
     }
 
     #[test]
-    fn what_hides_a_wrong_value_is_said() {
+    fn what_hides_a_wrong_value_is_reported() {
         let spectra = driven(1_500.0, 22_000.0, 0.02);
         let wide = |sd: f64, file: f64| Suspension { damping_relative_sd: sd, ..suspension(file, 22_000.0) };
         // Dampers of three quarters of the file's, which knows them to 30 %; of two thirds, to 20 %.

@@ -304,7 +304,7 @@ mod tests {
     }
 
     #[test]
-    fn remote_fd_and_error_frames_are_told_apart() {
+    fn remote_fd_and_error_frames_are_distinguished() {
         let remote = frame("(0.0) can0 123#R8");
         assert_eq!((remote.kind, remote.length(), remote.data().len()), (FrameKind::Remote, 8, 0));
         assert_eq!(frame("(0.0) can0 123#R").length(), 0);

@@ -187,7 +187,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn differences_are_told_from_times() {
+    fn differences_are_computed_from_times() {
         let jitter = |index: u32| f64::from(index * 7919 % 100) * 1e-5;
         let differences: Vec<f64> =
             (0..500).map(|index| if index == 0 { 0.0 } else { 0.01 + jitter(index) }).collect();

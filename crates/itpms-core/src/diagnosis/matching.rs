@@ -208,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn corners_in_each_other_s_place_are_told() {
+    fn corners_in_each_other_s_place_are_reported() {
         let mut random = Random(7);
         for _ in 0..200 {
             let sides = plane(&mut random, |random| {

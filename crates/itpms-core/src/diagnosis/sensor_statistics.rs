@@ -238,7 +238,7 @@ mod tests {
     }
 
     #[test]
-    fn missing_and_unchanged_values_are_told() {
+    fn missing_and_unchanged_values_are_reported() {
         let torn = watch((0..2000u32).map(|i| if i.is_multiple_of(2) { f64::NAN } else { ride(i) }));
         assert!((torn.missing - 0.5).abs() < 0.01 && !torn.complete);
         let stuck = watch((0..2000).map(|i| ride(i.min(1799))));

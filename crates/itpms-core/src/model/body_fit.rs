@@ -143,7 +143,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_does_not_fit_is_told_until_it_clearly_does() {
+    fn what_does_not_fit_is_detected_until_it_clearly_does() {
         let fit = |incoherence: f64| BodyFit { incoherence: Some(incoherence), ..BodyFit::unknown() };
         assert_eq!(fit(0.36).misfit(None), None);
         assert_eq!(fit(0.5).misfit(None), Some(Misfit::Incoherent));

@@ -53,7 +53,7 @@ const ROLLBACK_HOLDOFF_S: f64 = 60.0;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Monitor<T: Real> {
     config: MonitorConfig<T>,
-    told_kpa: [T; 4],
+    configured_kpa: [T; 4],
     reference: ReferencePressure<T>,
     /// What each tire should have now.
     reference_kpa: [T; 4],
@@ -104,9 +104,9 @@ impl<T: Real> Monitor<T> {
         let placard =
             |i: Corner| config.car.corners[i].as_ref().map_or(T::one(), |corner| corner.placard_kpa);
         self.config = *config;
-        self.told_kpa = Corner::ALL.map(|i| config.reference_kpa[i].unwrap_or(placard(i)));
+        self.configured_kpa = Corner::ALL.map(|i| config.reference_kpa[i].unwrap_or(placard(i)));
         self.reference = ReferencePressure::new();
-        self.reference_kpa = self.told_kpa;
+        self.reference_kpa = self.configured_kpa;
         self.diagnosis.configure(&config.car, sample_rate_hz);
         self.faults.iter_mut().for_each(Placed::clear);
         self.suspects = Wheels::NONE;
@@ -255,7 +255,7 @@ impl<T: Real> Monitor<T> {
     fn decide(&mut self, estimate: &CarEstimate<T>, step_s: f64) {
         let limits = self.config.limits;
         self.reference_kpa =
-            self.reference.update(estimate, self.speed_m_s, self.told_kpa, limits.reference_span);
+            self.reference.update(estimate, self.speed_m_s, self.configured_kpa, limits.reference_span);
         let pending_fault = self.diagnosis.pending_fault();
         let doubted = Side::ALL.map(|side| {
             let parting = self.decorrelation[side].update(step_s, estimate.tracks[side].incoherence);

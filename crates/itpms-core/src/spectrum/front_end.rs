@@ -150,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn the_high_pass_has_the_gain_and_the_delay_it_is_said_to_have() {
+    fn the_high_pass_has_the_gain_and_the_delay_it_is_reported_to_have() {
         for frequency in [1.0f64, 2.0, 5.0, 12.0] {
             let (gain, _) = response(frequency, 500.0);
             // The bilinear rule moves a frequency f by (pi f / rate)²/3, far less than this.

@@ -183,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn a_fall_is_said_when_it_is_certain_and_with_its_rate() {
+    fn a_fall_is_reported_when_it_is_certain_and_with_its_rate() {
         // sd 2: the difference's is 2.8, so 14.4 kPa (6 %) decide; 60 kPa/min falls that in 14.4 s, then 10 s of waiting.
         let (at_s, rate) = active(60.0, 0.0, 2.0).unwrap();
         assert!((24.0..26.5).contains(&at_s) && (rate - 60.0).abs() < 1.0, "{at_s} {rate}");

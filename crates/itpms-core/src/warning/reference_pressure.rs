@@ -82,7 +82,7 @@ impl<T: Real> ReferencePressure<T> {
         &mut self,
         estimate: &CarEstimate<T>,
         speed_m_s: T,
-        told_kpa: [T; 4],
+        configured_kpa: [T; 4],
         span: [T; 2],
     ) -> [T; 4] {
         let time_s = estimate.time_s;
@@ -97,11 +97,11 @@ impl<T: Real> ReferencePressure<T> {
         }
         if time_s < self.ends_s {
             if time_s >= self.takes_from_s && step_s > 0.0 {
-                self.take(estimate, step_s.min(LONGEST_STEP_S), told_kpa, span);
+                self.take(estimate, step_s.min(LONGEST_STEP_S), configured_kpa, span);
             }
-            return told_kpa;
+            return configured_kpa;
         }
-        core::array::from_fn(|i| self.taken[i].reference(told_kpa[i], self.warmth, span))
+        core::array::from_fn(|i| self.taken[i].reference(configured_kpa[i], self.warmth, span))
     }
 
     /// The tires warm up or cool down for a while. To first order in the step, which errs towards cold in a long one.
@@ -112,13 +112,14 @@ impl<T: Real> ReferencePressure<T> {
         self.warmth += T::lit((step_s / in_s).min(1.0)) * (goal - self.warmth);
     }
 
-    fn take(&mut self, estimate: &CarEstimate<T>, step_s: f64, told_kpa: [T; 4], span: [T; 2]) {
+    fn take(&mut self, estimate: &CarEstimate<T>, step_s: f64, configured_kpa: [T; 4], span: [T; 2]) {
         for (i, taken) in self.taken.iter_mut().enumerate() {
             let Some(corner) = estimate.corners[i].as_ref().filter(|corner| is_learning(corner)) else {
                 continue;
             };
             // Within the bounds each value counts as it is: an excursion moves the mean no further than they are apart.
-            let pressure = corner.pressure_kpa.max(span[0] * told_kpa[i]).min(span[1] * told_kpa[i]);
+            let pressure =
+                corner.pressure_kpa.max(span[0] * configured_kpa[i]).min(span[1] * configured_kpa[i]);
             taken.seconds += step_s;
             let share = T::lit(step_s / taken.seconds);
             taken.pressure_kpa += share * (pressure - taken.pressure_kpa);
@@ -134,11 +135,11 @@ impl<T: Real> Taken<T> {
 
     /// What the tire should have at a warmth. What it had more at the calibration is scaled down while it is colder than then
     /// and not scaled up when it is warmer; what it had less is no matter of warmth.
-    fn reference(&self, told_kpa: T, warmth: T, span: [T; 2]) -> T {
+    fn reference(&self, configured_kpa: T, warmth: T, span: [T; 2]) -> T {
         if !(self.seconds >= LEAST_S) {
-            return told_kpa;
+            return configured_kpa;
         }
-        let rise = self.pressure_kpa - told_kpa;
+        let rise = self.pressure_kpa - configured_kpa;
         let share = if !(rise > T::zero()) {
             T::one()
         } else if self.warmth > T::zero() {
@@ -146,6 +147,6 @@ impl<T: Real> Taken<T> {
         } else {
             T::zero()
         };
-        (told_kpa + share * rise).max(span[0] * told_kpa).min(span[1] * told_kpa)
+        (configured_kpa + share * rise).max(span[0] * configured_kpa).min(span[1] * configured_kpa)
     }
 }

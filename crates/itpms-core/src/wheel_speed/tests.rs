@@ -267,7 +267,7 @@ fn without_a_yaw_rate_the_wheel_is_named_or_the_pair_that_it_is_of() {
 }
 
 #[test]
-fn two_of_an_axle_a_side_and_a_diagonal_are_told_apart() {
+fn two_of_an_axle_a_side_and_a_diagonal_are_distinguished() {
     for (wheels, pattern) in [
         ([0, 1], Pattern::Axle),
         ([2, 3], Pattern::Axle),

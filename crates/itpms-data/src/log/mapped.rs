@@ -82,7 +82,7 @@ fn mapped(path: &Path, names: &[String], units: &[String], map: &SignalMap) -> R
         }
         conversions[place] = Some(chosen.conversion);
     }
-    Ok(Header { columns, slots, suspicious: Vec::new(), conversions, mapping: resolved.said() })
+    Ok(Header { columns, slots, suspicious: Vec::new(), conversions, mapping: resolved.assumptions() })
 }
 
 /// The column of the time: what the map says, else `time_s`, else the only one that is called like a clock.

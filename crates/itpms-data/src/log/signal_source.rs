@@ -120,7 +120,7 @@ impl SignalSource {
         if let Some(why) = resolved.unusable() {
             return Err(DataError::new(path, Problem::UnusableSignals(why)));
         }
-        Ok(Self::new(feed, &resolved.slots(), Vec::new(), resolved.said()))
+        Ok(Self::new(feed, &resolved.slots(), Vec::new(), resolved.assumptions()))
     }
 
     fn new(feed: Feed, slots: &[Slot], suspicious: Vec<(String, String)>, mapping: Vec<String>) -> Self {

@@ -77,7 +77,7 @@ impl LogWriter {
     /// As [`LogWriter::create`]; the DBC file is missing, unusable, or has no signal for any column.
     #[cfg_attr(
         not(all(feature = "can", feature = "mdf4")),
-        allow(unused_variables, reason = "tables are told nothing")
+        allow(unused_variables, reason = "tables take no start")
     )]
     pub fn create_with(
         path: &Path,

@@ -308,8 +308,8 @@ mod tests {
 
     #[test]
     fn a_message_that_quotes_a_line_break_is_one_line() {
-        let said = ParquetError::General("MAP cannot be applied to field 'a\0\nb'".to_owned());
-        let Problem::Parquet(text) = problem(said) else { panic!("another problem") };
+        let error = ParquetError::General("MAP cannot be applied to field 'a\0\nb'".to_owned());
+        let Problem::Parquet(text) = problem(error) else { panic!("another problem") };
         assert_eq!(text, "MAP cannot be applied to field 'a  b'");
     }
 }

@@ -31,7 +31,7 @@ impl Resolved {
     /// What someone should know who wrote no map of it: which signal was taken for which column where neither its name nor a
     /// map says so, what was doubtful, and which corner is left out.
     #[must_use]
-    pub fn said(&self) -> Vec<String> {
+    pub fn assumptions(&self) -> Vec<String> {
         let lines = self.iter().zip(self.lines());
         let guessed = lines
             .filter(|(chosen, _)| !matches!(chosen.source, Source::Name | Source::Map))

@@ -192,17 +192,17 @@ impl Vehicle {
     /// What an estimator of these corners is given; corners that the vehicle does not have are left out.
     #[must_use]
     pub fn car_config(&self, corners: &[Corner]) -> CarConfig<f64> {
-        let told = |corner: Corner| self.corner(corner).copied().filter(|_| corners.contains(&corner));
-        CarConfig { corners: Corner::ALL.map(told), wheelbase_m: self.wheelbase_m }
+        let chosen = |corner: Corner| self.corner(corner).copied().filter(|_| corners.contains(&corner));
+        CarConfig { corners: Corner::ALL.map(chosen), wheelbase_m: self.wheelbase_m }
     }
 
     /// The same with other details, and with what they say of how well its parameters are known.
     #[must_use]
     pub fn with_details(mut self, details: VehicleDetails) -> Self {
         self.details = details;
-        for (corner, told) in self.corners.iter_mut().zip(&details.corners) {
+        for (corner, stated) in self.corners.iter_mut().zip(&details.corners) {
             if let Some(corner) = corner {
-                corner.uncertainty = uncertainty::uncertainty(told, details.confidence);
+                corner.uncertainty = uncertainty::uncertainty(stated, details.confidence);
             }
         }
         self
@@ -235,11 +235,12 @@ impl Vehicle {
         );
         config.limited_slip = limited_slip;
         let tire = |of: fn(&TireDetails) -> Option<f64>| {
-            let told: Vec<f64> = self.details.corners.iter().filter_map(|corner| of(&corner.tire)).collect();
-            (!told.is_empty()).then(|| told.iter().sum::<f64>() / told.len() as f64)
+            let stated: Vec<f64> =
+                self.details.corners.iter().filter_map(|corner| of(&corner.tire)).collect();
+            (!stated.is_empty()).then(|| stated.iter().sum::<f64>() / stated.len() as f64)
         };
-        if let Some(told) = tire(|tire| tire.radius_per_ln_pressure) {
-            config.radius_per_ln_pressure = told;
+        if let Some(stated) = tire(|tire| tire.radius_per_ln_pressure) {
+            config.radius_per_ln_pressure = stated;
         }
         if let Some(sd) = tire(|tire| tire.radius_per_ln_pressure_sd) {
             config.radius_per_ln_pressure_sd = sd / config.radius_per_ln_pressure.abs();

@@ -285,7 +285,7 @@ fn drives_table(drives: &[DriveRecord], unit: PressureUnit) -> String {
          <th scope=\"col\">Distance</th><th scope=\"col\">Time</th></tr></thead><tbody>\n",
     );
     for drive in order.into_iter().take(LISTED) {
-        let said = if drive.alerts.is_empty() {
+        let warnings = if drive.alerts.is_empty() {
             String::new()
         } else {
             format!("<small>{}</small>", escape(&drive.alerts.join("; ")))
@@ -293,7 +293,7 @@ fn drives_table(drives: &[DriveRecord], unit: PressureUnit) -> String {
         let km = drive.distance_m.map_or("–".to_owned(), |m| format!("{}\u{a0}km", few(m / 1000.0)));
         let _ = writeln!(
             out,
-            "<tr><th scope=\"row\">{}{said}</th><td data-label=\"car\">{}</td><td>{}</td><td class=\"lowest\" data-label=\"lowest\">{}</td><td class=\"n\" data-label=\"valid\">{:.0} %</td>\
+            "<tr><th scope=\"row\">{}{warnings}</th><td data-label=\"car\">{}</td><td>{}</td><td class=\"lowest\" data-label=\"lowest\">{}</td><td class=\"n\" data-label=\"valid\">{:.0} %</td>\
              <td class=\"n\" data-label=\"IRI\">{}</td><td class=\"n\">{km}</td><td class=\"n\">{}</td></tr>",
             link(drive),
             escape(&drive.car),

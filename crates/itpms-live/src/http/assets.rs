@@ -26,12 +26,12 @@ struct Asset {
 const UNIT: &str = "data-unit=\"kPa\" data-unit-kpa=\"1\" data-unit-places=\"0\"";
 
 fn in_unit(page: &str, unit: PressureUnit) -> String {
-    let said = format!(
+    let unit = format!(
         "data-unit=\"{unit}\" data-unit-kpa=\"{}\" data-unit-places=\"{}\"",
         unit.kpa(),
         unit.more_places()
     );
-    page.replace(UNIT, &said)
+    page.replace(UNIT, &unit)
 }
 
 const HTML: &str = "text/html; charset=utf-8";

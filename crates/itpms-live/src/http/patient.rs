@@ -33,7 +33,7 @@ impl<S> Patient<S> {
     fn judge<T>(&mut self, context: &mut Context<'_>, written: Poll<io::Result<T>>) -> Poll<io::Result<T>> {
         if written.is_ready() {
             self.stuck = None;
-            self.seat.heard();
+            self.seat.active();
             return written;
         }
         let patience = self.patience;
@@ -51,7 +51,7 @@ impl<S: AsyncRead + Unpin> AsyncRead for Patient<S> {
     ) -> Poll<io::Result<()>> {
         let read = Pin::new(&mut self.stream).poll_read(context, buffer);
         if read.is_ready() {
-            self.seat.heard();
+            self.seat.active();
         }
         read
     }

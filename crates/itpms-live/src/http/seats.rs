@@ -29,7 +29,7 @@ pub(super) struct Seats {
 struct Place {
     peer: IpAddr,
     /// Milliseconds from `begun` to the last byte.
-    heard_ms: AtomicU64,
+    active_ms: AtomicU64,
     leave: Notify,
 }
 
@@ -52,17 +52,17 @@ impl Seats {
         let mut taken = self.taken();
         let of_one = taken.iter().filter(|place| place.peer == peer).count();
         if of_one >= SEATS_OF_ONE || taken.len() >= SEATS {
-            let heard_ms = |place: &Arc<Place>| place.heard_ms.load(Relaxed);
+            let active_ms = |place: &Arc<Place>| place.active_ms.load(Relaxed);
             let longest = taken
                 .iter()
                 .enumerate()
                 .filter(|(_, place)| of_one < SEATS_OF_ONE || place.peer == peer)
-                .min_by_key(|(_, place)| heard_ms(place))
-                .filter(|(_, place)| now_ms.saturating_sub(heard_ms(place)) >= SILENCE.as_millis() as u64)
+                .min_by_key(|(_, place)| active_ms(place))
+                .filter(|(_, place)| now_ms.saturating_sub(active_ms(place)) >= SILENCE.as_millis() as u64)
                 .map(|(at, _)| at)?;
             taken.swap_remove(longest).leave.notify_one();
         }
-        let place = Arc::new(Place { peer, heard_ms: AtomicU64::new(now_ms), leave: Notify::new() });
+        let place = Arc::new(Place { peer, active_ms: AtomicU64::new(now_ms), leave: Notify::new() });
         taken.push(Arc::clone(&place));
         Some(Seat { seats: Arc::clone(self), place })
     }
@@ -78,8 +78,8 @@ impl Seats {
 
 impl Seat {
     /// A byte has come or gone.
-    pub(super) fn heard(&self) {
-        self.place.heard_ms.store(self.seats.now_ms(), Relaxed);
+    pub(super) fn active(&self) {
+        self.place.active_ms.store(self.seats.now_ms(), Relaxed);
     }
 
     /// Waits until another needs the seat.
@@ -118,7 +118,7 @@ mod tests {
         let others: Vec<Seat> = (SEATS_OF_ONE..SEATS).map(|_| seats.take(from(2)).unwrap()).collect();
         assert!(seats.take(from(3)).is_none(), "full, and nobody is silent");
         std::thread::sleep(SILENCE + Duration::from_millis(50));
-        of_one.iter().skip(1).chain(&others).for_each(Seat::heard);
+        of_one.iter().skip(1).chain(&others).for_each(Seat::active);
         let third = seats.take(from(3)).unwrap();
         assert!(seats.take(from(3)).is_none(), "only one was silent");
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();

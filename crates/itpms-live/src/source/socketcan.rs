@@ -74,7 +74,7 @@ fn open(interface: &str) -> io::Result<CanFdSocket> {
 }
 
 /// What came of one read.
-enum Heard {
+enum Received {
     /// A frame, handed on.
     Frame,
     /// Nothing in the time given, or something that is not for us.
@@ -98,21 +98,21 @@ fn listen(interface: Interface, inputs: &Queue<Input>, stop: &AtomicBool) {
             thread::sleep(backoff.next());
             continue;
         };
-        let heard = read(&open_socket, bus, &mut clock, inputs);
-        let news = match &heard {
-            Heard::BusOff if well => Some(Input::Disconnected("bus-off".to_owned())),
-            Heard::Broken(error) if well => Some(Input::Disconnected(error.to_string())),
-            Heard::Frame | Heard::Restarted if !well => Some(Input::Reconnected),
+        let received = read(&open_socket, bus, &mut clock, inputs);
+        let news = match &received {
+            Received::BusOff if well => Some(Input::Disconnected("bus-off".to_owned())),
+            Received::Broken(error) if well => Some(Input::Disconnected(error.to_string())),
+            Received::Frame | Received::Restarted if !well => Some(Input::Reconnected),
             _ => None,
         };
         if let Some(news) = news {
             well = matches!(news, Input::Reconnected);
             inputs.push_now(news, may_go);
         }
-        match heard {
-            Heard::Broken(_) => thread::sleep(backoff.next()),
-            heard => {
-                if matches!(heard, Heard::Frame) {
+        match received {
+            Received::Broken(_) => thread::sleep(backoff.next()),
+            received => {
+                if matches!(received, Received::Frame) {
                     backoff.reset();
                 }
                 socket = Some(open_socket);
@@ -140,27 +140,27 @@ impl BusClock {
     }
 }
 
-fn read(socket: &CanFdSocket, bus: u16, clock: &mut BusClock, inputs: &Queue<Input>) -> Heard {
+fn read(socket: &CanFdSocket, bus: u16, clock: &mut BusClock, inputs: &Queue<Input>) -> Received {
     let (frame, stamp) = match socket.read_frame_with_timestamps() {
         Ok((frame, stamps)) => (frame, stamps.socket.unwrap_or_else(SystemTime::now)),
         Err(error) if error.should_retry() || error.kind() == io::ErrorKind::Interrupted => {
-            return Heard::Silence;
+            return Received::Silence;
         }
-        Err(error) => return Heard::Broken(error),
+        Err(error) => return Received::Broken(error),
     };
     if let CanAnyFrame::Error(error) = &frame {
         return match error.error_bits() {
-            bits if bits & BUS_OFF != 0 => Heard::BusOff,
-            bits if bits & RESTARTED != 0 => Heard::Restarted,
-            _ => Heard::Silence,
+            bits if bits & BUS_OFF != 0 => Received::BusOff,
+            bits if bits & RESTARTED != 0 => Received::Restarted,
+            _ => Received::Silence,
         };
     }
-    let Some(frame) = ours(&frame, clock.time_s(stamp), bus) else { return Heard::Silence };
+    let Some(frame) = ours(&frame, clock.time_s(stamp), bus) else { return Received::Silence };
     let waited = stamp.elapsed().unwrap_or_default();
     let now = Instant::now();
     let arrived = now.checked_sub(waited).unwrap_or(now);
     inputs.push_now(Input::Frame { frame, arrived }, may_go);
-    Heard::Frame
+    Received::Frame
 }
 
 /// The same frame in our words.

@@ -9,7 +9,7 @@ __version__: str
 COLUMNS: list[str]
 
 _Columns = Sequence[tuple[str, bytes]]
-_Told = Callable[[float], None] | None
+_Progress = Callable[[float], None] | None
 _Words = list[tuple[str, list[str]]]
 
 class Vehicle:
@@ -79,7 +79,7 @@ class Simulated:
     @property
     def vehicle(self) -> Vehicle: ...
 
-def estimate_log(path: str | PathLike[str], vehicle: Vehicle, options: Mapping[str, Any], told: _Told) -> Estimated: ...
+def estimate_log(path: str | PathLike[str], vehicle: Vehicle, options: Mapping[str, Any], progress: _Progress) -> Estimated: ...
 def estimate_pieces(
     name: str,
     names: Sequence[str],
@@ -87,7 +87,7 @@ def estimate_pieces(
     pieces: Iterator[Sequence[bytes | str]],
     vehicle: Vehicle,
     options: Mapping[str, Any],
-    told: _Told,
+    progress: _Progress,
 ) -> Estimated: ...
 def check_log(
     path: str | PathLike[str],
@@ -95,7 +95,7 @@ def check_log(
     trust_units: bool,
     dbc: str | PathLike[str] | None,
     signals: str | PathLike[str] | None,
-    told: _Told,
+    progress: _Progress,
 ) -> Checked: ...
 def check_pieces(
     name: str,
@@ -105,7 +105,7 @@ def check_pieces(
     vehicle: Vehicle,
     trust_units: bool,
     signals: str | PathLike[str] | None,
-    told: _Told,
+    progress: _Progress,
 ) -> Checked: ...
 def learn(
     vehicle: Vehicle,
@@ -113,9 +113,9 @@ def learn(
     trust_units: bool,
     dbc: str | PathLike[str] | None,
     signals: str | PathLike[str] | None,
-    told: _Told,
+    progress: _Progress,
 ) -> Learned: ...
 def write(path: str | PathLike[str], content: bytes) -> None: ...
-def simulate(scenario: str, seed: int, vehicle: Vehicle | None, truth: bool, told: _Told) -> Simulated: ...
+def simulate(scenario: str, seed: int, vehicle: Vehicle | None, truth: bool, progress: _Progress) -> Simulated: ...
 def scenarios() -> list[str]: ...
 def iri(heights: bytes, spacing_m: float, segment_m: float | None = None, enveloping: bool = True) -> bytes: ...

@@ -233,7 +233,7 @@ mod tests {
     }
 
     #[test]
-    fn a_load_is_told_when_it_changes() {
+    fn a_load_is_detected_when_it_changes() {
         let item =
             PayloadSpec { behind_front_m: 2.0, left_m: -0.3, points_s_kg: vec![[10.0, 0.0], [12.0, 80.0]] };
         let spec = CarSpec { payload: vec![item], ..CarSpec::default() };

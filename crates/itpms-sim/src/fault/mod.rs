@@ -138,13 +138,13 @@ mod tests {
     #[test]
     fn a_sample_that_is_lost_is_nothing_to_be_stuck_at() {
         let mut faults = Faults::new(&[fault(FaultKind::Stuck)], 7);
-        let told = [f64::NAN, 2.5, 3.0, f64::NAN].map(|reading| {
+        let readings = [f64::NAN, 2.5, 3.0, f64::NAN].map(|reading| {
             let mut readings = CLEAN;
             readings[1][1] = reading;
             faults.spoil(2.0, &mut readings);
             readings[1][1]
         });
-        assert!(told[0].is_nan() && told[1..] == [2.5; 3], "{told:?}");
+        assert!(readings[0].is_nan() && readings[1..] == [2.5; 3], "{readings:?}");
     }
 
     #[test]

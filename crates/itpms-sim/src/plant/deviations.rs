@@ -148,12 +148,12 @@ impl Deviations {
     }
 
     /// The file's quarter car as it really is.
-    pub(crate) fn applied_to(&self, told: &QuarterCar<f64>) -> Result<QuarterCar<f64>, ParameterError> {
+    pub(crate) fn applied_to(&self, nominal: &QuarterCar<f64>) -> Result<QuarterCar<f64>, ParameterError> {
         QuarterCar::new(
-            told.sprung_mass_kg() * self.sprung_mass_factor,
-            told.unsprung_mass_kg() * self.unsprung_mass_factor,
-            told.damping_n_s_per_m() * self.damping_factor,
-            told.spring_n_per_m() * self.spring_factor,
+            nominal.sprung_mass_kg() * self.sprung_mass_factor,
+            nominal.unsprung_mass_kg() * self.unsprung_mass_factor,
+            nominal.damping_n_s_per_m() * self.damping_factor,
+            nominal.spring_n_per_m() * self.spring_factor,
         )
     }
 }

@@ -58,8 +58,8 @@ impl Plant {
     ///
     /// # Errors
     /// A factor that leaves a parameter without physical sense.
-    pub fn new(told: &QuarterCar<f64>, truth: &Deviations, road_m: f64) -> Result<Self, ParameterError> {
-        let car = truth.applied_to(told)?;
+    pub fn new(nominal: &QuarterCar<f64>, truth: &Deviations, road_m: f64) -> Result<Self, ParameterError> {
+        let car = truth.applied_to(nominal)?;
         Ok(Self {
             per_body_kg: car.sprung_mass_kg().recip(),
             per_wheel_kg: car.unsprung_mass_kg().recip(),
@@ -285,15 +285,15 @@ mod tests {
 
     #[test]
     fn it_moves_as_the_equations_of_motion_say() {
-        let told = QuarterCar::<f64>::paper_table_2();
-        let mut plant = Plant::new(&told, &Deviations::default(), 0.0).unwrap();
+        let nominal = QuarterCar::<f64>::paper_table_2();
+        let mut plant = Plant::new(&nominal, &Deviations::default(), 0.0).unwrap();
         run(&mut plant, 2.5e-4, 4000, |t| 0.01 * (40.0 * t).sin(), |_| K_T);
         let s = *plant.state();
         // docs/math/state-space.md, (1)-(3).
-        let strut_n = told.spring_n_per_m() * (s.wheel_m - s.body_m)
-            + told.damping_n_s_per_m() * (s.wheel_m_s - s.body_m_s);
+        let strut_n = nominal.spring_n_per_m() * (s.wheel_m - s.body_m)
+            + nominal.damping_n_s_per_m() * (s.wheel_m_s - s.body_m_s);
         let tire_n = K_T * (0.01 * 40f64.sin() - s.wheel_m);
-        let expected = [strut_n / told.sprung_mass_kg(), (tire_n - strut_n) / told.unsprung_mass_kg()];
+        let expected = [strut_n / nominal.sprung_mass_kg(), (tire_n - strut_n) / nominal.unsprung_mass_kg()];
         for (a, expected) in plant.accelerations_m_s2().into_iter().zip(expected) {
             assert!((a - expected).abs() < 1e-9 * (1.0 + a.abs()));
         }
@@ -314,9 +314,9 @@ mod tests {
     #[test]
     fn a_free_swing_loses_four_times_friction_over_spring_a_cycle() {
         let (spring, friction_n, start_m) = (29_114.0, 50.0, 0.02);
-        let told = QuarterCar::new(240.8, 56.9, 0.01, spring).unwrap();
+        let nominal = QuarterCar::new(240.8, 56.9, 0.01, spring).unwrap();
         let truth = Deviations { friction_n, friction_presliding_m: [1e-5; 3], ..Deviations::default() };
-        let mut plant = Plant::new(&told, &truth, 0.0).unwrap();
+        let mut plant = Plant::new(&nominal, &truth, 0.0).unwrap();
         plant.state.body_m = start_m;
         plant.strut.place(-start_m);
         let cycle_s = TAU * (240.8f64 / spring).sqrt();

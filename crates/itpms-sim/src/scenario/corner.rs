@@ -123,16 +123,16 @@ impl CornerSpec {
     }
 
     /// Takes a vehicle's values for what the estimator is given (and the truth deviates from).
-    pub fn set_vehicle(&mut self, told: &CornerConfig<f64>) {
-        self.sprung_mass_kg = told.quarter_car.sprung_mass_kg();
-        self.unsprung_mass_kg = told.quarter_car.unsprung_mass_kg();
-        self.damping_n_s_per_m = told.quarter_car.damping_n_s_per_m();
-        self.spring_n_per_m = told.quarter_car.spring_n_per_m();
-        self.placard_kpa = told.placard_kpa;
-        self.accel_noise_m_s2 = told.accel_noise_m_s2;
+    pub fn set_vehicle(&mut self, vehicle: &CornerConfig<f64>) {
+        self.sprung_mass_kg = vehicle.quarter_car.sprung_mass_kg();
+        self.unsprung_mass_kg = vehicle.quarter_car.unsprung_mass_kg();
+        self.damping_n_s_per_m = vehicle.quarter_car.damping_n_s_per_m();
+        self.spring_n_per_m = vehicle.quarter_car.spring_n_per_m();
+        self.placard_kpa = vehicle.placard_kpa;
+        self.accel_noise_m_s2 = vehicle.accel_noise_m_s2;
         self.tire = TireSpec {
-            stiffness_per_kpa: told.tire.stiffness_per_kpa(),
-            stiffness_at_zero: told.tire.stiffness_at_zero(),
+            stiffness_per_kpa: vehicle.tire.stiffness_per_kpa(),
+            stiffness_at_zero: vehicle.tire.stiffness_at_zero(),
         };
     }
 
@@ -161,26 +161,26 @@ impl CornerSpec {
         )?)
     }
 
-    pub(crate) fn told(
+    pub(crate) fn config(
         &self,
         usual: &SensorSpec,
         confidence: Confidence,
     ) -> Result<CornerConfig<f64>, InvalidValue> {
         let map = self.tire.map()?;
-        let mut told = CornerConfig::new(self.quarter_car()?, map, self.placard_kpa)?;
-        told.uncertainty = ParameterUncertainty::of(confidence);
+        let mut config = CornerConfig::new(self.quarter_car()?, map, self.placard_kpa)?;
+        config.uncertainty = ParameterUncertainty::of(confidence);
         let noise = self.accel_noise_m_s2.unwrap_or(self.wheel_sensor.unwrap_or(*usual).noise_m_s2);
         if noise > 0.0 {
-            told = told.with_accel_noise(noise)?;
+            config = config.with_accel_noise(noise)?;
         }
         match self.initial_stiffness_n_per_m {
-            Some(stiffness) => Ok(told.with_initial_pressure(map.pressure_kpa(stiffness))?),
-            None => Ok(told),
+            Some(stiffness) => Ok(config.with_initial_pressure(map.pressure_kpa(stiffness))?),
+            None => Ok(config),
         }
     }
 
     pub(crate) fn validate(&self) -> Result<(), InvalidValue> {
-        self.told(&SensorSpec::default(), Confidence::default())?;
+        self.config(&SensorSpec::default(), Confidence::default())?;
         self.pressure.profile_kpa().map_err(|e| e.within("pressure"))?;
         self.truth.validate().map_err(|e| e.within("truth"))?;
         for (name, sensor) in [("body_sensor", &self.body_sensor), ("wheel_sensor", &self.wheel_sensor)] {

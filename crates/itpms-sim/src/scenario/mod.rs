@@ -246,12 +246,12 @@ impl Scenario {
     /// # Errors
     /// The scenario has no such corner, or one of the values is out of range.
     pub fn corner_config(&self, corner: Corner) -> Result<CornerConfig<f64>, ScenarioError> {
-        let told = match self.corner.get(corner) {
+        let config = match self.corner.get(corner) {
             Some(spec) => spec
-                .told(&self.sensor, self.confidence)
+                .config(&self.sensor, self.confidence)
                 .map_err(|e| e.within(corner.label()).within("corner")),
             None => Err(InvalidValue::new(format!("corner.{}", corner.label()), "missing", "a corner")),
         };
-        told.map_err(|source| ScenarioError::Invalid { scenario: self.name.clone(), source })
+        config.map_err(|source| ScenarioError::Invalid { scenario: self.name.clone(), source })
     }
 }

@@ -144,9 +144,9 @@ impl ToleranceSpec {
             if self.friction_n > 0.0 {
                 spec.truth.friction_n = friction_n;
             }
-            let told = spec.wheel_sensor.unwrap_or(usual).noise_m_s2;
-            if spec.accel_noise_m_s2.is_none() && told > 0.0 {
-                spec.accel_noise_m_s2 = Some(told);
+            let specified = spec.wheel_sensor.unwrap_or(usual).noise_m_s2;
+            if spec.accel_noise_m_s2.is_none() && specified > 0.0 {
+                spec.accel_noise_m_s2 = Some(specified);
             }
             let changed = |sensor: Option<SensorSpec>, gain: f64, late_ms: f64| {
                 let sensor = sensor.unwrap_or(usual);
@@ -228,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn cars_differ_within_their_tolerances_and_the_estimator_is_not_told() {
+    fn cars_differ_within_their_tolerances_and_the_estimator_knows_nothing_of_it() {
         let scenario = normal();
         let mut gains = vec![];
         for seed in 0..200 {

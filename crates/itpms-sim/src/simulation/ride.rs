@@ -146,7 +146,7 @@ impl CarRide {
         }
         let body = spec.body(
             scenario.wheelbase_m,
-            corners.map(|(told, truth)| told.sprung_mass_kg() * truth.sprung_mass_factor),
+            corners.map(|(nominal, truth)| nominal.sprung_mass_kg() * truth.sprung_mass_factor),
         );
         let roads_m = places.map(|[road_m, _]| road_m);
         let mut car = FullCar::new(&body, &corners, roads_m)?;

@@ -334,12 +334,13 @@ impl WheelSpeedRun {
             + GRAVITY_M_S2 * moving.cross_slope
             + drawn.accel_offset_m_s2[1]
             + ACCEL_NOISE_M_S2 * normal(random);
-        let said = |known: bool, value: f64, step: f64| if known { in_steps(value, step) } else { f64::NAN };
+        let transmitted =
+            |known: bool, value: f64, step: f64| if known { in_steps(value, step) } else { f64::NAN };
         WheelSpeedRow {
-            yaw_rate_rad_s: said(self.spec.yaw_rate, yaw, YAW_STEP_RAD_S),
-            accel_x_m_s2: said(self.spec.accel_x, x, ACCEL_STEP_M_S2),
-            accel_y_m_s2: said(self.spec.accel_y, y, ACCEL_STEP_M_S2),
-            brake: said(self.spec.brake, f64::from(u8::from(braked)), 0.0),
+            yaw_rate_rad_s: transmitted(self.spec.yaw_rate, yaw, YAW_STEP_RAD_S),
+            accel_x_m_s2: transmitted(self.spec.accel_x, x, ACCEL_STEP_M_S2),
+            accel_y_m_s2: transmitted(self.spec.accel_y, y, ACCEL_STEP_M_S2),
+            brake: transmitted(self.spec.brake, f64::from(u8::from(braked)), 0.0),
             ..row
         }
     }

@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_number_is_not_heard() {
+    fn what_is_no_number_is_left_out() {
         let nan = f64::NAN;
         let strange = [
             SingleWheelEstimate::silent(),

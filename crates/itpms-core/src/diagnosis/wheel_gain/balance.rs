@@ -185,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn a_gain_by_a_quarter_is_said_and_taken_back() {
+    fn a_gain_by_a_quarter_is_reported_and_taken_back() {
         let mut drive = Drive::new();
         assert_eq!(drive.on(60.0, [0.0; 4], [0.0; 4]), None);
         let deviation = 0.75_f64.ln();
@@ -226,7 +226,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_judged_while_the_band_is_not_heard_or_a_body_reads_wrong() {
+    fn nothing_is_judged_while_the_band_is_silent_or_a_body_reads_wrong() {
         let mut gains = WheelGainBalance::new();
         let loud = Block {
             hop: SMatrix::zeros(),

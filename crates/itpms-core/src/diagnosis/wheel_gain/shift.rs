@@ -360,7 +360,7 @@ mod tests {
     }
 
     #[test]
-    fn what_stays_is_another_car_in_the_end_unless_it_is_said_why() {
+    fn what_stays_is_another_car_in_the_end_unless_it_is_reported_why() {
         let mut car = Car::that_has_driven(120);
         car.until(true, 0.75);
         let lasted_s = car.until(false, 0.75);

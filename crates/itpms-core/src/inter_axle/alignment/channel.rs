@@ -119,7 +119,7 @@ mod tests {
     use crate::spectrum::front_end::{ELEMENTS, FrontEnd};
 
     #[test]
-    fn a_wheel_in_the_air_is_heard_until_the_filters_have_forgotten() {
+    fn a_wheel_in_the_air_is_detected_until_the_filters_have_forgotten() {
         // A wheel sensor that says 100 m/s² for 20 ms, and is believed to be in the air so long.
         let (mut channel, mut front_end) = (Channel::new(0.002), FrontEnd::<f64>::new(0.002));
         let (mut loudest, mut after) = (0.0f64, 0.0f64);

@@ -112,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn a_late_speed_is_told_with_scale_and_skew() {
+    fn a_late_speed_is_detected_with_scale_and_skew() {
         let noise = |i: usize| 0.002 * ((i * i) as f64).sin();
         let lag = last(|i, growth, delay_s| 0.01 + 0.002 / delay_s - 0.15 * growth + noise(i)).unwrap();
         let near = |[value, sd]: [f64; 2], truth: f64| (value - truth).abs() < 4.0 * sd;

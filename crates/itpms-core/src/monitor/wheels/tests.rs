@@ -171,7 +171,7 @@ fn what_is_only_likely_waits_for_a_minute() {
 }
 
 #[test]
-fn what_is_said_names_wheels_or_says_that_it_cannot() {
+fn what_is_reported_names_wheels_or_says_that_it_cannot() {
     let alert = |wheels: Wheels, is_known| Alert {
         wheels,
         since_s: 10.0,

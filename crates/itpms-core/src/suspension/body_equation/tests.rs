@@ -87,7 +87,7 @@ fn learn_late(
 }
 
 #[test]
-fn four_struts_under_one_body_are_told_apart() {
+fn four_struts_under_one_body_are_distinguished() {
     let mut equation = equation(4);
     let [mass, pitch, roll, _] = equation.body.parts();
     // Another pitch inertia than the guessed one, and forces of three elements.
@@ -124,7 +124,7 @@ fn four_corners_that_move_each_for_itself_are_a_body_that_warps() {
 }
 
 #[test]
-fn what_the_struts_do_not_explain_is_told() {
+fn what_the_struts_do_not_explain_is_reported() {
     let mut equation = equation(4);
     let [mass, pitch, roll, _] = equation.body.parts();
     // Of a motion n times its own amplitude off, n²/(1 + n²) is not explained.
@@ -153,7 +153,7 @@ fn a_corner_alone_has_its_own_friction_and_no_verdict_on_the_body() {
 }
 
 #[test]
-fn a_wheel_that_is_told_late_is_no_friction() {
+fn a_wheel_that_is_detected_late_is_no_friction() {
     let mut equation = equation(4);
     let [mass, pitch, roll, _] = equation.body.parts();
     let (slip_n, late_s) = ([20.0, 0.0, 45.0], [1.5e-3, 0.0, -1e-3, 0.5e-3]);

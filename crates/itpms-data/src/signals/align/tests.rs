@@ -87,8 +87,8 @@ fn messages_of_one_cycle_are_one_row_whatever_their_order() {
     let offset = |slot| report.signals.iter().find(|signal| signal.slot == slot).map(|signal| signal.method);
     let Some(SlotMethod::AsItIs { offset_s }) = offset(OTHER_BODY) else { panic!("{report:?}") };
     assert!((offset_s - 0.0006).abs() < 1e-9);
-    let said = |what| report.remarks().iter().any(|remark| remark.contains(what));
-    assert!(said("0.60 ms after") && said("0.40 ms before"), "{:?}", report.remarks());
+    let remarked = |what| report.remarks().iter().any(|remark| remark.contains(what));
+    assert!(remarked("0.60 ms after") && remarked("0.40 ms before"), "{:?}", report.remarks());
 }
 
 #[test]

@@ -117,11 +117,14 @@ fn ask_sensors(
     // Read beforehand: the calibration begins with the first row.
     let mut ahead = LogReader::open_with(&args.log, &args.reading.options())?;
     settings.calibration_kpa = sensor_pressures(&mut ahead, seconds, &mut |_| interrupt.flow())?;
-    let told = Corner::ALL.iter().zip(settings.calibration_kpa);
-    let told: Vec<String> =
-        told.filter_map(|(corner, kpa)| Some(format!("{} {}", corner.label(), kpa?))).collect();
+    let references = Corner::ALL.iter().zip(settings.calibration_kpa);
+    let references: Vec<String> =
+        references.filter_map(|(corner, kpa)| Some(format!("{} {}", corner.label(), kpa?))).collect();
     let path = args.log.display();
-    screen.remark(format!("{path}: calibrated at what the tires' own sensors send: {} kPa", told.join(", ")));
+    screen.remark(format!(
+        "{path}: calibrated at what the tires' own sensors send: {} kPa",
+        references.join(", ")
+    ));
     Ok(())
 }
 

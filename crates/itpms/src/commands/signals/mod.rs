@@ -42,7 +42,7 @@ pub(crate) fn run(args: &SignalsArgs, screen: &Screen, interrupt: &Interrupt) ->
     } else {
         table::print(args, &listing, &resolved, &columns, screen);
     }
-    // What this command understands of a table's header is more than the others take without being told.
+    // What this command understands of a table's header is more than the others take by themselves.
     let understood = listing.kind == "table" && map.is_none() && resolved.unusable().is_none();
     if let Some(error) = understood.then(|| LogReader::open(&args.log).err()).flatten() {
         screen.warn(format!("without a map the log is refused: {error}; write one with --write-map map.toml, and read the log with --signals map.toml"));

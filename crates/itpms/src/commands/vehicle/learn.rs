@@ -64,16 +64,16 @@ fn write(path: &Path, text: &str, screen: &Screen) -> Result<(), Failure> {
 
 /// A pressure for every wheel of every drive, but those that the tires' own sensors are to tell.
 fn drives(args: &LearnArgs, vehicle: &Vehicle) -> Result<Vec<KnownDrive>, Failure> {
-    let (logs, told) = (args.logs.len(), args.pressure_kpa.len());
-    if told > 1 && told != logs {
+    let (logs, pressures) = (args.logs.len(), args.pressure_kpa.len());
+    if pressures > 1 && pressures != logs {
         return Err(Failure::Usage(format!(
-            "{told} times --pressure-kpa for {logs} logs, expected one for all or one for each, in the same order"
+            "{pressures} times --pressure-kpa for {logs} logs, expected one for all or one for each, in the same order"
         )));
     }
     let mut drives = vec![];
     for (i, log) in args.logs.iter().enumerate() {
         let mut pressures_kpa = [f64::NAN; 4];
-        let given = if told == 1 { args.pressure_kpa.first() } else { args.pressure_kpa.get(i) };
+        let given = if pressures == 1 { args.pressure_kpa.first() } else { args.pressure_kpa.get(i) };
         let known = given.map_or([None; 4], |given| given.0);
         for corner in Corner::ALL {
             pressures_kpa[corner.index()] = match (known[corner.index()], vehicle.corner(corner)) {

@@ -30,21 +30,21 @@ struct Parameter {
     unit: &'static str,
     value: f64,
     sd: f64,
-    told: bool,
+    stated: bool,
 }
 
 /// The parameters of a corner, in the order of the file.
 fn parameters(vehicle: &Vehicle, corner: Corner) -> Vec<Parameter> {
     let Some(config) = vehicle.corner(corner) else { return Vec::new() };
-    let (car, told) = (&config.quarter_car, &vehicle.details.corners[corner.index()]);
+    let (car, stated) = (&config.quarter_car, &vehicle.details.corners[corner.index()]);
     let sd = vehicle.uncertainty(corner);
     let tire = config.tire.stiffness_n_per_m(config.placard_kpa);
-    let relative = |name, unit, value: f64, sd: f64, told: Option<f64>| Parameter {
+    let relative = |name, unit, value: f64, sd: f64, stated: Option<f64>| Parameter {
         name,
         unit,
         value,
         sd: sd * value,
-        told: told.is_some(),
+        stated: stated.is_some(),
     };
     vec![
         relative(
@@ -52,43 +52,43 @@ fn parameters(vehicle: &Vehicle, corner: Corner) -> Vec<Parameter> {
             "kg",
             car.sprung_mass_kg(),
             sd.sprung_mass_relative_sd,
-            told.sprung_mass_relative_sd,
+            stated.sprung_mass_relative_sd,
         ),
         relative(
             "unsprung mass",
             "kg",
             car.unsprung_mass_kg(),
             sd.unsprung_mass_relative_sd,
-            told.unsprung_mass_relative_sd,
+            stated.unsprung_mass_relative_sd,
         ),
-        relative("spring", "N/m", car.spring_n_per_m(), sd.spring_relative_sd, told.spring_relative_sd),
+        relative("spring", "N/m", car.spring_n_per_m(), sd.spring_relative_sd, stated.spring_relative_sd),
         relative(
             "damping",
             "N s/m",
             car.damping_n_s_per_m(),
             sd.damping_relative_sd,
-            told.damping_relative_sd,
+            stated.damping_relative_sd,
         ),
         Parameter {
             name: "friction",
             unit: "N",
             value: sd.friction_n,
             sd: sd.friction_sd_n,
-            told: told.friction_sd_n.is_some(),
+            stated: stated.friction_sd_n.is_some(),
         },
         relative(
             "tire stiffness at placard",
             "N/m",
             tire,
             sd.stiffness_relative_sd,
-            told.tire.stiffness_relative_sd,
+            stated.tire.stiffness_relative_sd,
         ),
         Parameter {
             name: "tire damping",
             unit: "N s/m",
             value: sd.tire_damping_n_s_per_m,
             sd: sd.tire_damping_sd_n_s_per_m,
-            told: told.tire_damping_sd_n_s_per_m.is_some(),
+            stated: stated.tire_damping_sd_n_s_per_m.is_some(),
         },
     ]
 }
@@ -135,7 +135,7 @@ fn table(vehicle: &Vehicle) -> String {
         "tire included: on spring and tire in series; comments by `vehicle init` are of the spring alone"
             .to_owned(),
     );
-    if columns.iter().flatten().any(|parameter| !parameter.told) {
+    if columns.iter().flatten().any(|parameter| !parameter.stated) {
         out.push(
             "* no standard deviation in the file: what is usual for its confidence (docs/vehicle.md)"
                 .to_owned(),
@@ -186,7 +186,7 @@ fn row(name: &str, cells: impl Iterator<Item = String>) -> String {
 
 fn shown(parameter: &Parameter) -> String {
     let decimals = usize::from(parameter.value < 1_000.0);
-    let mark = if parameter.told { ' ' } else { '*' };
+    let mark = if parameter.stated { ' ' } else { '*' };
     format!("{:.decimals$} ± {:.decimals$}{mark}", parameter.value, parameter.sd)
 }
 
@@ -197,7 +197,7 @@ fn document(vehicle: &Vehicle) -> Value {
         let parameters: serde_json::Map<String, Value> = parameters(vehicle, corner)
             .into_iter()
             .map(|p| {
-                let source = if p.told { "file" } else { "confidence" };
+                let source = if p.stated { "file" } else { "confidence" };
                 (
                     p.name.replace(' ', "_"),
                     json!({ "value": p.value, "sd": p.sd, "unit": p.unit, "sd_from": source }),

@@ -186,7 +186,7 @@ mod tests {
         let mut names = vec![];
         for (drive, _) in drives().unwrap() {
             drive.scenario.validate().unwrap();
-            drive.told().unwrap();
+            drive.file_config().unwrap();
             names.push(drive.name);
         }
         let count = names.len();

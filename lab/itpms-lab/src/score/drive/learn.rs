@@ -137,20 +137,20 @@ fn car(subject: &Subject, turn: Turn) -> Result<Found, ScoreError> {
         })
         .collect();
     let slope = corners().next().map_or(f64::NAN, |(truth, _)| truth.slope);
-    let told = [
+    let given = [
         Some((&car.file, None)),
         Some((&learned.car, None)),
         calibration.as_ref().map(|calibration| (&learned.car, Some(calibration))),
     ];
-    let later = later(&car, turn, &told)?;
+    let later = later(&car, turn, &given)?;
     Ok(Found { parameters, slope: Learnt { truth: slope, parameter: learned.slope }, later })
 }
 
 /// What an estimator of the later drive is given: a car, and what an earlier calibration of exactly that car taught.
-type Told<'a> = (&'a CarConfig<f64>, Option<&'a VehicleCalibration<f64>>);
+type Given<'a> = (&'a CarConfig<f64>, Option<&'a VehicleCalibration<f64>>);
 
 /// A later drive on which one tire after the other, from car to car, loses a fifth; estimated by all at once.
-fn later(car: &DrawnCar, turn: Turn, told: &[Option<Told<'_>>]) -> Result<Vec<Option<Later>>, ScoreError> {
+fn later(car: &DrawnCar, turn: Turn, given: &[Option<Given<'_>>]) -> Result<Vec<Option<Later>>, ScoreError> {
     let [begins_s, takes_s, wait_s] = LOSS_S;
     let struck = Corner::ALL[turn.index % 4];
     let (mut scenario, seed) = car.later(turn.index + turn.index / 4, begins_s + takes_s + wait_s);
@@ -158,8 +158,8 @@ fn later(car: &DrawnCar, turn: Turn, told: &[Option<Told<'_>>]) -> Result<Vec<Op
         spec.pressure = Pressure::ramp(PLACARD_KPA, LEFT * PLACARD_KPA, begins_s, takes_s);
     }
     let mut estimators = vec![];
-    for told in told {
-        estimators.push(match told {
+    for given in given {
+        estimators.push(match given {
             Some((config, calibration)) => {
                 let mut estimator = estimator(config)?;
                 calibration.map_or(Ok(()), |calibration| estimator.load_calibration(calibration))?;
@@ -279,12 +279,12 @@ mod tests {
         let mut sums = [0.0f64; 3];
         for seed in 0..400 {
             let car = DrawnCar::draw(&subject, 0, seed).unwrap();
-            let (truth, told) =
+            let (truth, nominal) =
                 (car.truth(Corner::RearLeft).unwrap(), car.file.corners[2].unwrap().quarter_car);
             let deviations = [
-                truth.unsprung_mass_kg / told.unsprung_mass_kg(),
-                truth.damping_n_s_per_m / told.damping_n_s_per_m(),
-                truth.spring_n_per_m / told.spring_n_per_m(),
+                truth.unsprung_mass_kg / nominal.unsprung_mass_kg(),
+                truth.damping_n_s_per_m / nominal.damping_n_s_per_m(),
+                truth.spring_n_per_m / nominal.spring_n_per_m(),
             ];
             sums.iter_mut().zip(deviations).for_each(|(sum, value)| *sum += value.ln().powi(2));
         }

@@ -108,7 +108,7 @@ impl DrawnCar {
         drive.scenario.rate_hz = RATE_HZ;
         drive.scenario.road = road(index);
         let known = subject.known();
-        let mut file = drive.told()?;
+        let mut file = drive.file_config()?;
         file.corners.iter_mut().flatten().for_each(|corner| corner.uncertainty = known);
         let mut draw = Source(Pcg64::seed_from_u64(seed));
         let slope = (SLOPE_SD * draw.normal()).exp();
@@ -146,8 +146,9 @@ impl DrawnCar {
     }
 
     pub(super) fn truth(&self, corner: Corner) -> Option<Truth> {
-        let (spec, told) = (self.scenario.corner.get(corner)?, self.file.corners[corner.index()].as_ref()?);
-        let (truth, car) = (&spec.truth, &told.quarter_car);
+        let (spec, nominal) =
+            (self.scenario.corner.get(corner)?, self.file.corners[corner.index()].as_ref()?);
+        let (truth, car) = (&spec.truth, &nominal.quarter_car);
         let at_placard = spec.tire.stiffness_per_kpa * PLACARD_KPA + spec.tire.stiffness_at_zero;
         Some(Truth {
             unsprung_mass_kg: truth.unsprung_mass_factor * car.unsprung_mass_kg(),
@@ -155,7 +156,7 @@ impl DrawnCar {
             damping_n_s_per_m: truth.damping_factor * car.damping_n_s_per_m(),
             spring_n_per_m: truth.spring_factor * car.spring_n_per_m(),
             friction_n: truth.friction_n,
-            slope: spec.tire.stiffness_per_kpa / told.tire.stiffness_per_kpa(),
+            slope: spec.tire.stiffness_per_kpa / nominal.tire.stiffness_per_kpa(),
         })
     }
 

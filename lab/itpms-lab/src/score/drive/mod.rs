@@ -178,7 +178,7 @@ impl Drive {
     }
 
     /// What the estimator is given.
-    fn told(&self) -> Result<CarConfig<f64>, ScoreError> {
+    fn file_config(&self) -> Result<CarConfig<f64>, ScoreError> {
         let mut config = CarConfig { corners: [None; 4], wheelbase_m: Some(self.wheelbase_m) };
         for (corner, _) in self.scenario.corner.iter() {
             config.corners[corner.index()] = Some(self.scenario.corner_config(corner)?);
@@ -197,7 +197,7 @@ impl Drive {
 
     /// An estimator for each setup, under its monitor as everywhere else: what is suspect is kept from it.
     fn cars(&self, scenario: &Scenario) -> Result<Vec<Equipped>, ScoreError> {
-        let config = self.told()?;
+        let config = self.file_config()?;
         let set_up = |setup: &Setup| {
             let options = EstimatorOptions { sources: setup.sources, ..EstimatorOptions::default() };
             let config = MonitorConfig { options, ..MonitorConfig::new(&config) };
@@ -328,6 +328,6 @@ mod tests {
         let other = drive.clone().with_rear_offset_m(0.02).each_corner(|_, spec| {
             spec.truth.unsprung_mass_factor = 1.03;
         });
-        assert_eq!(drive.told().unwrap(), other.told().unwrap());
+        assert_eq!(drive.file_config().unwrap(), other.file_config().unwrap());
     }
 }

@@ -285,7 +285,7 @@ mod tests {
             let of = Subject { deviation, wheel_speeds: false };
             let drive = composed(&of, turn, &[UNKNOWN]).unwrap();
             drive.scenario.validate().unwrap();
-            assert_eq!(drive.told().unwrap(), file.told().unwrap(), "{}", deviation.name);
+            assert_eq!(drive.file_config().unwrap(), file.file_config().unwrap(), "{}", deviation.name);
             assert_eq!(
                 drive.scenario == file.scenario,
                 deviation.name == "as its file",
