@@ -155,11 +155,11 @@ fn drop_incomplete_padding(values: &mut Vec<f64>, channels: usize) {
 
 fn text_value(cell: &[char], line: u64, first: usize, width: usize) -> Result<f64, CrgProblem> {
     let text: String = cell.iter().collect();
-    let cell = text.trim();
-    let value = match cell {
+    let trimmed = text.trim();
+    let value = match trimmed {
         _ if cell.len() < width => None,
-        _ if cell.starts_with('*') || cell.eq_ignore_ascii_case("nan") => Some(f64::NAN),
-        _ => number(cell),
+        _ if trimmed.starts_with('*') || trimmed.eq_ignore_ascii_case("nan") => Some(f64::NAN),
+        _ => number(trimmed),
     };
     let last = first + cell.len() - 1;
     value.ok_or_else(|| CrgProblem::Cell { line, first, last, found: shortened(&text), width })

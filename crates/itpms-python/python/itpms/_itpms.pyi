@@ -79,7 +79,9 @@ class Simulated:
     @property
     def vehicle(self) -> Vehicle: ...
 
-def estimate_log(path: str | PathLike[str], vehicle: Vehicle, options: Mapping[str, Any], progress: _Progress) -> Estimated: ...
+def estimate_log(
+    path: str | PathLike[str], vehicle: Vehicle, options: Mapping[str, Any], progress: _Progress
+) -> Estimated: ...
 def estimate_pieces(
     name: str,
     names: Sequence[str],
