@@ -5,65 +5,99 @@ use nalgebra::{SMatrix, SVector};
 
 use super::fusion::{FusedEstimate, Fusion, SingleWheelEstimate};
 use super::{CarEstimator, Sources};
-use crate::estimator::FusedStiffness;
-use crate::memory::Blank;
+use crate::estimator::{CornerConclusion, FusedStiffness};
+use crate::memory::{Blank, Placed};
 use crate::model::{CarSample, Corner, CornerEstimate, Level, Side, TrackState};
 use crate::real::Real;
 
-/// What corners have in common, as it was concluded last.
+/// What was concluded last: of each corner, and of what they have in common.
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Concluded<T> {
+pub(super) struct Concluded<T: Real> {
+    pub(super) corners: [Placed<CornerConclusion<T>>; 4],
     pub(super) correlation: [[T; 4]; 4],
     pub(super) tracks: [TrackState<T>; 2],
 }
 
 impl<T: Real> CarEstimator<T> {
-    /// Concludes what is known of all corners that the sample has, with a corner's own measurement if it `has_room` for that; gives the
-    /// fused estimate, if it counts.
+    /// Concludes what is known of all corners that the sample has, with a corner's own measurement if it `has_room` for that.
     #[inline(never)]
-    pub(super) fn conclude(
-        &mut self,
-        time_s: f64,
-        has_room: bool,
-        sample: &CarSample<T>,
-    ) -> Option<FusedEstimate<T>> {
+    pub(super) fn conclude(&mut self, time_s: f64, has_room: bool, sample: &CarSample<T>) {
         let fused = self.fuse(time_s, has_room);
-        for (estimator, corner) in self.corners.iter_mut().zip(&sample.corners) {
-            if let (Some(estimator), true) = (estimator.as_mut(), corner.is_some()) {
-                estimator.conclude(time_s);
-            }
+        for corner in Corner::ALL.into_iter().filter(|&corner| sample.corners[corner].is_some()) {
+            self.conclude_corner(time_s, corner, fused.as_ref());
         }
-        fused
+        let fused = fused
+            .map(|(fused, considered)| FusedEstimate { covariance: fused.covariance + considered, ..fused });
+        self.compare(sample, fused.as_ref());
     }
 
-    /// Concludes what corners have in common.
+    /// Concludes what is known of a corner, with the fused estimate and what the vehicle file leaves open of it.
     #[inline(never)]
-    pub(super) fn compare(
+    fn conclude_corner(
         &mut self,
-        corners: &mut [Option<CornerEstimate<T>>; 4],
-        fused: Option<&FusedEstimate<T>>,
+        time_s: f64,
+        corner: Corner,
+        fused: Option<&(FusedEstimate<T>, SMatrix<T, 4, 4>)>,
     ) {
-        let (correlation, tracks) = (self.correlation(corners, fused), self.tracks());
+        let Some(estimator) = self.corners[corner].as_mut() else { return };
+        let (i, fusion) = (corner.index(), self.fusion.as_ref());
+        let fused = fused.zip(fusion.filter(|fusion| fusion.has_partner(corner)));
+        let fused = fused.map(|((fused, considered), fusion)| {
+            let learning = fusion.track(corner.side()).shared;
+            FusedStiffness {
+                stiffness_n_per_m: fused.stiffness_n_per_m[i],
+                stiffness_sd_n_per_m: fused.covariance[(i, i)].sqrt(),
+                considered_sd_n_per_m: considered[(i, i)].sqrt(),
+                level: fusion.level(),
+                changing: fused.changing,
+                learned_s: fused.learned_s,
+                learning,
+                has_signal: fusion.has_signal(corner) && (learning || !fusion.is_slow()),
+            }
+        });
+        let hop_excess = fusion.and_then(|fusion| fusion.hop_excess(corner.side()));
+        let concluded = estimator.conclude(time_s, fused.as_ref(), hop_excess);
+        self.concluded.corners[corner].place(|place| *place = concluded);
+    }
+
+    /// A corner's estimate at a sample, if that has the corner.
+    pub(super) fn estimate(
+        &mut self,
+        corner: Corner,
+        now_s: f64,
+        sample: &CarSample<T>,
+    ) -> Option<CornerEstimate<T>> {
+        self.corners[corner].as_ref().zip(sample.corners[corner].as_ref())?;
+        if self.concluded.corners[corner].as_ref().is_none() {
+            self.conclude_corner(now_s, corner, None);
+        }
+        Some(self.concluded.corners[corner].as_ref()?.at(sample.time_s))
+    }
+
+    /// Concludes what the sample's corners have in common.
+    #[inline(never)]
+    fn compare(&mut self, sample: &CarSample<T>, fused: Option<&FusedEstimate<T>>) {
+        let of_sample = |corner: Corner| sample.corners[corner].and(self.concluded.corners[corner].as_ref());
+        let corners = Corner::ALL.map(of_sample);
+        let (correlation, tracks) = (self.correlation(&corners, fused), self.tracks());
         let losses = fused.and_then(|fused| Some(self.considered.losses(fused.losses.as_ref()?)));
-        let sds = corners.each_ref().map(|corner| Some(corner.as_ref()?.pressure_sd_kpa));
-        for wheel in Corner::ALL {
-            let Some(corner) = &mut corners[wheel] else { continue };
+        let sds = corners.map(|corner| Some(corner?.pressure_sd_kpa));
+        for wheel in Corner::ALL.into_iter().filter(|&wheel| sample.corners[wheel].is_some()) {
+            let Some(corner) = self.concluded.corners[wheel].as_mut() else { continue };
             let (axle, correlation) =
                 (sds[wheel].zip(sds[wheel.same_axle()]), correlation[wheel][wheel.same_axle()]);
             corner.axle_difference_sd_kpa =
                 axle.map(|(a, b)| (a * a + b * b - T::lit(2.0) * correlation * a * b).max(T::zero()).sqrt());
             corner.loss = losses.map(|losses| losses[wheel]);
-            if let Some(estimator) = self.corners[wheel].as_mut() {
-                estimator.set_compared(corner.axle_difference_sd_kpa, corner.loss);
-            }
         }
         (self.concluded.correlation, self.concluded.tracks) = (correlation, tracks);
     }
 
-    /// Fuses what the corners find with the shared road; gives the fused estimate, if it counts.
+    /// Fuses what the corners find with the shared road; gives the fused estimate and what the vehicle file leaves open of it, if it
+    /// counts: a shared road that was given up must not leave its last estimate behind.
     #[inline(never)]
-    fn fuse(&mut self, time_s: f64, has_room: bool) -> Option<FusedEstimate<T>> {
+    fn fuse(&mut self, time_s: f64, has_room: bool) -> Option<(FusedEstimate<T>, SMatrix<T, 4, 4>)> {
         let fusion = self.fusion.as_mut()?;
         if time_s.is_finite() {
             // With the next sample that has room for it, which is this one but for a frame that became complete with it.
@@ -107,44 +141,24 @@ impl<T: Real> CarEstimator<T> {
         {
             self.considered.join_radii(radii, level, fused, considered);
         }
-        for corner in Corner::ALL {
-            let Some(estimator) = self.corners[corner].as_mut() else { continue };
-            let i = corner.index();
-            // A shared road that was given up must not leave its last estimate behind.
-            let fused = fused.as_ref().zip(considered.as_ref()).filter(|_| fusion.has_partner(corner));
-            estimator.set_hop_excess(fusion.hop_excess(corner.side()));
-            let learning = fusion.track(corner.side()).shared;
-            estimator.set_fused(fused.map(|(fused, considered)| FusedStiffness {
-                stiffness_n_per_m: fused.stiffness_n_per_m[i],
-                stiffness_sd_n_per_m: fused.covariance[(i, i)].sqrt(),
-                considered_sd_n_per_m: considered[(i, i)].sqrt(),
-                level,
-                changing: fused.changing,
-                learned_s: fused.learned_s,
-                learning,
-                has_signal: fusion.has_signal(corner) && (learning || !fusion.is_slow()),
-            }));
-        }
-        fused
-            .zip(considered)
-            .map(|(fused, considered)| FusedEstimate { covariance: fused.covariance + considered, ..fused })
+        fused.zip(considered)
     }
 
     /// Correlation coefficients of the pressures' errors: of the fused estimate, or of what the corners have in common by the
     /// vehicle file.
     fn correlation(
         &self,
-        corners: &[Option<CornerEstimate<T>>; 4],
+        corners: &[Option<&CornerConclusion<T>>; 4],
         fused: Option<&FusedEstimate<T>>,
     ) -> [[T; 4]; 4] {
-        let of = |value: fn(&CornerEstimate<T>) -> T| {
-            SVector::<T, 4>::from_fn(|i, _| corners[i].as_ref().map_or(T::zero(), value))
+        let of = |value: fn(&CornerConclusion<T>) -> T| {
+            SVector::<T, 4>::from_fn(|i, _| corners[i].map_or(T::zero(), value))
         };
         let covariance = match fused {
             Some(fused) => fused.covariance,
             None => {
                 let sd = of(|corner| corner.stiffness_sd_n_per_m);
-                let mut covariance = self.considered.uncalibrated(&of(|corner| corner.stiffness_n_per_m));
+                let mut covariance = self.considered.uncalibrated(&of(CornerConclusion::stiffness_n_per_m));
                 covariance.set_diagonal(&sd.component_mul(&sd));
                 covariance
             }

@@ -228,6 +228,7 @@ impl<T: Real> CarEstimator<T> {
         if let Some(estimator) = self.corners[corner].as_mut() {
             estimator.restart();
         }
+        self.concluded.corners[corner].clear();
         self.body_equation.restart();
         self.conclude_in = 0;
         if let Some(fusion) = self.fusion.as_mut() {
@@ -272,19 +273,12 @@ impl<T: Real> CarEstimator<T> {
         }
         // Nor is one drawn beside one of these, unless it would come late.
         let concludes = self.conclude_in == 0 || has_room && self.conclude_in <= self.conclude_every;
-        let fused = if concludes { self.conclude(at.now_s, has_room, sample) } else { None };
-        let mut corners = [None; 4];
-        for ((estimate, estimator), corner) in corners.iter_mut().zip(&mut self.corners).zip(&sample.corners)
-        {
-            if let (Some(estimator), Some(_)) = (estimator.as_mut(), corner) {
-                *estimate = Some(estimator.estimate(at.now_s, sample.time_s));
-            }
-        }
         if concludes {
-            self.compare(&mut corners, fused.as_ref());
+            self.conclude(at.now_s, has_room, sample);
             self.conclude_in = 2 * self.conclude_every;
         }
         self.conclude_in = self.conclude_in.saturating_sub(1);
+        let corners = Corner::ALL.map(|corner| self.estimate(corner, at.now_s, sample));
         let Concluded { correlation, tracks, .. } = self.concluded;
         CarEstimate { time_s: sample.time_s, corners, correlation, tracks }
     }

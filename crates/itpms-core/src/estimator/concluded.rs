@@ -1,4 +1,4 @@
-//! What was concluded of a corner, as it is kept until the next time: in memory that is zeros before it is configured.
+//! What was concluded of a corner, as its owner keeps it until the next time.
 
 use super::reading::Reading;
 use crate::memory::Blank;
@@ -8,21 +8,25 @@ use crate::real::Real;
 /// See the [module](self).
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Concluded<T: Real> {
+pub(crate) struct CornerConclusion<T: Real> {
     pub(super) reading: Reading<T>,
-    pub(super) stiffness_sd_n_per_m: T,
+    pub(crate) stiffness_sd_n_per_m: T,
     pub(super) pressure_kpa: T,
-    pub(super) pressure_sd_kpa: T,
+    pub(crate) pressure_sd_kpa: T,
     pub(super) change_sd_kpa: T,
     pub(super) level: Level,
     pub(super) validity: Validity,
-    pub(super) axle_difference_sd_kpa: Option<T>,
-    pub(super) loss: Option<Loss<T>>,
+    pub(crate) axle_difference_sd_kpa: Option<T>,
+    pub(crate) loss: Option<Loss<T>>,
 }
 
-impl<T: Real> Concluded<T> {
+impl<T: Real> CornerConclusion<T> {
+    pub(crate) fn stiffness_n_per_m(&self) -> T {
+        self.reading.stiffness_n_per_m
+    }
+
     /// As the estimate of a sample of this time in s.
-    pub(super) fn at(&self, time_s: f64) -> CornerEstimate<T> {
+    pub(crate) fn at(&self, time_s: f64) -> CornerEstimate<T> {
         let reading = &self.reading;
         CornerEstimate {
             time_s,

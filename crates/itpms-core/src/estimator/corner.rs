@@ -1,7 +1,7 @@
 //! The estimator of one corner, without a clock: samples in, [`CornerEstimate`]s out. Called by [`Estimator`](super::Estimator) and by
 //! the car. Every sample passes the [`Resampler`], so the Bayes filter never sees a missing or absurd value.
 
-use super::concluded::Concluded;
+use super::concluded::CornerConclusion;
 use super::fused_stiffness::FusedStiffness;
 use super::pulses::PulseLevel;
 use super::reading::{Reading, STARTING_S, is_known};
@@ -10,8 +10,8 @@ use crate::conditioning::wheel_lift::ContactWatch;
 use crate::conditioning::{GridSample, LEAST_GRID_HZ, Resampler, SampleCounts};
 use crate::memory::{Blank, Placed};
 use crate::model::{
-    BodyFit, Corner, CornerConfig, CornerEstimate, CornerSample, Level, Loss, Misfit, ParameterError,
-    QuarterCar, Validity, positive,
+    BodyFit, Corner, CornerConfig, CornerSample, Level, Misfit, ParameterError, QuarterCar, Validity,
+    positive,
 };
 use crate::real::Real;
 use crate::single_wheel::{Informed, OutsideStiffness, Pace, StiffnessPseudoMeasurement};
@@ -39,8 +39,6 @@ pub(crate) struct CornerEstimator<T: Real> {
     calibration_s: f64,
     calibration_ends_s: Option<f64>,
     pinned_s: f64,
-    /// What the whole car says of this corner, while it says anything.
-    fused: Placed<FusedStiffness<T>>,
     contact: ContactWatch<T>,
     strut: Strut<T>,
     /// Variance in (N/m)² of what the strut's friction, as far as it is not known, makes of the tire.
@@ -53,7 +51,6 @@ pub(crate) struct CornerEstimator<T: Real> {
     has_fitted: bool,
     /// Seconds of information that the corner had when its sensors last sent nothing.
     learned_before_s: T,
-    concluded: Placed<Concluded<T>>,
 }
 
 impl<T: Real> CornerEstimator<T> {
@@ -76,7 +73,6 @@ impl<T: Real> CornerEstimator<T> {
         self.calibration_s = 0.0;
         self.calibration_ends_s = None;
         self.pinned_s = f64::NEG_INFINITY;
-        self.fused.clear();
         self.contact = ContactWatch::new(&config.quarter_car);
         let noise = config.accel_noise_or_usual_m_s2();
         let noise_density = T::lit(2.0 / sample_rate_hz) * noise * noise;
@@ -86,7 +82,6 @@ impl<T: Real> CornerEstimator<T> {
         (self.fit, self.judged_from_s, self.has_fitted) = (BodyFit::unknown(), None, false);
         (self.friction_variance, self.learned_before_s) = (T::zero(), T::zero());
         self.misfit.clear();
-        self.concluded.clear();
         Ok(())
     }
 
@@ -216,19 +211,9 @@ impl<T: Real> CornerEstimator<T> {
         self.fit.friction_n = slip_forces_n.into_iter().fold(T::zero(), |sum, force| sum + force);
     }
 
-    /// Takes over how much more front and rear disagree near wheel hop than beside it.
-    pub(crate) fn set_hop_excess(&mut self, excess: Option<T>) {
-        self.fit.hop_excess = excess;
-    }
-
     /// How well body and wheel go together, and what does not.
     pub(crate) fn fit(&self) -> (BodyFit<T>, Option<Misfit>) {
         (self.fit, self.misfit.get())
-    }
-
-    /// Tells what the whole car says of this corner; `None`: nothing now.
-    pub(crate) fn set_fused(&mut self, fused: Option<FusedStiffness<T>>) {
-        self.fused.set(fused);
     }
 
     /// Pressure in kPa as the corner by itself reads it, with its variance by the signals and what the vehicle file leaves open of it.
@@ -240,18 +225,17 @@ impl<T: Real> CornerEstimator<T> {
         (tire.pressure_kpa(stiffness_n_per_m), sd * sd, open * open)
     }
 
-    /// The next conclusion knows what the pulses of the wheel tell of the level, but in a calibration.
-    pub(super) fn join_pulses(&mut self, pulses: &mut PulseLevel<T>, time_s: f64) {
+    /// The stiffness with what the pulses of the wheel tell of its level; `None` where they add nothing, and in a calibration.
+    pub(super) fn with_pulses(&self, pulses: &mut PulseLevel<T>, time_s: f64) -> Option<FusedStiffness<T>> {
         let (pressure_kpa, variance_kpa2, open_kpa2) = self.own_pressure();
         pulses.read(time_s, pressure_kpa, variance_kpa2);
         let (excess_kpa, left_kpa2) = pulses.excess(open_kpa2);
         if self.calibration_s > 0.0 || !(left_kpa2 < open_kpa2) {
-            self.fused.clear();
-            return;
+            return None;
         }
         let per_kpa = self.config.tire.stiffness_per_kpa();
         let (stiffness_n_per_m, sd_n_per_m) = self.own_stiffness();
-        self.fused.set(Some(FusedStiffness {
+        Some(FusedStiffness {
             stiffness_n_per_m: stiffness_n_per_m + excess_kpa * per_kpa,
             stiffness_sd_n_per_m: sd_n_per_m,
             considered_sd_n_per_m: left_kpa2.sqrt() * per_kpa,
@@ -260,7 +244,7 @@ impl<T: Real> CornerEstimator<T> {
             learned_s: self.informed.learned_s(),
             learning: false,
             has_signal: true,
-        }));
+        })
     }
 
     /// Takes a piece of the pulses of its wheel; not in a calibration.
@@ -276,22 +260,28 @@ impl<T: Real> CornerEstimator<T> {
         self.resampler.grid_period_s()
     }
 
-    /// Concludes what is known now: the second part of [`Estimator::update`].
-    pub(crate) fn conclude(&mut self, time_s: f64) {
+    /// Concludes what is known now, the second part of [`Estimator::update`]: with a `fused` stiffness, if there is one, and how much more
+    /// front and rear disagree near wheel hop than beside it.
+    pub(crate) fn conclude(
+        &mut self,
+        time_s: f64,
+        fused: Option<&FusedStiffness<T>>,
+        hop_excess: Option<T>,
+    ) -> CornerConclusion<T> {
         let Reading { stiffness_n_per_m, stiffness_sd_n_per_m, .. } = self.reading;
         if !(stiffness_n_per_m.is_finite() && stiffness_sd_n_per_m.is_finite()) {
             self.restart();
         }
         let mut reading = self.reading_at(time_s);
-        match self.fused.as_ref() {
+        match fused {
             Some(fused) => reading.fuse(&self.config, fused),
             None => reading.stiffness_sd_n_per_m = self.with_friction(reading.stiffness_sd_n_per_m),
         }
         (self.fit.incoherence, self.fit.averages) = (self.strut.incoherence(), self.strut.averages());
+        self.fit.hop_excess = hop_excess;
         self.misfit.set(self.fit.misfit(self.misfit.get()));
-        let (considered, level) = self.considered(time_s, &reading);
-        let concluded = self.concluded(time_s, reading, considered, level);
-        self.concluded.place(|place| *place = concluded);
+        let (considered, level) = self.considered(time_s, &reading, fused);
+        self.concluded(time_s, reading, considered, level)
     }
 
     /// The reading at a time: nothing is being learned where no frame comes, as in a hole of the record.
@@ -300,21 +290,6 @@ impl<T: Real> CornerEstimator<T> {
             return self.reading;
         }
         Reading { gate: T::zero(), ..self.reading }
-    }
-
-    /// The third part: what was concluded, of a sample with this stamp.
-    pub(crate) fn estimate(&mut self, now_s: f64, stamp_s: f64) -> CornerEstimate<T> {
-        if self.concluded.as_ref().is_none() {
-            self.conclude(now_s);
-        }
-        self.concluded.value().at(stamp_s)
-    }
-
-    /// Takes over how well the difference of the axle's tires is known and what the tire has lost, as long as nothing else is concluded.
-    pub(crate) fn set_compared(&mut self, axle_difference_sd_kpa: Option<T>, loss: Option<Loss<T>>) {
-        if let Some(concluded) = self.concluded.as_mut() {
-            (concluded.axle_difference_sd_kpa, concluded.loss) = (axle_difference_sd_kpa, loss);
-        }
     }
 
     /// While the calibration drive lasts, says so to the estimator ten times a second.
@@ -341,7 +316,6 @@ impl<T: Real> CornerEstimator<T> {
         self.informed.restart();
         self.begin_reading();
         self.learned_before_s = T::zero();
-        self.concluded.clear();
     }
 
     /// What was found in the samples so far.
@@ -351,9 +325,9 @@ impl<T: Real> CornerEstimator<T> {
 
     /// Standard deviation in N/m of what the vehicle file leaves open: masses and stiffnesses of a wheel times one factor look the
     /// same.
-    fn considered(&self, time_s: f64, reading: &Reading<T>) -> (T, Level) {
+    fn considered(&self, time_s: f64, reading: &Reading<T>, fused: Option<&FusedStiffness<T>>) -> (T, Level) {
         let calibrating = self.calibration_ends_s.is_some_and(|ends_s| time_s < ends_s);
-        let (sd, level) = match self.fused.as_ref() {
+        let (sd, level) = match fused {
             Some(fused) => (fused.considered_sd_n_per_m, fused.level),
             None if calibrating => (T::zero(), Level::Calibration),
             None => {
@@ -386,7 +360,7 @@ impl<T: Real> CornerEstimator<T> {
         reading: Reading<T>,
         considered_sd_n_per_m: T,
         level: Level,
-    ) -> Concluded<T> {
+    ) -> CornerConclusion<T> {
         let tire = &self.config.tire;
         let pressure_kpa = tire.pressure_kpa(reading.stiffness_n_per_m);
         let change_sd_n_per_m = reading.stiffness_sd_n_per_m;
@@ -411,7 +385,7 @@ impl<T: Real> CornerEstimator<T> {
             Validity::Valid if !is_known(&self.config, change_sd_kpa) => Validity::NoInformation,
             validity => validity,
         };
-        Concluded {
+        CornerConclusion {
             reading,
             stiffness_sd_n_per_m,
             pressure_kpa,

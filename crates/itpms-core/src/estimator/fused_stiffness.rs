@@ -1,12 +1,10 @@
-//! The tire's stiffness as the whole car knows it, as a corner's estimator is given: made by [`CarEstimator`](crate::car::CarEstimator)
-//! of the fused belief, applied by the running method.
+//! The tire's stiffness as the whole car knows it, with which a corner's estimator concludes: made by
+//! [`CarEstimator`](crate::car::CarEstimator) of the fused belief.
 
-use crate::memory::Blank;
 use crate::model::Level;
 
 /// What the whole car knows of a corner that the corner by itself does not.
-#[derive(Debug, Clone, Copy, PartialEq, Blank)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct FusedStiffness<T> {
     pub(crate) stiffness_n_per_m: T,
     /// Its standard deviation as far as the signals tell, and what the vehicle file leaves open.

@@ -6,6 +6,7 @@ mod fused_stiffness;
 mod pulses;
 mod reading;
 
+pub(crate) use self::concluded::CornerConclusion;
 pub(crate) use self::corner::CornerEstimator;
 pub(crate) use self::fused_stiffness::FusedStiffness;
 use self::pulses::PulseLevel;
@@ -94,9 +95,8 @@ impl<T: Real> Estimator<T> {
         if self.body_equation.learn([self.corner.strut_frame(), None, None, None]) == Learning::Complete {
             self.corner.set_strut(&self.body_equation, Corner::FrontLeft);
         }
-        self.corner.join_pulses(&mut self.pulses, at.now_s);
-        self.corner.conclude(at.now_s);
-        self.corner.estimate(at.now_s, time_s)
+        let with_pulses = self.corner.with_pulses(&mut self.pulses, at.now_s);
+        self.corner.conclude(at.now_s, with_pulses.as_ref(), None).at(time_s)
     }
 
     /// Takes a piece of what the tooth pulses of its wheel show, calibrated at the placard pressure
