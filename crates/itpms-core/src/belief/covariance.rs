@@ -84,16 +84,26 @@ impl<T: Real> Covariance<T> {
 
     /// Adds the covariances of one quantity with all, so many times.
     pub(crate) fn add_column(&self, of: usize, times: T, sum: &mut State<T>) {
+        self.for_each_of(of, |other, covariance| {
+            if let Some(sum) = sum.get_mut(other) {
+                *sum += times * covariance;
+            }
+        });
+    }
+
+    /// Shows the covariances of one quantity with all, each with the other quantity.
+    #[inline(always)]
+    pub(crate) fn for_each_of(&self, of: usize, mut show: impl FnMut(usize, T)) {
         for (distance, diagonal) in self.diagonals.data.0.iter().enumerate() {
             let ahead = if of + distance < SIZE { of + distance } else { of + distance - SIZE };
-            if let (Some(sum), Some(&covariance)) = (sum.get_mut(ahead), diagonal.get(of)) {
-                *sum += times * covariance;
+            if let Some(&covariance) = diagonal.get(of) {
+                show(ahead, covariance);
             }
             let behind = if of >= distance { of - distance } else { of + SIZE - distance };
             if distance > 0
-                && let (Some(sum), Some(&covariance)) = (sum.get_mut(behind), diagonal.get(behind))
+                && let Some(&covariance) = diagonal.get(behind)
             {
-                *sum += times * covariance;
+                show(behind, covariance);
             }
         }
     }
@@ -146,13 +156,13 @@ impl<T: Real> Covariance<T> {
         }
     }
 
-    /// Takes off what a function gives for the entries of a quantity with itself and those that follow it up to half the way round.
-    pub(crate) fn take_off(&mut self, of: usize, taken: impl Fn(usize) -> Option<T>) {
-        for (distance, diagonal) in self.diagonals.data.0.iter_mut().enumerate() {
-            let other = if of + distance < SIZE { of + distance } else { of + distance - SIZE };
-            if let (Some(entry), Some(taken)) = (diagonal.get_mut(of), taken(other)) {
-                *entry -= taken;
-            }
+    /// Takes off `B B'`, given the rows of `B`: of each with itself and with those that follow it up to half the way round.
+    pub(crate) fn take_off<const N: usize>(&mut self, rows: &[[T; N]; SIZE]) {
+        for (i, row) in rows.iter().enumerate() {
+            let (wrapped, ahead) = rows.split_at(i);
+            let (near, far) = self.diagonals.data.0.split_at_mut(ahead.len().min(DIAGONALS));
+            take_products_off(near, i, row, ahead);
+            take_products_off(far, i, row, wrapped);
         }
     }
 
@@ -160,6 +170,27 @@ impl<T: Real> Covariance<T> {
     pub(crate) fn hold_variances(&mut self) {
         self.diagonals.column_mut(0).apply(|variance| *variance = variance.max(T::zero()));
     }
+}
+
+/// Takes off the products of a row, which is the `i`-th, with others: one a diagonal.
+#[inline(always)]
+fn take_products_off<T: Real, const N: usize>(
+    diagonals: &mut [[T; SIZE]],
+    i: usize,
+    row: &[T; N],
+    others: &[[T; N]],
+) {
+    for (diagonal, other) in diagonals.iter_mut().zip(others) {
+        if let Some(entry) = diagonal.get_mut(i) {
+            *entry -= product(row, other);
+        }
+    }
+}
+
+/// Of a length that the compiler knows: it keeps the first one in registers.
+#[inline(always)]
+pub(super) fn product<T: Real, const N: usize>(a: &[T; N], b: &[T; N]) -> T {
+    a.iter().zip(b).fold(T::zero(), |sum, (&a, &b)| sum + a * b)
 }
 
 #[cfg(test)]
@@ -223,7 +254,7 @@ mod tests {
             near(&c, &Dense::from_fn(|i, j| if i.max(j) < size { whole[(i, j)] } else { a[(i, j)] }));
         }
         let mut c = packed(&a);
-        (0..SIZE).for_each(|i| c.take_off(i, |j| Some(b[(i, j)])));
-        near(&c, &(a - b));
+        c.take_off(&b.data.0);
+        near(&c, &(a - b.transpose() * b));
     }
 }

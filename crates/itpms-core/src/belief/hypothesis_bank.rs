@@ -162,14 +162,14 @@ impl<T: Real> HypothesisBank<T> {
             return false;
         }
         let prefit = linearize(&hypothesis.mean);
-        let own = OwnCovariance::new(&hypothesis.covariance, *side);
+        let mut own = OwnCovariance::new(&hypothesis.covariance, *side);
         let Some(likelihood) = Likelihood::new(&own, &prefit, expected) else {
             *log_weight = T::lit(IMPOSSIBLE);
             return true;
         };
         *log_weight = *weight * likelihood.log;
         let score = score(&prefit, instrument, expected);
-        own.learn(hypothesis, &score, &expected.information, &likelihood, *weight);
+        own.learn(hypothesis, &score, &expected.information_root, &likelihood, *weight);
         if index == *best {
             record.place(|record| {
                 record.prefit = prefit;

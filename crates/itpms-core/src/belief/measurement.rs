@@ -52,8 +52,8 @@ pub(crate) struct AxleResidual<T: Real> {
 pub(crate) struct Expectation<T: Real> {
     /// Power of the residual, per bin.
     pub(crate) power: [T; BINS],
-    /// Information about the side's quantities.
-    pub(crate) information: Gram<T>,
+    /// Information about the side's quantities: the lower triangular `G` with `G G'`.
+    pub(crate) information_root: Gram<T>,
 }
 
 /// A frame of one side as the belief takes it.

@@ -28,7 +28,6 @@ mod floor;
 mod gaussian;
 mod hypotheses;
 mod hypothesis_bank;
-mod inverse;
 mod losses;
 pub(crate) mod measurement;
 pub(crate) mod state;

@@ -195,12 +195,13 @@ fn a_frame_tells_the_sum_of_tire_and_bias() {
     hypothesis.covariance = Covariance::of(&correlated());
     let root = Gram::<f64>::from_fn(|i, j| ((5 * i + 2 * j) % 13) as f64 / 13.0 - 0.5);
     let information = root * root.transpose() * 300.0;
+    let information_root = information.cholesky().unwrap().l();
     let score = Score::<f64>::from_fn(|i, _| 10.0 * (i as f64 - 6.0));
     let before = hypothesis.clone();
     OwnCovariance::new(&hypothesis.covariance, side).learn(
         hypothesis,
         &score,
-        &information,
+        &information_root,
         &with_mahalanobis_sq(1e6),
         1.0,
     );
@@ -239,10 +240,10 @@ fn no_step_is_longer_than_the_residual() {
         let hypothesis = &mut bank.hypotheses[0];
         hypothesis.covariance = Covariance::of(&correlated());
         let before = hypothesis.clone();
-        let information = Gram::<f64>::identity() * 100.0;
+        let information_root = Gram::<f64>::identity() * 10.0;
         let score = Score::<f64>::from_fn(|i, _| times * (i as f64 - 6.0));
-        let own = OwnCovariance::new(&hypothesis.covariance, side);
-        own.learn(hypothesis, &score, &information, &with_mahalanobis_sq(mahalanobis_sq), 1.0);
+        let mut own = OwnCovariance::new(&hypothesis.covariance, side);
+        own.learn(hypothesis, &score, &information_root, &with_mahalanobis_sq(mahalanobis_sq), 1.0);
         let step = hypothesis.mean - before.mean;
         (step, step.dot(&(before.covariance.dense().try_inverse().unwrap() * step)))
     };

@@ -3,11 +3,11 @@
 
 use nalgebra::SMatrix;
 
-use super::covariance::Covariance;
+use super::covariance::{Covariance, product};
 use super::gaussian::Hypothesis;
-use super::inverse::invert;
 use super::measurement::{AxleResidual, BINS, Expectation, Gram, OVERLAP, ROWS, Score, Slope};
 use super::state::{ROAD_BIAS, SIDE_SIZE, SIDE_TIRES, SIZE, TIRE, side_indices};
+use crate::cholesky;
 use crate::model::Side;
 use crate::real::Real;
 
@@ -27,14 +27,14 @@ impl<T: Real> OwnCovariance<T> {
         let indices = side_indices(side);
         let mut part = Self { all: SMatrix::zeros(), own: Gram::zeros() };
         let Self { all, own } = &mut part;
-        for (column, &place) in indices.iter().enumerate() {
-            all.set_row(column, &covariance.column(place).transpose());
-        }
         // The road reads a tire and its bias as one.
         let biased = SIDE_TIRES.map(|own| (own, indices[own] - TIRE + ROAD_BIAS));
-        for (tire, bias) in biased {
-            let mut row = all.row_mut(tire.min(SIDE_SIZE - 1));
-            row += covariance.column(bias).transpose();
+        for (row, place) in indices.into_iter().enumerate().chain(biased) {
+            covariance.for_each_of(place, |other, covariance| {
+                if let Some(entry) = all.data.0.get_mut(other).and_then(|column| column.get_mut(row)) {
+                    *entry += covariance;
+                }
+            });
         }
         for (row, &place) in indices.iter().enumerate() {
             own.set_column(row, &all.column(place.min(SIZE - 1)));
@@ -55,64 +55,76 @@ impl<T: Real> OwnCovariance<T> {
         SMatrix::from_fn(sum)
     }
 
-    /// Adds a frame's information with its score, counting `trust` of them. The mean moves by no more than the residual,
+    /// Adds a frame's information with its score, counting `weight` of them: afterwards this is what was taken off. The mean moves by no more than the residual,
     /// both in standard deviations: no update by Bayes' rule would, but the score is taken with instruments, and what these
     /// measured need not have been the road, as when a wheel comes down.
     #[inline(never)]
     pub(crate) fn learn(
-        &self,
+        &mut self,
         hypothesis: &mut Hypothesis<T>,
         score: &Score<T>,
-        information: &Gram<T>,
+        information_root: &Gram<T>,
         likelihood: &Likelihood<T>,
         weight: T,
     ) {
         let scale = likelihood.scale / weight;
-        // P' = P - P_o (I + Ω P_oo)^-1 Ω P_o^T, and with it the mean: m' = m + P'_o score. Two matrices for all of it: they are
-        // the largest things on the stack.
-        let (mut middle, mut inverse) = (Gram::zeros(), Gram::identity());
-        multiply(information, &self.own, &mut middle);
-        middle /= scale;
-        (0..SIDE_SIZE).for_each(|i| middle[(i, i)] += T::one());
-        if !invert(&mut middle, &mut inverse) {
+        // With G G' the information over V: P' = P - P_o W W' P_o', where W = G K'^-1 and K K' = I + G' P_oo G. And with it the mean:
+        // m' = m + P'_o score / V. Two matrices for all of it: they are the largest things on the stack.
+        let (mut root, mut inner) = (Gram::zeros(), Gram::zeros());
+        multiply(&self.own, information_root, &mut root);
+        for (i, row) in information_root.data.0.iter().enumerate() {
+            for (j, column) in root.data.0.iter().enumerate().take(i + 1) {
+                inner[(i, j)] = product(row, column) / scale;
+            }
+            inner[(i, i)] += T::one();
+        }
+        if !cholesky::decompose(&mut inner) {
             return;
         }
-        multiply(&inverse, information, &mut middle);
-        middle /= scale;
-        // A quantity at a time.
-        let (all, middle) = (&self.all.data.0, &middle.data.0);
-        for (i, row) in all.iter().enumerate() {
-            let taken: [T; SIDE_SIZE] = core::array::from_fn(|k| product(row, &middle[k]));
-            hypothesis.covariance.take_off(i, |j| Some(product(&taken, all.get(j)?)));
-        }
-        hypothesis.covariance.hold_variances();
-        // step^T P^-1 step, as step = P_o by.
-        let by = inverse * (score / scale);
+        root.copy_from(information_root);
+        divide(&mut root, &inner, scale.sqrt());
+        let score = score / scale;
+        let by = score - root * root.tr_mul(&(self.own * score));
         let step = self.all.tr_mul(&by);
+        // step^T P^-1 step, as step = P_o by.
         let length = by.dot(&(self.own * by));
         let beyond = length > likelihood.mahalanobis_sq;
         hypothesis.mean += if beyond { step * (likelihood.mahalanobis_sq / length).sqrt() } else { step };
+        for row in &mut self.all.data.0 {
+            *row = root.data.0.each_ref().map(|column| product(row, column));
+        }
+        hypothesis.covariance.take_off(&self.all.data.0);
+        hypothesis.covariance.hold_variances();
     }
 }
 
-/// `a b`, with the operations of `nalgebra`'s in their order, a column in registers.
+/// What solves `x L' = a / by`, for a lower triangular `L`, in the place of `a`: a column after the other.
+#[inline(never)]
+fn divide<T: Real>(a: &mut Gram<T>, lower: &Gram<T>, by: T) {
+    for k in 0..SIDE_SIZE {
+        let (before, rest) = a.data.0.split_at_mut(k);
+        let Some(column) = rest.first_mut() else { return };
+        column.iter_mut().for_each(|value| *value /= by);
+        for (m, earlier) in before.iter().enumerate() {
+            let share = lower[(k, m)];
+            column.iter_mut().zip(earlier).for_each(|(value, &earlier)| *value -= earlier * share);
+        }
+        column.iter_mut().for_each(|value| *value /= lower[(k, k)]);
+    }
+}
+
+/// `a b` for a lower triangular `b`, a column in registers.
 #[inline(never)]
 fn multiply<T: Real>(a: &Gram<T>, b: &Gram<T>, out: &mut Gram<T>) {
-    for (out, b) in out.data.0.iter_mut().zip(&b.data.0) {
+    for (k, (out, b)) in out.data.0.iter_mut().zip(&b.data.0).enumerate() {
         let mut sum = [T::zero(); SIDE_SIZE];
-        for (a, &b) in a.data.0.iter().zip(b) {
+        for (a, &b) in a.data.0.iter().zip(b).skip(k) {
             for (sum, &a) in sum.iter_mut().zip(a) {
                 *sum += a * b;
             }
         }
         *out = sum;
     }
-}
-
-/// Of a length that the compiler knows: it keeps the first one in registers.
-#[inline(always)]
-fn product<T: Real>(a: &[T; SIDE_SIZE], b: &[T; SIDE_SIZE]) -> T {
-    a.iter().zip(b).fold(T::zero(), |sum, (&a, &b)| sum + a * b)
 }
 
 /// How well a hypothesis foretold a frame.

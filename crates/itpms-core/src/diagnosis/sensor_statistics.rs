@@ -95,8 +95,8 @@ impl<T: Real> SensorWatch<T> {
         if value != self.window[WINDOW - 1] || self.changed_s.is_nan() {
             self.changed_s = time_s;
         }
-        self.window.rotate_left(1);
-        self.window[WINDOW - 1] = value;
+        let [_, a, b, c, d, e, f, g, h] = self.window;
+        self.window = [a, b, c, d, e, f, g, h, value];
         self.whole = (self.whole + 1).min(WINDOW as u32);
         if self.whole == WINDOW as u32 {
             self.look_for_spike();
@@ -127,8 +127,8 @@ impl<T: Real> SensorWatch<T> {
             }
         }
         self.usual += self.usual_share * (self.deviations[0] - self.usual);
-        self.deviations.rotate_left(1);
-        self.deviations[MIDDLE] = deviation;
+        let [_, a, b, c, d] = self.deviations;
+        self.deviations = [a, b, c, d, deviation];
     }
 
     /// Adds the newest fourth difference to the part that runs.

@@ -5,6 +5,7 @@
 
 use nalgebra::SVector;
 
+use super::dynamics::{REACH, TAPS};
 use super::tables::CELLS;
 use crate::real::Real;
 
@@ -28,14 +29,60 @@ pub(super) fn add_all<T: Real, const N: usize>(sum: &mut Cells<T>, all: &[Cells<
     }
 }
 
-/// `sum += cells * by`; nothing is done where `by` is zero.
+/// Every one becomes the sum of all, each times its rate (row) into this one (column).
 #[inline(never)]
-pub(super) fn add_scaled<T: Real>(sum: &mut [T], cells: &[T], by: T) {
-    if by == T::zero() {
-        return;
+pub(super) fn mix<T: Real, const N: usize>(all: &mut [&mut Cells<T>; N], rates: &[[T; N]; N]) {
+    for i in 0..CELLS {
+        let before = all.each_ref().map(|cells| at(cells, i));
+        for (cells, cell) in all.iter_mut().zip(mixed(&before, rates)) {
+            set(cells, i, cell);
+        }
     }
-    for (sum, &cell) in sum.iter_mut().zip(cells) {
-        *sum += cell * by;
+}
+
+/// The sums of all of `from`, each times its rate (row) into one of `to` (column).
+#[inline(never)]
+pub(super) fn split<T: Real, const N: usize, const M: usize>(
+    from: &[Cells<T>; N],
+    rates: &[[T; M]; N],
+    to: &mut [Cells<T>; M],
+) {
+    for i in 0..CELLS {
+        let before = from.each_ref().map(|cells| at(cells, i));
+        for (cells, cell) in to.iter_mut().zip(mixed(&before, rates)) {
+            set(cells, i, cell);
+        }
+    }
+}
+
+#[inline(always)]
+fn mixed<T: Real, const N: usize, const M: usize>(before: &[T; N], rates: &[[T; M]; N]) -> [T; M] {
+    core::array::from_fn(|to| {
+        before.iter().zip(rates).fold(T::zero(), |sum, (&cell, row)| sum + cell * row[to])
+    })
+}
+
+#[inline(always)]
+fn at<T: Real>(cells: &Cells<T>, i: usize) -> T {
+    cells.get(i).copied().unwrap_or(T::ZERO)
+}
+
+#[inline(always)]
+fn set<T: Real>(cells: &mut Cells<T>, i: usize, value: T) {
+    if let Some(cell) = cells.get_mut(i) {
+        *cell = value;
+    }
+}
+
+/// Moves mass by a kernel; what leaves the grid is lost.
+#[inline(never)]
+pub(super) fn shift<T: Real>(cells: &mut Cells<T>, kernel: &[T; TAPS]) {
+    let mut before = [T::zero(); CELLS + 2 * REACH];
+    for (before, &cell) in before.iter_mut().skip(REACH).zip(cells.as_slice()) {
+        *before = cell;
+    }
+    for (cell, before) in cells.as_mut_slice().iter_mut().zip(before.windows(TAPS)) {
+        *cell = before.iter().rev().zip(kernel).fold(T::zero(), |sum, (&cell, &weight)| sum + cell * weight);
     }
 }
 

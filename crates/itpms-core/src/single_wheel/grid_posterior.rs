@@ -117,20 +117,14 @@ impl<T: Real> Posterior<T> {
     /// Moves on by one frame in which nothing can be learned: the pressure may wander, all else stays.
     pub(crate) fn hold(&mut self) {
         for cells in self.weight.as_flattened_mut() {
-            shift(cells, &self.dynamics.hold_kernel);
+            cells::shift(cells, &self.dynamics.hold_kernel);
         }
         self.normalise();
     }
 
     fn mix_leak_modes(&mut self) {
         for level in &mut self.weight {
-            let mut mixed = [Cells::zeros(); LEAK_MODES];
-            for (from, row) in self.dynamics.leak.iter().enumerate() {
-                for (to, &rate) in mixed.iter_mut().zip(row) {
-                    cells::add_scaled(to.as_mut_slice(), level[from].as_slice(), rate);
-                }
-            }
-            *level = mixed;
+            cells::mix(&mut level.each_mut(), &self.dynamics.leak);
         }
     }
 
@@ -141,11 +135,7 @@ impl<T: Real> Posterior<T> {
         let old = &self.weight[level];
         // Mass that leaves a cell by a tap, whatever the leak mode.
         let mut leaving = [Cells::zeros(); TAPS];
-        for (cells, kernel) in old.iter().zip(kernels) {
-            for (leaving, &weight) in leaving.iter_mut().zip(kernel) {
-                cells::add_scaled(leaving.as_mut_slice(), cells.as_slice(), weight);
-            }
-        }
+        cells::split(old, kernels, &mut leaving);
         let roads = &mut self.road[level];
         let means = roads.mean;
         for to in 0..CELLS {
@@ -159,7 +149,7 @@ impl<T: Real> Posterior<T> {
             roads.set_mean(to, &matched.finish());
         }
         for (cells, kernel) in self.weight[level].iter_mut().zip(kernels) {
-            shift(cells, kernel);
+            cells::shift(cells, kernel);
         }
     }
 
@@ -207,16 +197,8 @@ impl<T: Real> Posterior<T> {
 
     /// Roads become smoother or rougher: the probabilities follow, and are [normalised](Self::normalise).
     pub(crate) fn mix_level_modes(&mut self) {
-        let rates = self.dynamics.level;
         for mode in 0..LEAK_MODES {
-            let old = self.weight.each_ref().map(|level| level[mode]);
-            for (to, level) in self.weight.iter_mut().enumerate() {
-                let cells = &mut level[mode];
-                cells.fill(T::zero());
-                for (old, row) in old.iter().zip(&rates) {
-                    cells::add_scaled(cells.as_mut_slice(), old.as_slice(), row[to]);
-                }
-            }
+            cells::mix(&mut self.weight.each_mut().map(|level| &mut level[mode]), &self.dynamics.level);
         }
         self.normalise();
     }
@@ -404,18 +386,5 @@ impl<T: Real> Posterior<T> {
 
     pub(crate) fn summary(&self) -> Summary<T> {
         self.summary
-    }
-}
-
-/// Moves mass by a kernel; what leaves the grid is lost.
-fn shift<T: Real>(cells: &mut Cells<T>, kernel: &[T; TAPS]) {
-    let before = *cells;
-    cells.fill(T::zero());
-    for (tap, &weight) in kernel.iter().enumerate() {
-        let (to, from) = (tap.saturating_sub(REACH), REACH.saturating_sub(tap));
-        let moved = cells.as_mut_slice().get_mut(to..).zip(before.as_slice().get(from..));
-        if let Some((moved, before)) = moved {
-            cells::add_scaled(moved, before, weight);
-        }
     }
 }

@@ -165,8 +165,10 @@ impl<T: Real> Informed<T> {
         self.last_time_s = sample.time_s;
         self.invalid |= sample.invalid;
         let learned = self.work_on(pace);
-        if let Some(frame) = signals.first_chunk().and_then(|signals| self.clock.push(signals)) {
-            self.begin_frame(&frame, sample.speed_m_s);
+        let Some(signals) = signals.first_chunk() else { return learned };
+        // By reference: it would be moved about.
+        if let Some(frame) = &self.clock.push(signals) {
+            self.begin_frame(frame, sample.speed_m_s);
         }
         learned
     }
@@ -211,28 +213,23 @@ impl<T: Real> Informed<T> {
         self.learned_s
     }
 
-    /// The road velocity in the bins around wheel hop, at the compliance in m/N of a tire.
-    fn road_near_hop(&self, frame: &Frame<T>, theta: T) -> [Complex<T>; 2] {
-        let body = &self.body;
-        core::array::from_fn(|bin| {
-            let force = frame.at(bin, WHEEL_JERK) * body.unsprung_mass_kg
-                + frame.at(bin, RELATIVE_ACCELERATION) * body.damping_n_s_per_m
-                + frame.at(bin, RELATIVE_VELOCITY) * body.spring_n_per_m;
-            frame.at(bin, WHEEL_VELOCITY) + force * theta
-        })
+    /// The force on the tire's spring in a bin, its rate in N/s: `U_2 = m_w J + c_s A + k_s V`.
+    fn force_rate(&self, frame: &Frame<T>, bin: usize) -> Complex<T> {
+        frame.at(bin, WHEEL_JERK) * self.body.unsprung_mass_kg
+            + frame.at(bin, RELATIVE_ACCELERATION) * self.body.damping_n_s_per_m
+            + frame.at(bin, RELATIVE_VELOCITY) * self.body.spring_n_per_m
     }
 
-    /// `|V|² = |U_1|² + 2 θ Re(U_1 U_2*) + θ² |U_2|²` with `U_2 = m_w J + c_s A + k_s V`.
+    /// The road velocity in the bins around wheel hop, at the compliance in m/N of a tire.
+    fn road_near_hop(&self, frame: &Frame<T>, theta: T) -> [Complex<T>; 2] {
+        core::array::from_fn(|bin| frame.at(bin, WHEEL_VELOCITY) + self.force_rate(frame, bin) * theta)
+    }
+
+    /// `|V|² = |U_1|² + 2 θ Re(U_1 U_2*) + θ² |U_2|²`, with the wheel's velocity `U_1`.
     fn evidence(&self, frame: &Frame<T>, speed_m_s: T, envelope_m: T) -> Evidence<T> {
         let speed = if speed_m_s > T::lit(STANDING_M_S) { speed_m_s } else { T::lit(15.0) };
         let reach = T::lit(ENVELOPE_REACH) * speed / (T::lit(self.clock.bin_spacing_hz()) * envelope_m);
         let bins = (reach.to_whole().max(0) as usize).max(LEAST_BINS).min(self.bins);
-        let body = &self.body;
-        let parts = [
-            (WHEEL_JERK, body.unsprung_mass_kg),
-            (RELATIVE_ACCELERATION, body.damping_n_s_per_m),
-            (RELATIVE_VELOCITY, body.spring_n_per_m),
-        ];
         let mut evidence = Evidence {
             a: [T::zero(); BINS],
             b: [T::zero(); BINS],
@@ -245,13 +242,10 @@ impl<T: Real> Informed<T> {
         let unit = T::pi() * T::lit(0.1) / speed;
         for bin in 0..BINS {
             evidence.envelope[bin] = unit * unit * self.tables.frequency_squared[bin] / T::lit(3.0);
-            evidence.a[bin] = frame.cross(bin, WHEEL_VELOCITY, WHEEL_VELOCITY);
-            for (i, p) in parts {
-                evidence.b[bin] += p * frame.cross(bin, WHEEL_VELOCITY, i);
-                for (j, q) in parts {
-                    evidence.c[bin] += p * q * frame.cross(bin, i, j);
-                }
-            }
+            let (velocity, force_rate) = (frame.at(bin, WHEEL_VELOCITY), self.force_rate(frame, bin));
+            evidence.a[bin] = velocity.norm_sqr();
+            evidence.b[bin] = velocity.re * force_rate.re + velocity.im * force_rate.im;
+            evidence.c[bin] = force_rate.norm_sqr();
         }
         evidence
     }

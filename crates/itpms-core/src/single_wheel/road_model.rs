@@ -87,9 +87,8 @@ impl<T: Real> Evidence<T> {
     /// The frame as the stiffness of a cell reads it.
     pub(crate) fn read(&self, tables: &Tables<T>, cell: usize) -> Reading<T> {
         let mut of_cell = tables.of_cell(cell);
-        for noise in of_cell.noise.iter_mut().chain(&mut of_cell.determinant_noise) {
-            *noise *= self.noise_density;
-        }
+        of_cell.noise.iter_mut().for_each(|noise| *noise *= self.noise_density);
+        of_cell.determinant_noise.iter_mut().for_each(|noise| *noise *= self.noise_density);
         Reading { power: self.powers(tables, cell), expected: of_cell }
     }
 }
@@ -140,8 +139,9 @@ impl<T: Real> Road<T> {
 
     /// Keeps the mean inside its bounds; what is moved takes the others along as their covariance says.
     pub(crate) fn clamp(&mut self) {
-        for i in 0..PARAMETERS {
-            let excess = self.mean[i].clamp(T::lit(LOWEST[i]), T::lit(HIGHEST[i])) - self.mean[i];
+        let bounds = [0, 1, 2].map(|i| [LOWEST[i], HIGHEST[i]].map(T::lit));
+        for (i, [lowest, highest]) in bounds.into_iter().enumerate() {
+            let excess = self.mean[i].clamp(lowest, highest) - self.mean[i];
             if excess != T::zero() {
                 self.mean += self.covariance.column(i) * (excess / self.covariance[(i, i)]);
             }
@@ -162,10 +162,9 @@ impl<T: Real> Road<T> {
 
     /// The road's power density in every bin in use, as the sensors see it.
     pub(crate) fn powers(&self, frame: &Evidence<T>, tables: &Tables<T>) -> [T; BINS] {
-        let log: [T; BINS] = core::array::from_fn(|bin| self.log_power(tables, frame, bin));
         let mut powers = [T::zero(); BINS];
-        for (power, log) in powers.iter_mut().zip(log).take(frame.bins) {
-            *power = log.exp_fast();
+        for (bin, power) in powers.iter_mut().enumerate().take(frame.bins) {
+            *power = self.log_power(tables, frame, bin).exp_fast();
         }
         powers
     }

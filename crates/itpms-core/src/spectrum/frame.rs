@@ -31,11 +31,6 @@ impl<T: Real, const BINS: usize, const SIGNALS: usize> Frame<T, BINS, SIGNALS> {
         let of = |part: &SMatrix<T, BINS, SIGNALS>| part.get((bin, signal)).copied().unwrap_or(T::ZERO);
         Complex::new(of(&self.re), of(&self.im))
     }
-
-    /// `Re(X_i X_j*)` of two signals in a bin.
-    pub(crate) fn cross(&self, bin: usize, i: usize, j: usize) -> T {
-        self.re[(bin, i)] * self.re[(bin, j)] + self.im[(bin, i)] * self.im[(bin, j)]
-    }
 }
 
 /// Sums over the steps of one hop: `Σ x_i e^{-jα (2m+1) (i+½)}`, `α = π / (2 hop)`: at `m = 0` and, for `m` from 1 on, half a bin above
@@ -269,7 +264,7 @@ mod tests {
         for bin in 0..BINS {
             // White noise has a one-sided density of twice the period. A frame's power scatters as much as it is large, and
             // frames that overlap by half are worth two thirds of their number at least.
-            let power = found.iter().map(|frame| frame.cross(bin, 0, 0)).sum::<f64>() / count;
+            let power = found.iter().map(|frame| frame.at(bin, 0).norm_sqr()).sum::<f64>() / count;
             let off = power / (2.0 * PERIOD_S) - 1.0;
             assert!(off.abs() < 4.0 / (0.66 * count).sqrt(), "bin {bin}: {off}");
         }

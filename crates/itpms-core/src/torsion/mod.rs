@@ -272,7 +272,7 @@ impl<T: Real> TorsionWheel<T> {
             if let Some(frame) = frames.push(&[trembling]) {
                 *number += 1;
                 for (bin, power) in power.iter_mut().enumerate() {
-                    *power += frame.cross(bin, 0, 0);
+                    *power += frame.at(bin, 0).norm_sqr();
                 }
             }
         });

@@ -4,6 +4,7 @@
 use nalgebra::SVector;
 
 use crate::belief::measurement::{BINS, Expectation, Gram, OVERLAP, Products, UpdateRecord};
+use crate::cholesky;
 use crate::inter_axle::NEAR_HOP_BINS;
 use crate::memory::Blank;
 use crate::real::Real;
@@ -108,8 +109,8 @@ impl<T: Real> Coherence<T> {
                 *sum += product * worth;
             }
         }
-        information.fill_upper_triangle_with_lower_triangle();
-        Expectation { power, information }
+        cholesky::root(&mut information);
+        Expectation { power, information_root: information }
     }
 
     /// Learns from a frame and what remained of it: power over what was expected, per bin. `beside`: the other side's roads
@@ -207,7 +208,7 @@ mod tests {
             road_power: [1.0; BINS],
         };
         for _ in 0..(10.0 * seconds) as u32 {
-            let expected = Expectation { power: [1.0; BINS], information: Gram::zeros() };
+            let expected = Expectation { power: [1.0; BINS], information_root: Gram::zeros() };
             let record = UpdateRecord {
                 prefit: found.clone(),
                 power_ratio: [share; BINS],

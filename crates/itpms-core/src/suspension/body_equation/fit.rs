@@ -6,8 +6,8 @@ use super::{
     BAR, BAR_FIRST, BAR_SD, BodyEquation, DAMPER, DAMPER_SD, DELAY, DELAY_SD, FURTHEST, INERTIA, INERTIA_SD,
     LARGEST_STEP, MOST_DELAY, MOST_WARP, Parameters, SIZE, SLIP, SLIP_SD, SPRING, SPRING_SD, WARP, WARP_SD,
 };
+use crate::cholesky;
 use crate::real::Real;
-use crate::suspension::cholesky;
 use crate::suspension::rigid_body::RigidBody;
 
 impl<T: Real> BodyEquation<T> {

@@ -6,10 +6,10 @@
 use nalgebra::ComplexField;
 
 use super::{BINS, BodyEquation, ELEMENTS, FORCE_N, Parameters, slip};
+use crate::cholesky;
 use crate::model::{Corner, CornerConfig};
 use crate::real::Real;
 use crate::spectrum::transfer::FRICTION_SPACING_HZ;
-use crate::suspension::cholesky;
 
 /// How far the friction of a strut is from that of the model, as a share of its stiffness at wheel hop: which way a strut slips is decided
 /// by slow motions, too, which accelerometers hardly tell.
