@@ -173,8 +173,14 @@ impl<T: Real> CarEstimator<T> {
     /// # Errors
     /// The length must be positive and finite.
     pub fn begin_calibration(&mut self, seconds: f64) -> Result<(), ParameterError> {
-        for corner in self.corners.iter_mut().flatten() {
-            corner.begin_calibration(seconds)?;
+        // Where the belief knows the tires, a corner's own reading goes on: held at the placard's pressure it would learn the road as that
+        // stiffness makes it, and what its spectrum reads too much would hardly show.
+        let fusion = self.fusion.as_ref();
+        for corner in Corner::ALL {
+            let Some(estimator) = self.corners[corner].as_mut() else { continue };
+            if !fusion.is_some_and(|fusion| fusion.has_partner(corner)) {
+                estimator.begin_calibration(seconds)?;
+            }
         }
         (self.calibration_s, self.conclude_in) = (Some(seconds), 0);
         if let Some(fusion) = self.fusion.as_mut() {

@@ -107,13 +107,14 @@ impl<T: Real> AllLow<T> {
             (None, Some(rear)) => (&Corner::ALL[2..], Some(rear)),
             _ => (&Corner::ALL[..], Some(&shares).filter(|shares| far(shares))),
         };
-        let evidence = if let Some(shares) = shifted {
-            self.shifted = wheels.iter().copied().collect();
-            self.shifted_share = [shares.mean, shares.sd];
-            Evidence::Prefailed
-        } else {
-            Evidence::Prepassed
-        };
+        let evidence = if shifted.is_some() { Evidence::Prefailed } else { Evidence::Prepassed };
+        if shifted.is_some() {
+            // While it is reported it names all that have shifted since.
+            let before = if self.shift.is_active() { self.shifted } else { Wheels::NONE };
+            self.shifted = before | wheels.iter().copied().collect();
+            let named = Shares::of_wheels(estimate, reference_kpa, |wheel| self.shifted.contains(wheel));
+            self.shifted_share = named.map_or(self.shifted_share, |named| [named.mean, named.sd]);
+        }
         self.shift.update(estimate.time_s, step_s, evidence, SHIFTED);
     }
 }

@@ -181,6 +181,32 @@ fn a_shift_of_all_since_another_day_is_no_loss() {
     assert!(drive.on(200.0, &stored(0.97 * 241.3)).alerts().next().is_none());
 }
 
+/// Where the rear is now within the limits and now not, it is one report, which names all wheels from then on.
+#[test]
+fn a_shift_at_a_limit_is_reported_once() {
+    let axles = |front: f64, rear: f64| Reported {
+        kpa: [front * 241.3, front * 241.3, rear * 241.3, rear * 241.3],
+        sd: 10.0,
+        correlation: 0.9,
+        level: Level::StoredCalibration,
+        ..FINE
+    };
+    let mut drive = Drive::new();
+    let mut before = *drive.on(100.0, &axles(0.8, 0.97));
+    let mut begun = Vec::new();
+    for i in 0..60 {
+        let report = *drive.on(1.0, &axles(0.8, if i % 2 == 0 { 0.85 } else { 0.97 }));
+        begun.extend(report.changes_since(&before).filter_map(|change| match change {
+            Change::Begun(alert) => Some(alert.wheels.to_string()),
+            Change::Ended(_) => None,
+        }));
+        before = report;
+    }
+    assert_eq!(begun, ["fl fr rl rr"]);
+    let ended = *drive.on(30.0, &axles(1.0, 1.0));
+    assert!(ended.alerts().next().is_none());
+}
+
 /// A tire that had 302 kPa since other tires were mounted, and lost a fifth: low by what it has lost, though its level is above every limit.
 #[test]
 fn a_loss_is_seen_whatever_the_level() {
