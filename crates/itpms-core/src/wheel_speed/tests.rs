@@ -214,6 +214,20 @@ fn a_yaw_rate_that_goes_against_the_wheels_is_left_out() {
     }
 }
 
+/// Tires of a side that are larger by half a percent part the wheels of both axles as a bend does, at any speed: the sensor is not wrong.
+#[test]
+fn a_yaw_rate_is_kept_on_a_car_with_larger_tires_on_a_side() {
+    for seed in 30..34 {
+        for larger in [5e-3, -5e-3] {
+            let mut drive = Drive::new(seed, 83.0, 0.04);
+            [0, 2].into_iter().for_each(|wheel| drive.radius[wheel] += larger);
+            let mut monitor = calibrated::<f32>(&mut drive, 300.0);
+            assert_eq!(found(&mut monitor, &mut drive, 1200.0), None, "{seed} {larger}");
+            assert!(!monitor.doubts_yaw_rate(), "{seed} {larger}");
+        }
+    }
+}
+
 #[test]
 fn the_tire_that_became_smaller_is_found() {
     for (number, loss) in [1.5e-3, 2e-3, 3e-3, 4.5e-3].into_iter().enumerate() {

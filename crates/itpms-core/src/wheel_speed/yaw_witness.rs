@@ -21,7 +21,8 @@ const LEFT: f64 = 0.01;
 #[derive(Debug, Clone, Copy, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct YawWitness<T> {
-    /// The usual yaw rates by the front wheels, by the rear ones, and by the sensor, in rad/s.
+    /// The usual ratios of the front wheels and of the rear ones, as tires of unequal size leave them at any speed, and the sensor's usual
+    /// yaw rate in rad/s.
     usual: [T; 3],
     begun: bool,
     /// Sum of what the sensor leaves of both axles' product beyond its share.
@@ -49,12 +50,7 @@ impl<T: Real> YawWitness<T> {
     pub(super) fn take(&mut self, block: &Block<T>, config: &WheelSpeedConfig<T>) -> bool {
         let v = block.speed_m_s;
         let Some(sensor) = block.yaw_rate_rad_s.filter(|_| v > T::lit(LEAST_SPEED_M_S)) else { return false };
-        let by_wheels = |ratio: T, track_m: T| -ratio * v / (T::lit(SCALE) * track_m);
-        let now = [
-            by_wheels(block.ratio[FRONT], config.track_front_m),
-            by_wheels(block.ratio[REAR], config.track_rear_m),
-            sensor,
-        ];
+        let now = [block.ratio[FRONT], block.ratio[REAR], sensor];
         if !self.begun {
             (self.usual, self.begun) = (now, true);
             return false;
@@ -64,7 +60,9 @@ impl<T: Real> YawWitness<T> {
             *beyond -= *usual;
             *usual += T::lit(BLOCK_S / USUAL_S) * *beyond;
         }
+        let by_wheels = |ratio: T, track_m: T| -ratio * v / (T::lit(SCALE) * track_m);
         let [front, rear, sensor] = beyond;
+        let (front, rear) = (by_wheels(front, config.track_front_m), by_wheels(rear, config.track_rear_m));
         let kept = T::lit(1.0 - BLOCK_S / MEMORY_S);
         let share = T::lit(OFF) + T::lit(BY_LOAD) * v * v / config.track_rear_m;
         let beyond = (front - sensor) * (rear - sensor) - share * share * (front * rear).at_least(T::zero());
