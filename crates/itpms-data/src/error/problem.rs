@@ -251,9 +251,11 @@ pub enum Problem {
     #[error(
         "the sample period is {} s ({rate_hz:.3} Hz), expected 100 Hz to 2 kHz (50 Hz at least; wheel speeds alone: 10 Hz) with time_s in seconds{}",
         (*.period_s * 1e6).round() / 1e6,
-        other_unit(*.period_s)
+        other_unit(clock, *.period_s)
     )]
     SamplePeriod {
+        /// The name of the column of the time.
+        clock: String,
         /// Median period in s.
         period_s: f64,
         /// Its inverse.
@@ -466,18 +468,19 @@ fn because(repairs: &[String]) -> String {
 }
 
 /// The unit in which the period would be that of 80 Hz to 2.5 kHz.
-fn other_unit(period_s: f64) -> String {
+fn other_unit(clock: &str, period_s: f64) -> String {
     let looks_like = |(_, _, factor): &(&str, &str, f64)| (0.4e-3..=12e-3).contains(&(period_s / factor));
     [
         ("milliseconds", "ms", 1e3),
         ("microseconds", "us", 1e6),
-        ("nanoseconds, as durations are stored", "ns", 1e9),
+        ("nanoseconds", "ns", 1e9),
+        ("days, as spreadsheets store times", "d", 1.0 / 86_400.0),
     ]
     .into_iter()
     .find(looks_like)
     .map_or_else(String::new, |(words, unit, _)| {
         format!(
-            " (it looks like {words}; a map states it: time_s = {{ signal = \"time_s\", unit = \"{unit}\" }})"
+            " (it looks like {words}; a map states it: time_s = {{ signal = {clock:?}, unit = \"{unit}\" }})"
         )
     })
 }
