@@ -359,3 +359,24 @@ fn a_clock_of_another_name_is_the_time_and_messages_name_it() {
         assert_eq!(rows.len(), expected.len(), "{name}");
     }
 }
+
+#[test]
+fn what_is_no_table_of_samples_is_refused_with_the_remedy() {
+    let bench = Bench::new();
+    let frames = "(1436509052.249713) can0 123#DEADBEEF\n(1436509052.259713) can0 123#DEADBEEF\n";
+    let message = read(&bench.write("bus.txt", frames), None).unwrap_err();
+    assert!(message.contains("rename it to end in .log"), "{message}");
+    let message = read(&bench.write("mean.csv", plain() + "Mean,20,1,2\n"), None).unwrap_err();
+    assert!(message.contains("line 302") && message.contains("delete it"), "{message}");
+    let twice = plain().replacen("speed_m_s", "time_s", 1);
+    let message = read(&bench.write("twice.csv", twice), None).unwrap_err();
+    assert!(message.contains("twice (columns 1 and 2), expected once: rename one"), "{message}");
+    // Every 20th value of the body is missing.
+    let body = std::cell::Cell::new(0);
+    let missing = table(",", |place, value| {
+        body.set(body.get() + u32::from(place == 2));
+        if place == 2 && body.get() % 20 == 0 { "-9999".to_owned() } else { value.to_string() }
+    });
+    let message = LogReader::open(&bench.write("missing.csv", missing)).unwrap_err().to_string();
+    assert!(message.contains("fl body acceleration is -9999 in 15 of the first 300 rows"), "{message}");
+}

@@ -97,7 +97,7 @@ pub enum Problem {
     #[error("the header is separated by {0:?}, expected commas")]
     Separator(char),
     /// A column that is there twice.
-    #[error("column {column} appears twice (columns {first} and {second})")]
+    #[error("column {column} appears twice (columns {first} and {second}), expected once: rename one")]
     DuplicateColumn {
         /// Its name.
         column: String,
@@ -268,6 +268,21 @@ pub enum Problem {
         column: String,
         /// Rows read.
         rows: u64,
+    },
+    /// A number that stands for no value.
+    #[error(
+        "{what} is {value} in {count} of the first {rows} rows, far from all others, as where a number stands for no value; expected NaN or \
+         nothing there"
+    )]
+    StandsForMissing {
+        /// Which sensor.
+        what: String,
+        /// The number, in the column's unit.
+        value: f64,
+        /// How often it comes.
+        count: usize,
+        /// Rows looked at.
+        rows: usize,
     },
     /// The numbers cannot be in the units that they should be in.
     #[error("wrong units suspected ({suspicion}): {evidence}, expected {expected}")]

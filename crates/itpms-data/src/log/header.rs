@@ -222,7 +222,7 @@ mod tests {
     #[test]
     fn a_duplicate_is_an_error_only_where_it_matters() {
         let text = header("time_s,fl_body_accel_m_s2,fl_wheel_accel_m_s2,time_s").unwrap_err();
-        assert_eq!(text, "column time_s appears twice (columns 1 and 4)");
+        assert_eq!(text, "column time_s appears twice (columns 1 and 4), expected once: rename one");
         assert!(header("time_s,note,note,fl_body_accel_m_s2,fl_wheel_accel_m_s2").is_ok());
     }
 
