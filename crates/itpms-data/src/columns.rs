@@ -193,7 +193,10 @@ mod tests {
                  found displacement_mm,load_n, expected displacement_m,load_n",
             ),
             ("displacement_m;load_n\n1;2\n", "the header is separated by ';', expected commas"),
-            ("load_n,displacement_m,load_n\n1,2,3\n", "column load_n appears twice (columns 1 and 3)"),
+            (
+                "load_n,displacement_m,load_n\n1,2,3\n",
+                "column load_n appears twice (columns 1 and 3), expected once: rename one",
+            ),
             (
                 "displacement_m,load_n\n1,2\n3,\n",
                 "line 3, column load_n: found nothing, expected a finite number",

@@ -121,7 +121,7 @@ fn missing_and_duplicate_columns() {
         "drive.csv: column fl_wheel_accel_m_s2 is missing; the nearest name there is fl_wheel_accel"
     );
     let text = csv_message("\u{feff}time_s,time_s,fl_body_accel_m_s2,fl_wheel_accel_m_s2\n0,0,1,2\n");
-    assert_eq!(text, "drive.csv: column time_s appears twice (columns 1 and 2)");
+    assert_eq!(text, "drive.csv: column time_s appears twice (columns 1 and 2), expected once: rename one");
 }
 
 #[test]

@@ -12,8 +12,8 @@ use itpms_data::log::{LogOptions, UnitCheck};
 use itpms_data::signals::Lister;
 use parquet::basic::{BrotliLevel, Compression, GzipLevel, ZstdLevel};
 use parquet::data_type::{
-    BoolType, DataType, DoubleType, FixedLenByteArray, FixedLenByteArrayType, Int32Type, Int64Type, Int96,
-    Int96Type,
+    BoolType, ByteArray, ByteArrayType, DataType, DoubleType, FixedLenByteArray, FixedLenByteArrayType,
+    Int32Type, Int64Type, Int96, Int96Type,
 };
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
@@ -70,7 +70,7 @@ const WHEEL: &str = "required double fl_wheel_accel_m_s2;";
 fn clocks_of_every_type_are_seconds() {
     type Clock = (&'static str, fn(&mut Group<'_>), f64);
     const FROM_S: f64 = 1_772_352_000.0;
-    let clocks: [Clock; 9] = [
+    let clocks: [Clock; 10] = [
         ("int64 time_s (TIMESTAMP(MILLIS,true))", |g| column::<Int64Type>(g, &stamps(1000, true)), FROM_S),
         ("int64 time_s (TIMESTAMP_MICROS)", |g| column::<Int64Type>(g, &stamps(1_000_000, true)), FROM_S),
         (
@@ -91,6 +91,17 @@ fn clocks_of_every_type_are_seconds() {
             0.0,
         ),
         ("double time_s", |g| doubles(g, |i| f64::from(i) / 100.0), 0.0),
+        (
+            "binary time_s (STRING)",
+            |g| {
+                let text =
+                    |i: i32| format!("2026-03-01T08:{:02}:{:05.2}Z", i / 6000, f64::from(i % 6000) / 100.0);
+                let texts: Vec<String> = (0..ROWS).map(text).collect();
+                let cells: Vec<ByteArray> = texts.iter().map(|text| ByteArray::from(text.as_str())).collect();
+                column::<ByteArrayType>(g, &cells);
+            },
+            FROM_S,
+        ),
     ];
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("drive.parquet");

@@ -275,3 +275,108 @@ fn a_sensor_that_loses_samples_makes_no_messages_of_rows() {
     assert!(rows.iter().filter(|row| row.corners[0].unwrap().wheel_accel_m_s2.is_nan()).count() > 250);
     assert!(LogReader::open(&path).unwrap().alignment().is_none());
 }
+
+/// A logger that writes all rows at the rate of its fastest sensor leaves the cells of the others empty in between.
+#[test]
+fn sensors_of_lower_rates_are_no_sensors_that_lose_samples() {
+    let bench = Bench::new();
+    let sparse = |every: u32, columns: &[usize]| {
+        let mut text = NAMES.join(",") + "\n";
+        for i in 0..2 * ROWS {
+            let [_, values @ ..] = values(i);
+            text += &format!("{:.4}", f64::from(i) / 200.0);
+            for (place, value) in values.iter().enumerate() {
+                let is_blank = i % every != 0 && columns.contains(&(1 + place));
+                text += &if is_blank { ",".to_owned() } else { format!(",{value}") };
+            }
+            text += "\n";
+        }
+        text
+    };
+    for columns in [&[2, 3][..], &[2], &[1, 2]] {
+        let path = bench.write("rates.csv", sparse(2, columns));
+        let (rows, _) = read(&path, None).unwrap();
+        assert!(rows.len().abs_diff(ROWS as usize) < 12, "{columns:?} {}", rows.len());
+        let corners = || rows.iter().filter_map(|row| row.corners[0]);
+        let lost = corners().filter(|c| (c.body_accel_m_s2 + c.wheel_accel_m_s2).is_nan()).count();
+        assert!(lost < 12, "{columns:?} {lost}");
+        let log = LogReader::open_with(&path, &LogOptions::from(UnitCheck::Trusting)).unwrap();
+        assert!(log.remarks()[0].contains("at a rate of their own"), "{:?}", log.remarks());
+        assert!((log.survey().sample_rate_hz - 100.0).abs() < 1e-6);
+    }
+    // At random half of the samples: those are lost.
+    let mut text = NAMES.join(",") + "\n";
+    let mut state = 1u32;
+    for i in 0..2 * ROWS {
+        let [_, speed, body, wheel] = values(i);
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        let wheel = if state >> 31 == 0 { String::new() } else { wheel.to_string() };
+        text += &format!("{:.4},{speed},{body},{wheel}\n", f64::from(i) / 200.0);
+    }
+    let path = bench.write("lossy.csv", text);
+    let log = LogReader::open_with(&path, &LogOptions::from(UnitCheck::Trusting)).unwrap();
+    assert!(log.alignment().is_none());
+}
+
+#[test]
+fn a_clock_of_another_name_is_the_time_and_messages_name_it() {
+    let bench = Bench::new();
+    let (expected, _) = read(&bench.write("plain.csv", plain()), None).unwrap();
+    let renamed = |name: &str, time: &dyn Fn(f64) -> String| {
+        let cell = |place, value: f64| if place == 0 { time(value) } else { value.to_string() };
+        table(",", cell).replacen("time_s", name, 1)
+    };
+    let german = renamed("Datum", &|t| format!("30.03.2025 00:59:0{t:.3}"));
+    let american = renamed("DateTime", &|t| format!("03/30/2025 12:59:0{t:.3} AM"));
+    for text in [
+        german,
+        american,
+        renamed("timestamp", &|t| t.to_string()),
+        renamed("t [ms]", &|t| (1e3 * t).to_string()),
+    ] {
+        let (rows, _) = read(&bench.write("clock.csv", &text), None).unwrap();
+        assert_eq!(rows.len(), expected.len());
+        for (row, expected) in rows.iter().zip(&expected) {
+            let since_s = row.time_s - rows[0].time_s;
+            assert!((since_s - expected.time_s).abs() < 1e-5, "{since_s} {}", expected.time_s);
+            let accelerations =
+                |row: &LogRow| row.corners[0].map(|c| (c.body_accel_m_s2, c.wheel_accel_m_s2));
+            assert_eq!(accelerations(row), accelerations(expected));
+        }
+    }
+    for (name, scale, first, unit) in [
+        ("timestamp", 1e3, 1.7e12, "ms"),
+        ("time_s", 1e9, 1.7e18, "ns"),
+        ("Time", 1.0 / 86_400.0, 45_000.5, "d"),
+    ] {
+        let text = renamed(name, &|t| format!("{:.11}", first + scale * t));
+        let path = bench.write("clock.csv", text);
+        let message = read(&path, None).unwrap_err();
+        let line = format!("time_s = {{ signal = {name:?}, unit = {unit:?} }}");
+        assert!(message.contains(&line), "{message}");
+        let map = bench.write("map.toml", format!("[signals]\n{line}\n"));
+        let (rows, _) = read(&path, Some(&map)).unwrap();
+        assert_eq!(rows.len(), expected.len(), "{name}");
+    }
+}
+
+#[test]
+fn what_is_no_table_of_samples_is_refused_with_the_remedy() {
+    let bench = Bench::new();
+    let frames = "(1436509052.249713) can0 123#DEADBEEF\n(1436509052.259713) can0 123#DEADBEEF\n";
+    let message = read(&bench.write("bus.txt", frames), None).unwrap_err();
+    assert!(message.contains("rename it to end in .log"), "{message}");
+    let message = read(&bench.write("mean.csv", plain() + "Mean,20,1,2\n"), None).unwrap_err();
+    assert!(message.contains("line 302") && message.contains("delete it"), "{message}");
+    let twice = plain().replacen("speed_m_s", "time_s", 1);
+    let message = read(&bench.write("twice.csv", twice), None).unwrap_err();
+    assert!(message.contains("twice (columns 1 and 2), expected once: rename one"), "{message}");
+    // Every 20th value of the body is missing.
+    let body = std::cell::Cell::new(0);
+    let missing = table(",", |place, value| {
+        body.set(body.get() + u32::from(place == 2));
+        if place == 2 && body.get() % 20 == 0 { "-9999".to_owned() } else { value.to_string() }
+    });
+    let message = LogReader::open(&bench.write("missing.csv", missing)).unwrap_err().to_string();
+    assert!(message.contains("fl body acceleration is -9999 in 15 of the first 300 rows"), "{message}");
+}

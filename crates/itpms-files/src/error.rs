@@ -110,9 +110,27 @@ pub fn sentence(path: &Path, problem: &impl fmt::Display) -> String {
     }
     let beginning: String = message.chars().take(MOST_CHARACTERS - OF_ITS_END - 5).collect();
     let end: String = message.chars().skip(characters - OF_ITS_END).collect();
+    // Whole words of both.
+    let beginning = beginning.rsplit_once(' ').map_or(beginning.as_str(), |(words, _)| words);
+    let end = end.split_once(' ').map_or(end.as_str(), |(_, words)| words);
     format!("{beginning} ... {end}")
 }
 
 fn by(process: &Option<u32>) -> String {
     process.map(|process| format!(" (process {process})")).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_long_sentence_loses_whole_words_of_its_middle() {
+        let words: Vec<String> = (0..200).map(|i| format!("word{i}")).collect();
+        let text = sentence(Path::new("log.csv"), &words.join(" "));
+        assert!(text.chars().count() <= MOST_CHARACTERS);
+        let (beginning, end) = text.split_once(" ... ").unwrap();
+        let whole = |word: &str| words.iter().any(|other| other == word);
+        assert!(beginning.split(' ').skip(1).chain(end.split(' ')).all(whole), "{text}");
+    }
 }

@@ -90,19 +90,22 @@ fn a_missing_or_a_duplicate_column() {
     );
     let text = edited(|line, cells| {
         if line == 1 {
-            cells[0] = "Time [s]".to_owned();
+            cells[0] = "Time_x".to_owned();
         }
     });
     assert_eq!(
         text,
-        "drive.csv: column time_s is missing; the nearest name there is Time [s]; other names or units: itpms signals LOG --write-map map.toml, then --signals map.toml (there, the unit of a name that states none: fl_wheel_speed_m_s = { signal = \"...\", unit = \"km/h\" })"
+        "drive.csv: column time_s is missing; the nearest name there is Time_x; other names or units: itpms signals LOG --write-map map.toml, then --signals map.toml (there, the unit of a name that states none: fl_wheel_speed_m_s = { signal = \"...\", unit = \"km/h\" })"
     );
     let text = edited(|line, cells| {
         if line == 1 {
             cells[WHEEL] = "fl_body_accel_m_s2".to_owned();
         }
     });
-    assert_eq!(text, "drive.csv: column fl_body_accel_m_s2 appears twice (columns 3 and 4)");
+    assert_eq!(
+        text,
+        "drive.csv: column fl_body_accel_m_s2 appears twice (columns 3 and 4), expected once: rename one"
+    );
 }
 
 #[test]

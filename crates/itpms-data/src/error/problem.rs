@@ -97,7 +97,7 @@ pub enum Problem {
     #[error("the header is separated by {0:?}, expected commas")]
     Separator(char),
     /// A column that is there twice.
-    #[error("column {column} appears twice (columns {first} and {second})")]
+    #[error("column {column} appears twice (columns {first} and {second}), expected once: rename one")]
     DuplicateColumn {
         /// Its name.
         column: String,
@@ -251,9 +251,11 @@ pub enum Problem {
     #[error(
         "the sample period is {} s ({rate_hz:.3} Hz), expected 100 Hz to 2 kHz (50 Hz at least; wheel speeds alone: 10 Hz) with time_s in seconds{}",
         (*.period_s * 1e6).round() / 1e6,
-        other_unit(*.period_s)
+        other_unit(clock, *.period_s)
     )]
     SamplePeriod {
+        /// The name of the column of the time.
+        clock: String,
         /// Median period in s.
         period_s: f64,
         /// Its inverse.
@@ -266,6 +268,21 @@ pub enum Problem {
         column: String,
         /// Rows read.
         rows: u64,
+    },
+    /// A number that stands for no value.
+    #[error(
+        "{what} is {value} in {count} of the first {rows} rows, far from all others, as where a number stands for no value; expected NaN or \
+         nothing there"
+    )]
+    StandsForMissing {
+        /// Which sensor.
+        what: String,
+        /// The number, in the column's unit.
+        value: f64,
+        /// How often it comes.
+        count: usize,
+        /// Rows looked at.
+        rows: usize,
     },
     /// The numbers cannot be in the units that they should be in.
     #[error("wrong units suspected ({suspicion}): {evidence}, expected {expected}")]
@@ -466,18 +483,19 @@ fn because(repairs: &[String]) -> String {
 }
 
 /// The unit in which the period would be that of 80 Hz to 2.5 kHz.
-fn other_unit(period_s: f64) -> String {
+fn other_unit(clock: &str, period_s: f64) -> String {
     let looks_like = |(_, _, factor): &(&str, &str, f64)| (0.4e-3..=12e-3).contains(&(period_s / factor));
     [
         ("milliseconds", "ms", 1e3),
         ("microseconds", "us", 1e6),
-        ("nanoseconds, as durations are stored", "ns", 1e9),
+        ("nanoseconds", "ns", 1e9),
+        ("days, as spreadsheets store times", "d", 1.0 / 86_400.0),
     ]
     .into_iter()
     .find(looks_like)
     .map_or_else(String::new, |(words, unit, _)| {
         format!(
-            " (it looks like {words}; a map states it: time_s = {{ signal = \"time_s\", unit = \"{unit}\" }})"
+            " (it looks like {words}; a map states it: time_s = {{ signal = {clock:?}, unit = \"{unit}\" }})"
         )
     })
 }

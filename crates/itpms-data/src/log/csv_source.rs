@@ -14,6 +14,10 @@ use super::{clock_text, mapped};
 use crate::error::{DataError, Place, Problem};
 use crate::signals::SignalMap;
 
+/// What is reported of a CAN log under the name of a table.
+const CANDUMP: &str = "it holds frames of a CAN bus as candump writes them, expected a table: rename it to end in .log and give the frames' \
+                       description, --dbc";
+
 #[derive(Debug)]
 pub(super) struct CsvSource {
     lines: Lines,
@@ -36,7 +40,9 @@ impl CsvSource {
         let fail = |problem| DataError::new(path, problem);
         let mut lines = Lines::new(file);
         let head = TextHead::read(&mut lines).map_err(fail)?.ok_or_else(|| fail(Problem::Empty))?;
-        let header = mapped::header(path, &head.names, &head.units, map)?;
+        let header = mapped::header(path, &head.names, &head.units, map).map_err(|error| {
+            if is_candump(&head.names) { fail(Problem::NotApplicable(CANDUMP)) } else { error }
+        })?;
         Ok(Self { lines, header, head, bytes, cut_off: false, headers_again: 0 })
     }
 
@@ -114,11 +120,22 @@ impl CsvSource {
     }
 }
 
+/// Whether the first line is a frame: `(1436509052.249713) can0 123#DEADBEEF`.
+fn is_candump(names: &[String]) -> bool {
+    let Some((stamp, frame)) = names.first().and_then(|line| line.strip_prefix('(')?.split_once(')')) else {
+        return false;
+    };
+    stamp.parse::<f64>().is_ok() && frame.contains('#')
+}
+
 /// What a cell that is no number may have been meant as.
 fn hint(slot: Slot, cell: &[u8]) -> &'static str {
     let separators = cell.iter().filter(|byte| matches!(byte, b'.' | b',' | b'\'')).count();
     match slot {
         _ if separators > 1 && !cell.contains(&b':') => " (without separators between thousands)",
+        Slot::Time if cell.first().is_some_and(u8::is_ascii_alphabetic) => {
+            " (a line of text, as of averages or remarks, is no sample: delete it)"
+        }
         Slot::Time => {
             " (or as 2026-03-01 08:00:00.002, 01.03.2026 08:00:00.002 or 03/01/2026 08:00:00.002 AM; 03/01/2026 alone could be two days)"
         }

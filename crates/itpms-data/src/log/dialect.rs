@@ -66,8 +66,9 @@ fn cells_by(line: &[u8], separator: u8) -> impl Iterator<Item = &[u8]> {
 }
 
 /// How programs write that there is no value, in any case: R, pandas, spreadsheets, Excel's error, Python, C libraries of
-/// Windows and of others, databases.
-const MISSING: [&str; 15] = [
+/// Windows and of others, databases; and a dash.
+const MISSING: [&str; 16] = [
+    "-",
     "na",
     "n/a",
     "#n/a",
@@ -119,6 +120,7 @@ mod tests {
             "None",
             "<NA>",
             "NaT",
+            "-",
             "-nan(ind)",
             "-1.#IND",
         ] {

@@ -22,6 +22,8 @@ pub(super) struct Header {
     pub(super) conversions: Vec<Option<Conversion>>,
     /// Which signal was taken for which column where neither its name nor a map says so, and what was doubtful.
     pub(super) mapping: Vec<String>,
+    /// The name of the column of the time.
+    pub(super) clock: String,
 }
 
 impl Header {
@@ -92,7 +94,20 @@ impl Header {
         let suspicious =
             strangers.iter().filter_map(|name| Some((shortened(name), meant(name)?.to_owned()))).collect();
         let conversions = vec![None; slots.len()];
-        Ok(Self { columns, slots, suspicious, conversions, mapping: Vec::new() })
+        let clock = place(Slot::Time).map_or_else(String::new, |place| names[place].clone());
+        Ok(Self { columns, slots, suspicious, conversions, mapping: Vec::new(), clock })
+    }
+
+    /// Reads names that are ours but for that of the time, where one column is called like a clock.
+    pub(super) fn with_clock(names: &[String]) -> Option<Self> {
+        let [(place, factor)] = column_unit::clocks(names)[..] else { return None };
+        let mut ours = names.to_vec();
+        let name = std::mem::replace(&mut ours[place], Slot::Time.name());
+        let mut header = Self::from_names(&ours).ok()?;
+        header.conversions[place] = Some(Conversion { factor, offset: 0.0 });
+        header.mapping.push(format!("time_s is the column {name}"));
+        header.clock = name;
+        Some(header)
     }
 }
 
@@ -207,7 +222,7 @@ mod tests {
     #[test]
     fn a_duplicate_is_an_error_only_where_it_matters() {
         let text = header("time_s,fl_body_accel_m_s2,fl_wheel_accel_m_s2,time_s").unwrap_err();
-        assert_eq!(text, "column time_s appears twice (columns 1 and 4)");
+        assert_eq!(text, "column time_s appears twice (columns 1 and 4), expected once: rename one");
         assert!(header("time_s,note,note,fl_body_accel_m_s2,fl_wheel_accel_m_s2").is_ok());
     }
 

@@ -26,6 +26,9 @@ pub(crate) struct Lines {
     file: Option<File>,
     line: Vec<u8>,
     number: u64,
+    /// The last comment before the first line that is none.
+    comment: Option<(Vec<u8>, u64)>,
+    is_before_text: bool,
     /// Lines that are handed out once more, each with its number.
     again: VecDeque<(Vec<u8>, u64)>,
     /// Bytes of zeros that were passed over, which no logger writes and a power cut leaves.
@@ -49,7 +52,16 @@ impl Lines {
         } else {
             Box::new(plain)
         };
-        Self { input, file: probe, line: Vec::new(), number: 0, again: VecDeque::new(), zeros: 0 }
+        Self {
+            input,
+            file: probe,
+            line: Vec::new(),
+            number: 0,
+            comment: None,
+            is_before_text: true,
+            again: VecDeque::new(),
+            zeros: 0,
+        }
     }
 
     /// Number of the present line, from one.
@@ -96,8 +108,14 @@ impl Lines {
             {
                 return Err(Problem::Utf16);
             }
-            if !self.text().is_empty() && self.text()[0] != b'#' {
-                return Ok(true);
+            match self.text().first() {
+                None => {}
+                Some(b'#') if self.is_before_text => self.comment = Some(self.present()),
+                Some(b'#') => {}
+                Some(_) => {
+                    self.is_before_text = false;
+                    return Ok(true);
+                }
             }
         }
     }
@@ -110,6 +128,13 @@ impl Lines {
     /// The next lines are these, the last that were handed out.
     pub(crate) fn put_back(&mut self, lines: impl IntoIterator<Item = (Vec<u8>, u64)>) {
         self.again.extend(lines);
+    }
+
+    /// The last comment before the first line, without its sign, and its number.
+    pub(crate) fn comment(&self) -> Option<(Vec<u8>, u64)> {
+        let (line, number) = self.comment.as_ref()?;
+        let sign = line.iter().position(|byte| *byte == b'#')?;
+        Some((line[sign + 1..].to_vec(), *number))
     }
 
     pub(crate) fn text(&self) -> &[u8] {

@@ -21,13 +21,18 @@ pub(super) fn header(
 ) -> Result<Header, DataError> {
     let fail = |problem| DataError::new(path, problem);
     match map {
-        None => match Header::from_names(names).and_then(|header| in_units(header, names, units)) {
+        None => match named(names).and_then(|header| in_units(header, names, units)) {
             Ok(header) => Ok(header),
             // Wheel speeds have their makers' names.
             Err(problem) => recognized(path, names, units).ok_or_else(|| fail(problem)),
         },
         Some(map) => mapped(path, names, units, map),
     }
+}
+
+/// The header of a table with our names; the time may have another one.
+fn named(names: &[String]) -> Result<Header, Problem> {
+    Header::from_names(names).or_else(|problem| Header::with_clock(names).ok_or(problem))
 }
 
 /// The header of a table without a map whose names and units say the speeds of four wheels.
@@ -82,7 +87,8 @@ fn mapped(path: &Path, names: &[String], units: &[String], map: &SignalMap) -> R
         }
         conversions[place] = Some(chosen.conversion);
     }
-    Ok(Header { columns, slots, suspicious: Vec::new(), conversions, mapping: resolved.assumptions() })
+    let (mapping, clock) = (resolved.assumptions(), names[time].clone());
+    Ok(Header { columns, slots, suspicious: Vec::new(), conversions, mapping, clock })
 }
 
 /// The column of the time: what the map says, else `time_s`, else the only one that is called like a clock.
@@ -110,12 +116,7 @@ fn clock(
     if let Some(place) = names.iter().position(|name| *name == Slot::Time.name()) {
         return Ok((place, under(place).map_or(Conversion::IDENTITY, seconds)));
     }
-    let clocks: Vec<(usize, f64)> = names
-        .iter()
-        .enumerate()
-        .filter_map(|(place, name)| Some((place, column_unit::clock(name)?)))
-        .collect();
-    match clocks[..] {
+    match column_unit::clocks(names)[..] {
         [(place, factor)] => Ok((place, seconds(under(place).unwrap_or(factor)))),
         [] => {
             let missing = || Problem::MissingColumn { column: Slot::Time.name(), nearest: None };

@@ -17,7 +17,8 @@
 //! put into rows by the [aligner](crate::signals::align).
 //!
 //! An empty cell, `NaN`, `null` or a null is a missing sample, and rows keep their own times: rates, jitter and gaps are the estimator's business.
-//! Where some columns are hardly ever filled in the same row, a row is a message, and the table is aligned as a bus is. Memory is bounded: the
+//! Where some columns are hardly ever filled in the same row, a row is a message; where an acceleration is empty at even distances, it has a rate
+//! of its own. Such a table is aligned as a bus is. Memory is bounded: the
 //! first [`SURVEY_ROWS`] rows, some ten
 //! seconds in which rows are put into the order of their times (`stamps`), and one batch, whatever the length.
 //!

@@ -26,9 +26,9 @@ impl ParquetSource {
         let slots: Vec<(usize, Slot)> = known.filter_map(|(leaf, slot)| Some((leaf, (*slot)?))).collect();
         let clock = slots.iter().find(|(_, slot)| *slot == Slot::Time).map(|(leaf, _)| *leaf);
         if let Some(leaf) = clock
-            && columns.meaning(leaf).map_err(fail)?.quantity == Quantity::Time
+            && columns.clock_meaning(leaf).map_err(fail)?.quantity == Quantity::Time
         {
-            // Stamps and durations come in s, whatever a name or a map says.
+            // Stamps, durations and text of times come in s, whatever a name or a map says.
             header.conversions[leaf] = None;
         }
         let leaves: Vec<usize> = slots.iter().map(|(leaf, _)| *leaf).collect();

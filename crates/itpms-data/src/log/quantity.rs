@@ -74,7 +74,7 @@ impl Quantity {
             Quantity::Speed => "m/s, km/h, mph, kn, cm/s, mm/s or ft/s",
             Quantity::Pressure => "kPa, Pa, hPa, mbar, bar, MPa or psi",
             Quantity::Length => "m, mm, cm, um, in or ft",
-            Quantity::Time => "s, ms, us, ns or min",
+            Quantity::Time => "s, ms, us, ns, min or d (days)",
             Quantity::Rotation => "rad/s, deg/s or rpm",
             Quantity::Temperature => "degC",
             Quantity::Switch => "1",

@@ -48,6 +48,8 @@ pub struct LogReader {
     last_time_s: Option<f64>,
     /// Whether each column has had a value.
     seen: [bool; SLOTS],
+    /// Times of the first two rows as they are in the file.
+    first_times_s: [f64; 2],
 }
 
 impl LogReader {
@@ -102,6 +104,7 @@ impl LogReader {
             regular: Regular::new(f64::NAN),
             last_time_s: None,
             seen: [false; SLOTS],
+            first_times_s: [f64::NAN; 2],
         };
         reader.look_ahead(units).map_err(|problem| DataError::new(path, problem))?;
         Ok(reader)
@@ -208,12 +211,29 @@ impl LogReader {
         if !self.exhausted {
             self.order.check(Stage::Complete)?;
         }
-        self.survey = Survey::of(&self.ahead)?;
+        self.survey = Survey::of(&self.ahead).map_err(|problem| self.of_the_clock(problem))?;
         self.regular = Regular::new(1.0 / self.survey.sample_rate_hz);
         self.report.same_columns = twins::of(&self.ahead, &self.source.header().columns);
         match units {
             UnitCheck::Suspicious => units::check(self.ahead.iter()),
             UnitCheck::Trusting => Ok(()),
+        }
+    }
+
+    /// A problem of the period, by the name of the file's clock. Where steps are so long that no row but the first one was kept, the
+    /// period is the problem.
+    fn of_the_clock(&self, problem: Problem) -> Problem {
+        let clock = self.source.header().clock.clone();
+        let [first_s, second_s] = self.first_times_s;
+        match problem {
+            Problem::SamplePeriod { period_s, rate_hz, .. } => {
+                Problem::SamplePeriod { clock, period_s, rate_hz }
+            }
+            Problem::TooFewSamples(_) if second_s > first_s => {
+                let period_s = second_s - first_s;
+                Problem::SamplePeriod { clock, period_s, rate_hz: 1.0 / period_s }
+            }
+            other => other,
         }
     }
 
@@ -233,6 +253,10 @@ impl LogReader {
         };
         for (seen, value) in self.seen.iter_mut().zip(&raw) {
             *seen |= value.is_finite();
+        }
+        let time_s = raw[Slot::Time.index()];
+        if let Some(first) = self.first_times_s.iter_mut().find(|first| first.is_nan()) {
+            *first = time_s;
         }
         let columns = self.source.header().columns;
         let missing = |slot: &Slot| raw[slot.index()].is_nan();

@@ -1,4 +1,4 @@
-//! Rows from logs that hold signal after signal, each on its own clock: MDF4 and CAN logs, tables with a message in each row.
+//! Rows from logs that hold signal after signal, each on its own clock: MDF4 and CAN logs, tables with a message in each row or with sensors of several rates.
 //!
 //! Between the reader of drive logs, which wants rows, and a feed, which has readings; the aligner makes the ones of the
 //! others.
@@ -110,9 +110,9 @@ impl SignalSource {
     }
 
     pub(super) fn table(feed: Box<TableSource>) -> Self {
-        let Header { slots, suspicious, mapping, .. } = feed.header().clone();
+        let Header { slots, suspicious, mapping, clock, .. } = feed.header().clone();
         let slots: Vec<Slot> = slots.into_iter().flatten().collect();
-        Self::new(Feed::Table(feed), &slots, suspicious, mapping)
+        Self::new(Feed::Table(feed), &slots, suspicious, mapping, clock)
     }
 
     #[cfg(any(feature = "can", feature = "mdf4"))]
@@ -120,17 +120,30 @@ impl SignalSource {
         if let Some(why) = resolved.unusable() {
             return Err(DataError::new(path, Problem::UnusableSignals(why)));
         }
-        Ok(Self::new(feed, &resolved.slots(), Vec::new(), resolved.assumptions()))
+        Ok(Self::new(feed, &resolved.slots(), Vec::new(), resolved.assumptions(), Slot::Time.name()))
     }
 
-    fn new(feed: Feed, slots: &[Slot], suspicious: Vec<(String, String)>, mapping: Vec<String>) -> Self {
+    fn new(
+        feed: Feed,
+        slots: &[Slot],
+        suspicious: Vec<(String, String)>,
+        mapping: Vec<String>,
+        clock: String,
+    ) -> Self {
         let aligner = Aligner::new(slots);
         let columns = *aligner.columns();
         Self {
             feed,
             order: SignalOrder::new(),
             aligner,
-            header: Header { columns, slots: Vec::new(), suspicious, conversions: Vec::new(), mapping },
+            header: Header {
+                columns,
+                slots: Vec::new(),
+                suspicious,
+                conversions: Vec::new(),
+                mapping,
+                clock,
+            },
             rows: 0,
             last_s: f64::NEG_INFINITY,
             is_over: false,
@@ -166,10 +179,13 @@ impl SignalSource {
 
     /// How readings came into order and into rows, in words.
     pub(super) fn remarks(&self) -> Vec<String> {
-        let messages = "each row of the table is a message with some of the signals; samples were made of them by their times";
-        let messages = matches!(&self.feed, Feed::Table(_)).then(|| messages.to_owned());
+        let of_rows = match &self.feed {
+            Feed::Table(table) => table.rows().remark(),
+            #[cfg(any(feature = "can", feature = "mdf4"))]
+            _ => None,
+        };
         let aligned = self.aligner.report().map(|report| report.remarks()).unwrap_or_default();
-        messages.into_iter().chain(self.order.remarks()).chain(aligned).collect()
+        of_rows.map(str::to_owned).into_iter().chain(self.order.remarks()).chain(aligned).collect()
     }
 
     pub(super) fn next_row(&mut self, row: &mut RawRow) -> Result<Option<Place>, Problem> {

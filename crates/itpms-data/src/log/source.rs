@@ -12,7 +12,7 @@ use super::header::Header;
 use super::options::LogOptions;
 use super::row::RawRow;
 use super::signal_source::SignalSource;
-use super::table::{Table, TableSource};
+use super::table::{Rows, Table, TableSource};
 use crate::error::{DataError, Place, Problem};
 use crate::signals::align::AlignmentReport;
 
@@ -53,10 +53,10 @@ impl Source {
         }
     }
 
-    /// A table; one with a message in each row holds signal after signal, as a bus does.
+    /// A table; one with a message in each row, or with sensors of several rates, holds signal after signal, as a bus does.
     pub(super) fn of_table(table: Table) -> Self {
         let table = Box::new(TableSource::new(table));
-        if table.is_of_messages() {
+        if table.rows() != Rows::Samples {
             return Source::Signals(Box::new(SignalSource::table(table)));
         }
         Source::Table(table)

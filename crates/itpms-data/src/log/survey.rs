@@ -2,7 +2,7 @@
 //!
 //! Called once by the reader when a log is opened, and by whoever listens to a bus.
 
-use super::row::LogRow;
+use super::row::{LogRow, Slot};
 use crate::error::Problem;
 
 /// Rows read ahead to judge a log before the first is handed out: 8 s at 500 Hz, 2 s at 2 kHz.
@@ -12,7 +12,7 @@ pub(super) const GAP_PERIODS: f64 = 3.0;
 
 /// No wheel can be seen below twice the wheel hop's 10 to 14 Hz, and no accelerometer of a car samples faster than
 /// this: outside, the unit of the time is wrong.
-const POSSIBLE_RATES_HZ: std::ops::RangeInclusive<f64> = 20.0..=50_000.0;
+pub(super) const POSSIBLE_RATES_HZ: std::ops::RangeInclusive<f64> = 20.0..=50_000.0;
 /// Of wheel speeds alone, which come with every tenth of a second or more often.
 const POSSIBLE_WHEEL_SPEED_RATES_HZ: std::ops::RangeInclusive<f64> = 9.5..=50_000.0;
 
@@ -54,7 +54,11 @@ impl Survey {
         let rate = 1.0 / mean;
         let possible = if accelerations { POSSIBLE_RATES_HZ } else { POSSIBLE_WHEEL_SPEED_RATES_HZ };
         if !possible.contains(&rate) {
-            return Err(Problem::SamplePeriod { period_s: sample_period_s, rate_hz: rate });
+            return Err(Problem::SamplePeriod {
+                clock: Slot::Time.name(),
+                period_s: sample_period_s,
+                rate_hz: rate,
+            });
         }
         let whole = rate.round();
         let sample_rate_hz = if (rate / whole - 1.0).abs() < 1e-3 { whole } else { rate };

@@ -1,5 +1,5 @@
-//! A table, and whether its rows are samples of all sensors or messages of a bus, each of which fills its own columns and leaves the
-//! others empty.
+//! A table, and what its rows are: samples of all sensors, messages of a bus, each of which fills its own columns and leaves the others
+//! empty, or samples of sensors of several rates, of which the slower ones leave every second or third cell empty.
 
 use std::collections::VecDeque;
 use std::path::Path;
@@ -14,14 +14,48 @@ use super::memory_source::MemorySource;
 use super::parquet_source::ParquetSource;
 use super::row::{RawRow, SLOTS, Slot};
 use super::stamps::Fate;
-use super::survey::SURVEY_ROWS;
+use super::survey::{POSSIBLE_RATES_HZ, SURVEY_ROWS};
 use crate::error::{DataError, Place, Problem};
+use crate::signals::align::mean_period;
 use crate::signals::{Reading, SignalMap};
 
 /// Values that a column has among the first rows before it says what the rows are.
 const ENOUGH_VALUES: u32 = 20;
 /// Share of the rarer column's rows in which two columns of one message are at least filled together.
 const TOGETHER: f64 = 0.05;
+/// Share of the rows in which a column of a rate of its own is filled at most.
+const FILLED: f64 = 0.6;
+/// Share of its steps, in rows, that are then within one row of the mean.
+const REGULAR: f64 = 0.95;
+/// A longer step, in typical ones, is a gap.
+const GAP_STEPS: usize = 3;
+
+/// What the rows of a table are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Rows {
+    /// Samples of all sensors.
+    Samples,
+    /// Messages: two of the columns are hardly ever filled in the same row.
+    Messages,
+    /// Samples of sensors of which some come at a lower rate than the rows.
+    Rates,
+}
+
+impl Rows {
+    /// What is to be said where samples are made of them by their times.
+    pub(super) fn remark(self) -> Option<&'static str> {
+        match self {
+            Rows::Samples => None,
+            Rows::Messages => Some(
+                "each row of the table is a message with some of the signals; samples were made of them by their times",
+            ),
+            Rows::Rates => Some(
+                "some columns of the table have a value in every second row or fewer, at a rate of their own; samples were made of all by \
+                 their times",
+            ),
+        }
+    }
+}
 
 /// The formats of tables.
 #[derive(Debug)]
@@ -63,11 +97,12 @@ pub(super) struct TableSource {
     ahead: VecDeque<Result<(RawRow, Place), Problem>>,
     /// Messages that were left out.
     without_time: u64,
+    rows: Rows,
 }
 
 impl TableSource {
     pub(super) fn new(table: Table) -> Self {
-        let mut source = Self { table, ahead: VecDeque::new(), without_time: 0 };
+        let mut source = Self { table, ahead: VecDeque::new(), without_time: 0, rows: Rows::Samples };
         let mut row = [f64::NAN; SLOTS];
         while source.ahead.len() < SURVEY_ROWS {
             match source.table.next_row(&mut row) {
@@ -79,11 +114,43 @@ impl TableSource {
                 }
             }
         }
+        if source.is_of_messages() {
+            source.rows = Rows::Messages;
+        } else if Slot::all().any(|slot| slot.is_acceleration() && source.has_its_own_rate(slot)) {
+            source.rows = Rows::Rates;
+        }
         source
     }
 
+    /// What the first rows say that all are.
+    pub(super) fn rows(&self) -> Rows {
+        self.rows
+    }
+
+    /// Whether a column has a value in some of the rows only, at even distances, and often enough for its sensor.
+    fn has_its_own_rate(&self, slot: Slot) -> bool {
+        let rows = self.ahead.iter().flatten().enumerate();
+        let filled: Vec<(usize, f64)> = rows
+            .filter(|(_, (row, _))| row[slot.index()].is_finite())
+            .map(|(place, (row, _))| (place, row[Slot::Time.index()]))
+            .collect();
+        if filled.len() < ENOUGH_VALUES as usize {
+            return false;
+        }
+        let mut steps: Vec<usize> = filled.windows(2).map(|pair| pair[1].0 - pair[0].0).collect();
+        steps.sort_unstable();
+        let median = steps[steps.len() / 2];
+        let usual = &steps[..steps.partition_point(|step| *step <= GAP_STEPS * median)];
+        let mean = usual.iter().sum::<usize>() as f64 / usual.len() as f64;
+        let even = usual.iter().filter(|step| (**step as f64 - mean).abs() < 1.0).count();
+        let times: Vec<f64> = filled.iter().map(|(_, time_s)| *time_s).collect();
+        mean * FILLED >= 1.0
+            && even as f64 >= REGULAR * steps.len() as f64
+            && POSSIBLE_RATES_HZ.contains(&(1.0 / mean_period(&times)))
+    }
+
     /// Whether each row is a message: two of its columns are hardly ever filled in the same row.
-    pub(super) fn is_of_messages(&self) -> bool {
+    fn is_of_messages(&self) -> bool {
         let slots: Vec<usize> = Slot::all().filter(|slot| is_continuous(*slot)).map(Slot::index).collect();
         let mut together = [[0u32; SLOTS]; SLOTS];
         for (row, _) in self.ahead.iter().flatten() {

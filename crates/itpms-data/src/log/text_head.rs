@@ -37,6 +37,9 @@ impl TextHead {
             return Ok(None);
         }
         let mut first = vec![lines.present()];
+        if let Some(names) = lines.comment().filter(|(names, _)| is_header_of(names, lines.text(), stated)) {
+            first.insert(0, names);
+        }
         let before = loop {
             let text = |(line, _): &(Vec<u8>, u64)| line.trim_ascii().to_vec();
             let texts: Vec<Vec<u8>> = first.iter().rev().take(MOST_BETWEEN + 2).rev().map(text).collect();
@@ -91,6 +94,11 @@ fn is_value(dialect: Dialect, cell: &[u8]) -> bool {
     dialect.number(cell).is_some_and(|value| !value.is_nan())
 }
 
+/// Whether a comment holds the names of the columns, as NumPy writes them: the first line under it is a row of numbers.
+fn is_header_of(comment: &[u8], row: &[u8], stated: Option<Dialect>) -> bool {
+    header_before(&[comment.trim_ascii().to_vec(), row.to_vec()], stated).is_some()
+}
+
 /// The place of the names if the last line is a row of numbers: the first line of as many cells that begins with none, or of one more or less,
 /// as a separator at the end makes it.
 fn header_before(texts: &[Vec<u8>], stated: Option<Dialect>) -> Option<usize> {
@@ -142,6 +150,18 @@ mod tests {
         let (found, row) = head("Drive of Monday\nt;v;\n0,5;61,2\n");
         assert_eq!((found.names.len(), row.as_str()), (3, "3: 0,5;61,2"));
         assert_eq!(found.remark().unwrap(), "1 line before the names of the columns was left out");
+    }
+
+    #[test]
+    fn names_in_a_comment_are_names_where_numbers_follow() {
+        for text in ["# time_s,v\n0,1\n0.1,2\n", "# drive 3\n#time_s,v\n0,1\n"] {
+            let (found, row) = head(text);
+            assert_eq!(found.names, ["time_s", "v"], "{text}");
+            assert!(row.ends_with(": 0,1") && found.remark().is_none(), "{row}");
+        }
+        for text in ["# old,names\ntime_s,v\n0,1\n", "# one name\n0,1\n0.1,2\n", "# 1,2\ntime_s,v\n0,1\n"] {
+            assert!(!head(text).0.names[0].contains(['o', '#']), "{text}");
+        }
     }
 
     #[test]

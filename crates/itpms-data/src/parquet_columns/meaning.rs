@@ -7,6 +7,8 @@ use parquet::basic::{ConvertedType, LogicalType, TimeUnit, Type as PhysicalType}
 use parquet::data_type::Int96;
 use parquet::schema::types::ColumnDescriptor;
 
+use crate::log::clock_seconds;
+
 /// The Julian day on which 1970 began.
 const JULIAN_DAY_OF_1970: f64 = 2_440_588.0;
 const SECONDS_PER_DAY: f64 = 86_400.0;
@@ -43,6 +45,8 @@ enum Stored {
     Days,
     /// Months, days and milliseconds, least significant first.
     Interval,
+    /// Text of a date and a time, as tables of text have it.
+    ClockText,
     /// One of these words: its place among them, minus one for any other.
     Words(&'static [&'static str]),
 }
@@ -89,6 +93,16 @@ impl Meaning {
         }
     }
 
+    /// That of a column given as the clock, which may hold text.
+    ///
+    /// # Errors
+    /// As [`Meaning::of`].
+    pub(super) fn of_clock(leaf: &ColumnDescriptor, duration_per_s: Option<f64>) -> Result<Self, String> {
+        let is_text = Self::of_words(leaf, &[]).is_ok();
+        let text = Self { quantity: Quantity::Time, divisor: 1.0, stored: Stored::ClockText };
+        if is_text { Ok(text) } else { Self::of(leaf, duration_per_s) }
+    }
+
     /// That of a column of words, in any case.
     ///
     /// # Errors
@@ -123,6 +137,7 @@ impl Meaning {
             (Stored::HalfPrecision, &[low, high]) => half::f16::from_le_bytes([low, high]).to_f64(),
             (Stored::BigEndian, _) => integer(bytes) / self.divisor,
             (Stored::Interval, _) => interval_s(bytes).unwrap_or(f64::NAN),
+            (Stored::ClockText, _) => clock_seconds(bytes).unwrap_or(f64::NAN),
             (Stored::Words(words), _) => {
                 let is = |word: &&str| bytes.trim_ascii().eq_ignore_ascii_case(word.as_bytes());
                 words.iter().position(is).map_or(-1.0, |place| place as f64)

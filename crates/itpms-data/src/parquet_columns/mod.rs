@@ -21,6 +21,7 @@ use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::DataType;
 use parquet::errors::ParquetError;
 use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::schema::types::ColumnDescriptor;
 
 use crate::error::{Place, Problem};
 pub(crate) use meaning::{Meaning, Quantity};
@@ -103,9 +104,25 @@ impl ParquetColumns {
     /// # Errors
     /// No numbers and no times.
     pub(crate) fn meaning(&self, leaf: usize) -> Result<Meaning, Problem> {
+        self.meant(leaf, Meaning::of)
+    }
+
+    /// What a column holds that is given as the clock: numbers, times or text of times.
+    ///
+    /// # Errors
+    /// None of them.
+    pub(crate) fn clock_meaning(&self, leaf: usize) -> Result<Meaning, Problem> {
+        self.meant(leaf, Meaning::of_clock)
+    }
+
+    fn meant(
+        &self,
+        leaf: usize,
+        of: fn(&ColumnDescriptor, Option<f64>) -> Result<Meaning, String>,
+    ) -> Result<Meaning, Problem> {
         let column = &self.names[leaf];
         let described = &self.reader.metadata().file_metadata().schema_descr().columns()[leaf];
-        Meaning::of(described, self.durations.get(column).copied())
+        of(described, self.durations.get(column).copied())
             .map_err(|found| Problem::ColumnType { column: column.clone(), found })
     }
 
@@ -123,12 +140,12 @@ impl ParquetColumns {
         Ok(())
     }
 
-    /// The same for a column of numbers or times, which come in s.
+    /// The same for a column of numbers, times or text of times, which come in s.
     ///
     /// # Errors
-    /// It holds neither.
+    /// It holds none of them.
     pub(crate) fn choose_clock(&mut self, leaf: usize) -> Result<(), Problem> {
-        let meaning = self.meaning(leaf)?;
+        let meaning = self.clock_meaning(leaf)?;
         self.take(leaf, meaning);
         Ok(())
     }

@@ -86,6 +86,14 @@ impl ParquetParts {
         self.first.meaning(leaf)
     }
 
+    /// What a column holds that is given as the clock.
+    ///
+    /// # Errors
+    /// No numbers, no times and no text of times.
+    pub(crate) fn clock_meaning(&self, leaf: usize) -> Result<Meaning, Problem> {
+        self.first.clock_meaning(leaf)
+    }
+
     /// Reads these columns of numbers, and if it is among them `clock`, whose times come in s.
     ///
     /// # Errors

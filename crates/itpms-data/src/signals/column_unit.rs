@@ -59,6 +59,25 @@ pub(crate) fn clock(name: &str) -> Option<f64> {
     }
 }
 
+/// The columns that are clocks, each with its seconds per unit; where there is none, those that are called after the date and the time.
+pub(crate) fn clocks(names: &[String]) -> Vec<(usize, f64)> {
+    let places = || names.iter().enumerate();
+    let clocks: Vec<_> = places().filter_map(|(place, name)| Some((place, clock(name)?))).collect();
+    if !clocks.is_empty() {
+        return clocks;
+    }
+    places().filter(|(_, name)| is_date(name)).map(|(place, _)| (place, 1.0)).collect()
+}
+
+/// Whether a column is called like dates and times: `DateTime`, `Datum`, `Datum/Uhrzeit`.
+fn is_date(name: &str) -> bool {
+    let letters: String = name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect();
+    matches!(
+        letters.as_str(),
+        "date" | "datetime" | "dateandtime" | "datum" | "datumzeit" | "datumuhrzeit" | "uhrzeit"
+    )
+}
+
 /// What pandas calls the index of a frame in a file, where it has no name.
 pub(crate) const INDEX: &str = "__index_level_0__";
 

@@ -89,6 +89,9 @@ impl fmt::Display for Remark {
         match self {
             Remark::Ambiguous { slot, signals, first } => {
                 let column = slot.name();
+                if signals.split(", ").all(|signal| signal == first) {
+                    return write!(f, "several columns are called {first}: none taken; rename all but one");
+                }
                 write!(
                     f,
                     "{column} could be any of {signals}: not taken; say which in a map, {column} = \"{first}\""

@@ -78,7 +78,7 @@ fn plain(text: &str) -> String {
 }
 
 #[rustfmt::skip]
-const UNITS: [(&str, Quantity, f64); 103] = {
+const UNITS: [(&str, Quantity, f64); 106] = {
     use Quantity::{Acceleration, Length, Pressure, Rotation, Speed, Temperature, Time};
     [
         ("m/s2", Acceleration, 1.0), ("m/s/s", Acceleration, 1.0), ("ms-2", Acceleration, 1.0), ("mps2", Acceleration, 1.0),
@@ -113,7 +113,8 @@ const UNITS: [(&str, Quantity, f64); 103] = {
         ("rpm", Rotation, TURN / 60.0), ("1/min", Rotation, TURN / 60.0), ("min-1", Rotation, TURN / 60.0),
         ("rev/min", Rotation, TURN / 60.0), ("U/min", Rotation, TURN / 60.0),
 
-        ("s", Time, 1.0), ("sec", Time, 1.0), ("ms", Time, 1e-3), ("us", Time, 1e-6), ("ns", Time, 1e-9), ("min", Time, 60.0),
+        ("s", Time, 1.0), ("sec", Time, 1.0), ("ms", Time, 1e-3), ("us", Time, 1e-6), ("ns", Time, 1e-9), ("min", Time, 60.0), ("d", Time, 86_400.0), ("day", Time, 86_400.0),
+        ("days", Time, 86_400.0),
 
         ("degC", Temperature, 1.0), ("°C", Temperature, 1.0), ("C", Temperature, 1.0), ("Cel", Temperature, 1.0), ("DegreesCelsius", Temperature, 1.0),
     ]

@@ -87,6 +87,8 @@ const HALF_HOP_S: f64 = 0.04;
 const GARBAGE: f64 = 0.01;
 /// Gravity in m/s², within what tilt, offset and scale make of it.
 const GRAVITY_M_S2: std::ops::RangeInclusive<f64> = 8.3..=11.3;
+/// How often a number that stands for no value comes at least.
+const FEWEST_MISSING: usize = 3;
 /// Values a statistic needs.
 const ENOUGH: usize = 200;
 
@@ -210,12 +212,32 @@ fn wheel_speeds_are_a_cars<'a>(rows: impl Iterator<Item = &'a LogRow> + Clone) -
     Ok(())
 }
 
+/// Refuses a number that comes again and again, ten times as far from the median as the farthest of the others.
+fn stands_for_missing(values: impl Iterator<Item = f64>, label: &str, part: &str) -> Result<(), Problem> {
+    let mut values: Vec<f64> = values.collect();
+    let rows = values.len();
+    values.retain(|value| value.is_finite());
+    values.sort_unstable_by(f64::total_cmp);
+    let (Some(&low), Some(&high)) = (values.first(), values.last()) else { return Ok(()) };
+    let median = values[values.len() / 2];
+    let value = if median - low > high - median { low } else { high };
+    let others = values.iter().filter(|other| **other != value);
+    let count = rows.min(values.len()) - others.clone().count();
+    let farthest = others.map(|other| (other - median).abs()).fold(0.0, f64::max);
+    if count < FEWEST_MISSING || (value - median).abs() < 10.0 * farthest {
+        return Ok(());
+    }
+    Err(Problem::StandsForMissing { what: format!("{label} {part} acceleration"), value, count, rows })
+}
+
 fn violent<'a>(rows: impl Iterator<Item = &'a LogRow> + Clone) -> Result<(), Problem> {
     for corner in Corner::ALL {
         let rms = |value| core_rms(column(rows.clone(), corner, value)).unwrap_or(0.0);
         let (body, wheel) = (rms(|c| c.body_accel_m_s2), rms(|c| c.wheel_accel_m_s2));
         if body > VIOLENT_BODY_M_S2 || wheel > VIOLENT_WHEEL_M_S2 {
             let label = corner.label();
+            stands_for_missing(column(rows.clone(), corner, |c| c.body_accel_m_s2), label, "body")?;
+            stands_for_missing(column(rows.clone(), corner, |c| c.wheel_accel_m_s2), label, "wheel")?;
             let evidence = format!("{label} body and wheel accelerations are {body:.0} and {wheel:.0} rms");
             return Err(Problem::Units {
                 suspicion: "accelerations in mg, cm/s^2, mm/s^2 or raw counts",

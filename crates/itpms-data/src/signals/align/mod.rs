@@ -28,6 +28,7 @@ use crate::log::{LogColumns, LogRow, SLOTS, Slot};
 use crate::signals::Reading;
 use ahead::Ahead;
 pub use report::{AlignmentReport, SlotAlignment, SlotMethod};
+pub(crate) use survey::mean_period;
 use survey::{Clock, Survey};
 use timeline::Timeline;
 

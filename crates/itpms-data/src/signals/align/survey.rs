@@ -125,7 +125,7 @@ impl Clock {
 }
 
 /// The mean step, gaps left out: stamps may be rounded to whole milliseconds. NaN for too few times.
-pub(super) fn mean_period(times: &[f64]) -> f64 {
+pub(crate) fn mean_period(times: &[f64]) -> f64 {
     if times.len() < FEWEST {
         return f64::NAN;
     }

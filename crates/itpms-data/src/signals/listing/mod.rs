@@ -292,8 +292,7 @@ fn some(names: &[String]) -> String {
 /// The column that is the clock, and seconds per its unit: `time_s`, or the first that is called like one, or a frame's index.
 fn clock(names: &[String], units: &[String]) -> Option<(usize, f64)> {
     let own = names.iter().position(|name| name == "time_s").map(|place| (place, 1.0));
-    let called =
-        || names.iter().enumerate().find_map(|(place, name)| Some((place, column_unit::clock(name)?)));
+    let called = || column_unit::clocks(names).first().copied();
     let (place, factor) = own.or_else(called).or_else(|| Some((column_unit::index(names)?, 1.0)))?;
     Some((place, units.get(place).and_then(|unit| column_unit::seconds(unit)).unwrap_or(factor)))
 }

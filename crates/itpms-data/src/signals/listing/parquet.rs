@@ -31,7 +31,9 @@ impl ParquetLister {
         let mut time = None;
         for (leaf, name) in columns.names().iter().enumerate() {
             let is_clock = clock.filter(|(place, _)| *place == leaf);
-            match columns.meaning(leaf) {
+            let meaning =
+                if is_clock.is_some() { columns.clock_meaning(leaf) } else { columns.meaning(leaf) };
+            match meaning {
                 Ok(meaning) if meaning.quantity == Quantity::Number || is_clock.is_some() => {
                     let per_unit =
                         |(_, seconds)| if meaning.quantity == Quantity::Time { 1.0 } else { seconds };
