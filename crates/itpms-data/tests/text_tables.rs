@@ -375,7 +375,7 @@ fn what_is_no_table_of_samples_is_refused_with_the_remedy() {
     let body = std::cell::Cell::new(0);
     let missing = table(",", |place, value| {
         body.set(body.get() + u32::from(place == 2));
-        if place == 2 && body.get() % 20 == 0 { "-9999".to_owned() } else { value.to_string() }
+        if place == 2 && body.get().is_multiple_of(20) { "-9999".to_owned() } else { value.to_string() }
     });
     let message = LogReader::open(&bench.write("missing.csv", missing)).unwrap_err().to_string();
     assert!(message.contains("fl body acceleration is -9999 in 15 of the first 300 rows"), "{message}");

@@ -19,7 +19,7 @@ type Row = (Place, f64, usize);
 
 #[derive(Debug)]
 pub(super) enum Source {
-    Text(TextSource),
+    Text(Box<TextSource>),
     #[cfg(feature = "parquet")]
     Parquet(Box<ParquetColumns>),
 }
@@ -36,7 +36,7 @@ impl Source {
     pub(super) fn open(path: &Path) -> Result<Self, DataError> {
         let format = Format::of(path)?;
         let open = || match format {
-            Format::Csv => TextSource::open(path).map(Self::Text),
+            Format::Csv => TextSource::open(path).map(|source| Self::Text(Box::new(source))),
             #[cfg(feature = "parquet")]
             Format::Parquet => open_parquet(path),
         };
@@ -62,7 +62,7 @@ impl Source {
 
     /// Whether the last line has no end.
     pub(super) fn cut_off(&self) -> bool {
-        matches!(self, Self::Text(TextSource { cut_off: true, .. }))
+        matches!(self, Self::Text(source) if source.cut_off)
     }
 }
 
