@@ -105,8 +105,8 @@ fn divide<T: Real>(a: &mut Gram<T>, lower: &Gram<T>, by: T) {
         let (before, rest) = a.data.0.split_at_mut(k);
         let Some(column) = rest.first_mut() else { return };
         column.iter_mut().for_each(|value| *value /= by);
-        for (m, earlier) in before.iter().enumerate() {
-            let share = lower[(k, m)];
+        for (earlier, below) in before.iter().zip(&lower.data.0) {
+            let share = below[k];
             column.iter_mut().zip(earlier).for_each(|(value, &earlier)| *value -= earlier * share);
         }
         column.iter_mut().for_each(|value| *value /= lower[(k, k)]);
