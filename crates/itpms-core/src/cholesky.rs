@@ -14,7 +14,7 @@ pub(crate) fn decompose<T: Real, const N: usize>(matrix: &mut SMatrix<T, N, N>) 
 /// Makes of a matrix that may be semidefinite the lower triangular root `L` with `L L'`: where a pivot is what rounding has left of the
 /// diagonal, its column is zero.
 pub(crate) fn root<T: Real, const N: usize>(matrix: &mut SMatrix<T, N, N>) {
-    eliminate(matrix, T::whole(N as u32) * T::epsilon());
+    eliminate(matrix, T::whole((N * N) as u32) * T::epsilon());
     matrix.fill_upper_triangle(T::zero(), 1);
 }
 
