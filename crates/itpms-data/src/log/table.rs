@@ -42,7 +42,7 @@ pub(super) enum Rows {
 }
 
 impl Rows {
-    /// What is to be said where samples are made of them by their times.
+    /// The remark where samples are made of them by their times.
     pub(super) fn remark(self) -> Option<&'static str> {
         match self {
             Rows::Samples => None,

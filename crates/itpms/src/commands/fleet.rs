@@ -13,7 +13,7 @@ use serde_json::json;
 use crate::args::{FleetArgs, VEHICLE};
 
 /// Cars and failures that are reported; the files have all.
-const SAID: usize = 10;
+const LISTED: usize = 10;
 
 pub(crate) fn run(args: &FleetArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
     let cars = match (&args.vehicle, &args.vehicle_dir) {
@@ -68,13 +68,13 @@ fn report(args: &FleetArgs, screen: &Screen, outcome: &Outcome) -> Result<(), Fa
         screen
             .warn(format!("{file}: {lines} damaged, by their checksums: what they held was estimated again"));
     }
-    for failed in outcome.failed.iter().take(SAID) {
+    for failed in outcome.failed.iter().take(LISTED) {
         screen.warn(&failed.why);
     }
     let (drives, failed) = (outcome.drives.len(), outcome.failed.len());
     let total = drives + failed;
-    if failed > SAID {
-        screen.warn(format!("and {} more drives failed: see {}", failed - SAID, at(args, "failed.csv")));
+    if failed > LISTED {
+        screen.warn(format!("and {} more drives failed: see {}", failed - LISTED, at(args, "failed.csv")));
     }
     if drives == 0 {
         let why = outcome.failed.first().map_or("", |failed| &failed.why);
@@ -92,7 +92,7 @@ fn report(args: &FleetArgs, screen: &Screen, outcome: &Outcome) -> Result<(), Fa
     if args.json {
         screen.print_lines(as_json(args, outcome, &cars));
     } else {
-        for car in cars.iter().filter(|car| car.state != State::Fine).take(SAID) {
+        for car in cars.iter().filter(|car| car.state != State::Fine).take(LISTED) {
             screen.print(car_line(car, args.unit.pressure_unit));
         }
         let warned = outcome.drives.iter().filter(|drive| !drive.alerts.is_empty()).count();
