@@ -32,6 +32,10 @@ NOT_RUN = {
     "cargo run --release -p itpms-core --example one_wheel": "takes a build; the step stack runs it",
     "pip install '../crates/itpms-python[pandas,plot]' jupyterlab": "takes a build; the step python has it",
     "jupyter lab notebooks/own_log.ipynb": "waits for a reader; the step python runs the notebooks",
+    "itpms estimate today.csv --vehicle wheels.toml -o est.csv --reference car.reference --save-reference car.reference":
+        "needs dated drives of wheel speeds; crates/itpms/tests/slow_leak.rs runs it",
+    "itpms vehicle learn first.csv soft.csv --pressure-kpa 240 --pressure-kpa fl=180,fr=240,rl=240,rr=240 --from wheels.toml -o learned.toml":
+        "needs wheel speeds at two pressures; crates/itpms/tests/simulated_wheel_speeds.rs runs it",
     'library=$(../.ci/capi-library x86_64-unknown-linux-gnu f32) && gcc -std=c99 -I ../crates/itpms-capi/include c/pressures.c c/vehicle_file.c "$library" -lm -o out/pressures':
         "takes a build; the step capi has it",
     "out/pressures out/drive.csv out/car.toml > out/c.csv": "the same",

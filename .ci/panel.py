@@ -180,6 +180,7 @@ def measures(args: argparse.Namespace, folder: str) -> list[tuple]:
     taken = [
         ("own", [score("--row", "own", "--quick")], own),
         ("malfunctions", [[*lab, "malfunctions", "--jobs", "1", "--json", "--drives", "3"]], malfunctions),
+        ("several", [score("--row", "several", "--seeds", "3" if quick else "6")], own),
         ("car", [score("--row", "car", "--quick")], car),
         ("hours", [soak("hours", *length)], hours("everyday hours")),
         ("hours, calibrated", [soak("calibrated", *length, "--calibrate-s", "600")], hours("everyday hours, calibrated")),

@@ -270,7 +270,10 @@ def folders():
     spark = pa.table(base(**{TIME: stamps}))
     halves = [spark.slice(0, 2500), spark.slice(2500)]
     check("folder, INT96", parts("int96", halves), base(**{TIME: EPOCH + milliseconds / 1000}), 3e-7)
-    refused("folder, another column", parts("another", [whole, whole.rename_columns([TIME, SPEED, BODY, "x"])]))
+    # A column that a later part has not is missing there.
+    renamed = whole.slice(2500).rename_columns([TIME, SPEED, BODY, "x"])
+    half = base(**{WHEEL: np.where(steps < 2500, wheel * 1.0, np.nan)})
+    check("folder, another column", parts("another", [whole.slice(0, 2500), renamed]), half)
 
 
 def main():

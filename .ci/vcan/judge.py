@@ -7,6 +7,7 @@ Called by `run`. Knows nothing of how the machine is made. The frames that the m
 from the DBC that it printed, without the project's own decoder.
 """
 
+import itertools
 import json
 import re
 import sys
@@ -107,10 +108,15 @@ def puncture(first, marks):
 def outage(run, marks, gone, back, part):
     """While the interface is away what is said is old, and says so; then estimates go on."""
     gone_s, back_s, play_s = marks.time_s(gone), marks.time_s(back), marks.time_s("play", part)
-    # Stale after a second without a row; told again every second.
-    while_away = [line["source"]["state"] for line in run.between(gone_s + 1.5, back_s)]
-    check(while_away and set(while_away) == {"stale"}, f"{gone}: the source is {while_away}")
-    check(not any(line["all_fine"] for line in run.between(gone_s, play_s)), f"{gone}: it was not reported that all is fine")
+    # Stale after a second without a row; told again every second, each time with the date of the last row.
+    newest = max(i for i, line in enumerate(run.estimates) if line["source"]["state"] == "live" and line["unix_s"] < gone_s + 0.5)
+    away = list(itertools.takewhile(lambda line: line["source"]["state"] != "live", run.estimates[newest + 1 :]))
+    told = [line["source"]["state"] for line in away]
+    check(len(told) >= back_s - gone_s - 2.0 and set(told) == {"stale"}, f"{gone}: the source is {told}")
+    late_s = [round(line["unix_s"] - gone_s, 2) for line in away]
+    # Rows that waited for their like are estimated a second after the last one, when nothing more comes.
+    check(all(-0.5 < late < 1.5 for late in late_s), f"{gone}: what is said while it is away has the date of the last row: {late_s}")
+    check(not any(line["all_fine"] for line in away), f"{gone}: it was not reported that all is fine")
     live = [line["unix_s"] for line in run.between(play_s, play_s + 30.0) if line["source"]["state"] == "live"]
     wait_s = live[0] - play_s if live else float("nan")
     check(wait_s < 5.0, f"{back}: estimates {wait_s:.2f} s after the first frame")

@@ -289,9 +289,9 @@
     const w = data.wheels;
     if (!w || ![...w.change, ...w.difference].some((one) => has(one.y))) return;
     const over = (spec) => timed({ x: w.t, ...spec });
-    const panels = [
+    const lost = host.dataset.wheels === "lost";
+    const panels = lost ? w.lost.map((one) => [one, one.name, "Lost (%)", "Share of its pressure lost since the calibration, against the other tires, with its 95 % band.", " %", 0, 20, 0]) : [
       ...w.difference.map((one) => [one, one.name, "Radii (‰)", "Change of the ratio since the calibration, measured, with its 95 % band.", " ‰", 2, 1]),
-      ...w.lost.map((one) => [one, one.name, "Lost (%)", "Share of its pressure lost since the calibration, against the other tires, with its 95 % band.", " %", 0, 20, 0]),
       ...w.change.map((one) => [one, one.name + ", radius", "Radius (‰)", "Change of the rolling radius since the calibration, with its 95 % band.", " ‰", 2, 1]),
     ];
     for (const [one, title, yLabel, note, unit, places, least, floor] of panels) {
@@ -301,7 +301,7 @@
           { label: "95 % band", lo: one.lo, hi: one.hi, band: "band", text: (i) => digits(one.lo[i], places) + " to " + digits(one.hi[i], places) + unit },
           { label: "Estimate", y: one.y, color: "estimate", width: 2, text: (i) => digits(one.y[i], places) + unit },
         ],
-        marks: (u, ctx) => (level(u, ctx, 0, "soft", ""), data.alerts.filter((alert) => alert.kind === "differs").forEach((alert) => flag(u, ctx, alert.reported, "low"))),
+        marks: (u, ctx) => (level(u, ctx, 0, "soft", ""), data.alerts.filter((alert) => alert.kind === "differs" || alert.kind === "slow-leak").forEach((alert) => flag(u, ctx, alert.reported, "low"))),
       }));
     }
   }

@@ -236,6 +236,7 @@ fn monitored(origin_s: f64) -> ReportData {
             time_s,
             corners: [estimate(fallen), estimate(240.0), estimate(240.0), estimate(240.0)],
             correlation: [[0.0; 4]; 4],
+            loss_correlation: [[0.0; 4]; 4],
             tracks: [TrackState { shared: false, incoherence: f64::NAN }; 2],
         };
         monitor.judge(&clock.take(time_s, f64::NAN), &mut estimate);
@@ -380,6 +381,7 @@ fn steady_estimate(time_s: f64, pressure_kpa: f64, validity: Validity) -> Corner
         change_sd_kpa: 4.0,
         axle_difference_sd_kpa: None,
         loss: None,
+        cold: None,
         level: Level::Calibration,
         road_m: 0.01 * (time_s * 9.0).sin(),
         road_sd_m: 5e-4,

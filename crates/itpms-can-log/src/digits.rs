@@ -49,8 +49,16 @@ const FITTING_DIGITS: usize = 19;
 /// Digits of a time, at most.
 const MOST_DIGITS: usize = 40;
 
-/// A number of seconds such as `1436509052.249713`, correctly rounded. Digits and at most one point.
+/// A number of seconds such as `1436509052.249713` or, before a trigger, `-0.25`, correctly rounded. Digits and at most one point.
 pub(super) fn seconds(text: &[u8]) -> Option<f64> {
+    match text {
+        [b'-', digits @ ..] => unsigned_seconds(digits).map(|seconds| -seconds),
+        digits => unsigned_seconds(digits),
+    }
+}
+
+#[inline]
+fn unsigned_seconds(text: &[u8]) -> Option<f64> {
     let mut sum = 0_u64;
     let mut digits = 0_usize;
     let mut fraction = None;
@@ -97,10 +105,11 @@ mod tests {
             ".5",
             "18446744073709551617.000000",
             "7.",
+            "-10.000000",
         ] {
             assert_eq!(seconds(text.as_bytes()), Some(text.parse().unwrap()), "{text}");
         }
-        for text in ["", ".", "1.2.3", "-1", "1e3", "nan", &"1".repeat(41)] {
+        for text in ["", ".", "1.2.3", "-", "--1", "+1", "1e3", "nan", &"1".repeat(41)] {
             assert_eq!(seconds(text.as_bytes()), None, "{text}");
         }
     }

@@ -1,4 +1,4 @@
-//! Tables of frames as comma-separated values: SavvyCAN's (GVRET) and python-can's. Called through the reader of lines; the first line says which it is.
+//! Tables of frames as comma-separated values: SavvyCAN's (GVRET), python-can's and that of openpilot's cabana. Called through the reader of lines; the first line says which it is.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -17,6 +17,8 @@ pub(super) enum FrameTable {
     PythonCan,
     /// `Time Stamp,ID,Extended,Dir,Bus,LEN,D1,...`: microseconds, a byte per cell. The place of each column; older ones have no `Dir`.
     SavvyCan { columns: [Option<usize>; 6], data: usize },
+    /// `time,addr,bus,data`: seconds, data in hexadecimal; the address, too, where it begins with `0x`, else in decimal.
+    Cabana,
 }
 
 /// SavvyCAN's columns, in capitals.
@@ -29,6 +31,9 @@ impl FrameTable {
         let names: Vec<&str> = line.split(',').map(str::trim).collect();
         if line == "TIMESTAMP,ARBITRATION_ID,EXTENDED,REMOTE,ERROR,DLC,DATA" {
             return Some(Self::PythonCan);
+        }
+        if names == ["TIME", "ADDR", "BUS", "DATA"] {
+            return Some(Self::Cabana);
         }
         let place = |name: &str| names.iter().position(|other| *other == name);
         let columns = SAVVY_CAN.map(place);
@@ -51,6 +56,7 @@ impl LineFormat for FrameTable {
         match self {
             Self::PythonCan => python_can(cells()),
             Self::SavvyCan { columns, data } => savvy_can(cells, columns, *data),
+            Self::Cabana => cabana(cells()),
         }
         .map(LineContent::Frame)
     }
@@ -107,7 +113,30 @@ fn savvy_can<'a, I: Iterator<Item = &'a [u8]>>(
     Ok(CanFrame { time_s, bus, id, kind: data_of(payload.len()), direction, payload })
 }
 
-/// Neither table says whether a data frame is one of CAN FD: more than eight bytes are.
+fn cabana<'a>(mut cells: impl Iterator<Item = &'a [u8]>) -> Result<CanFrame, &'static str> {
+    let mut next = || cells.next().ok_or("a line of cabana such as 0.25,0x1A0,0,0xFE3612");
+    let time_s = digits::seconds(next()?).ok_or("seconds")?;
+    let (address, base) = match next()? {
+        [b'0', b'x' | b'X', address @ ..] => (address, Base::Hexadecimal),
+        address => (address, Base::Decimal),
+    };
+    let number = digits::unsigned(address, base).ok_or("an address such as 0x1A0, or 416 in decimal")?;
+    let id = CanId::standard(number).or(CanId::extended(number)).ok_or(EXPECTED_ID)?;
+    let bus = digits::unsigned(next()?, Base::Decimal).and_then(|bus| u16::try_from(bus).ok());
+    let bus = bus.ok_or("a bus from 0 to 65535")?;
+    let data = next()?;
+    let data = data.strip_prefix(b"0x").unwrap_or(data);
+    let mut payload = Payload::EMPTY;
+    for pair in data.chunks(2) {
+        let byte = digits::byte(pair).ok_or("data of up to 64 bytes in pairs of hexadecimal digits")?;
+        if !payload.push(byte) {
+            return Err(EXPECTED_DATA);
+        }
+    }
+    Ok(CanFrame { time_s, bus, id, kind: data_of(payload.len()), direction: Direction::Rx, payload })
+}
+
+/// No table says whether a data frame is one of CAN FD: more than eight bytes are.
 fn data_of(length: usize) -> FrameKind {
     if length > 8 {
         FrameKind::Fd { bit_rate_switch: false, error_state_indicator: false }
@@ -165,6 +194,20 @@ mod tests {
         assert!(frame(PYTHON, "1.5,0x12,0,0,0,3,").is_err());
         assert!(frame(PYTHON, "1.5,0x12,0,0,0,3,!!!!").is_err());
         assert!(frame(PYTHON, "1.5,0x12,0").is_err());
+    }
+
+    #[test]
+    fn cabanas_table_is_read_in_both_styles() {
+        const CABANA: &str = "time,addr,bus,data";
+        let new = frame(CABANA, "0.2500,0x110,2,0x0300070000000000").unwrap();
+        assert_eq!((new.time_s, new.bus, new.id), (0.25, 2, CanId::standard(0x110).unwrap()));
+        assert_eq!(new.data(), [3, 0, 7, 0, 0, 0, 0, 0]);
+        let old = frame(CABANA, "0.2500,272,2,0300070000000000").unwrap();
+        assert_eq!(old, new);
+        assert_eq!(frame(CABANA, "1,0x18FEF100,0,0x").unwrap().id, CanId::extended(0x18FE_F100).unwrap());
+        for line in ["1,0x20000000,0,00", "1,1A0,0,00", "1,0x1A0,0,0x0", "1,0x1A0,0", "x,1,0,00"] {
+            assert!(frame(CABANA, line).is_err(), "{line}");
+        }
     }
 
     #[test]

@@ -99,8 +99,9 @@ impl Group {
 fn frame(cursor: &mut FrameCursor, time_s: f64) -> Result<Result<CanFrame, &'static str>, CanProblem> {
     use FrameField::{Brs, BusChannel, DataLength, Dir, Dlc, Edl, Esi, Id, Ide};
     let is_set = |field| cursor.field(field).is_some_and(|value| value != 0);
-    if !(0.0..=MOST_TIME_S).contains(&time_s) {
-        return Ok(Err("a time from 1970 to 9999"));
+    // Before a trigger times are negative where the file has no date.
+    if !(-MOST_TIME_S..=MOST_TIME_S).contains(&time_s) {
+        return Ok(Err("a time before the year 9999"));
     }
     let Some(id) = cursor.field(Id).or((cursor.kind == FrameGroupKind::Error).then_some(0)) else {
         return Ok(Err("an identifier"));

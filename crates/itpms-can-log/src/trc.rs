@@ -2,6 +2,8 @@
 //!
 //! Stamps are milliseconds since the start that the header has. What a line has in which place follows from the version, from 2.0 on from a line of the
 //! header: `;$COLUMNS=N,O,T,B,I,d,R,L,D`. Buses count from one.
+//!
+//! CanHacker has the same extension for lines of its own: seconds, mostly with a comma, an identifier, a length, and the bytes.
 
 use super::digits::{self, Base};
 use super::frame::{CanFrame, CanId, Direction, FrameKind, Payload, length_of_code};
@@ -31,12 +33,14 @@ pub(super) struct Trc {
     start_s: f64,
     /// The letters of the columns before the data.
     columns: Vec<u8>,
+    /// Whether the lines are CanHacker's.
+    is_canhacker: bool,
 }
 
 impl Default for Trc {
     fn default() -> Self {
         // A header without a version is one of 1.0.
-        Self { start_s: 0.0, columns: V1_0.to_vec() }
+        Self { start_s: 0.0, columns: V1_0.to_vec(), is_canhacker: false }
     }
 }
 
@@ -49,6 +53,14 @@ impl LineFormat for Trc {
         match text.first() {
             None => Ok(LineContent::Nothing),
             Some(b';') => self.header(&text[1..]),
+            Some(b'T') if Words::new(text).take(3).eq([b"Time".as_slice(), b"ID", b"DLC"]) => {
+                self.is_canhacker = true;
+                Ok(LineContent::Nothing)
+            }
+            Some(_) if self.is_canhacker || has_comma(text) => {
+                self.is_canhacker = true;
+                canhacker(text)
+            }
             Some(_) => self.message(text),
         }
     }
@@ -152,9 +164,50 @@ impl Trc {
     }
 }
 
+/// Whether the first word is a number with a decimal comma, which PEAK's lines never have.
+fn has_comma(text: &[u8]) -> bool {
+    Words::new(text).next().is_some_and(|word| word.contains(&b','))
+}
+
+/// `0,005   110      8           04 00 17 00 00 00 00 00`.
+fn canhacker(text: &[u8]) -> Result<LineContent, &'static str> {
+    const EXPECTED: &str = "a line of CanHacker such as 0,005   110   2   04 00";
+    let mut words = Words::new(text);
+    let stamp = words.next().ok_or(EXPECTED)?;
+    let stamp: Vec<u8> = stamp.iter().map(|byte| if *byte == b',' { b'.' } else { *byte }).collect();
+    let time_s = digits::seconds(&stamp).ok_or(EXPECTED)?;
+    let id = words.next().ok_or(EXPECTED)?;
+    let number = digits::unsigned(id, Base::Hexadecimal).ok_or(EXPECTED_ID)?;
+    let id = if id.len() > 4 { CanId::extended(number) } else { CanId::standard(number) };
+    let length = words.next().and_then(|word| digits::unsigned(word, Base::Decimal));
+    let length = length.filter(|length| *length <= 8).ok_or(EXPECTED_DATA)? as usize;
+    let is_remote = words.clone().next() == Some(b"RTR");
+    let kind = if is_remote { FrameKind::Remote } else { FrameKind::Data };
+    let payload = if is_remote { Payload::zeros(length) } else { words.bytes(length, Base::Hexadecimal) };
+    let (id, payload) = (id.ok_or(EXPECTED_ID)?, payload.ok_or(EXPECTED_DATA)?);
+    Ok(LineContent::Frame(CanFrame { time_s, bus: 0, id, kind, direction: Direction::Rx, payload }))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn canhackers_lines_are_read_with_a_comma_or_a_point() {
+        let head = "Time     ID        DLC       Data                    Comment\n";
+        let comma = frames(&format!(
+            "{head}0,005   110      2           04 FF \n12,250  18FEF100  1   0A\n13,000 111 8 RTR"
+        ));
+        assert_eq!((comma[0].time_s, comma[0].id), (0.005, CanId::standard(0x110).unwrap()));
+        assert_eq!(comma[0].data(), [0x04, 0xFF]);
+        assert_eq!((comma[1].time_s, comma[1].id), (12.25, CanId::extended(0x18FE_F100).unwrap()));
+        assert_eq!((comma[2].kind, comma[2].length()), (FrameKind::Remote, 8));
+        assert_eq!(frames(&format!("{head}0.005 110 2 04 FF")), comma[..1]);
+        assert_eq!(frames("0,005 110 2 04 FF"), comma[..1], "without its header");
+        for line in ["0,005 110 9 04", "0,005 800 0", "0,0,5 110 0", "0,005 110 2 04"] {
+            assert!(Trc::default().line(line.as_bytes()).is_err(), "{line}");
+        }
+    }
 
     fn frames(text: &str) -> Vec<CanFrame> {
         let mut trc = Trc::default();

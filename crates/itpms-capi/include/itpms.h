@@ -131,6 +131,10 @@ enum itpms_status
    The calibration holds what no car could have.
    */
   ITPMS_STATUS_IMPLAUSIBLE = 18,
+  /*
+   A sample was taken already: a stored calibration comes before the first one.
+   */
+  ITPMS_STATUS_TOO_LATE = 19,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -242,6 +246,10 @@ enum itpms_cause
    Nothing could be learned for too long a time of driving.
    */
   ITPMS_CAUSE_NO_INFORMATION = 8,
+  /*
+   By the wheel speeds of several days: it has lost air slowly since the calibration.
+   */
+  ITPMS_CAUSE_SLOW_LEAK = 9,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -461,7 +469,7 @@ enum itpms_radius_state
    */
   ITPMS_RADIUS_STATE_CALIBRATING = 1,
   /*
-   A loss of a quarter of any single tire would not be found.
+   A loss of 30 % of any single tire would not show.
    */
   ITPMS_RADIUS_STATE_UNINFORMED = 2,
   /*
@@ -930,7 +938,7 @@ typedef struct {
    */
   itpms_real axle_difference_sd_kpa;
   /*
-   What the tire has lost in this drive in kPa; NaN as long as that is not counted.
+   What the tire has lost in this drive in kPa; NaN as long as that is not counted, and where it was low before that.
    */
   itpms_real lost_kpa;
   /*
@@ -1088,7 +1096,7 @@ typedef struct {
    */
   itpms_real rate_kpa_per_min;
   /*
-   Of ALL_LOW and COMMON_SHIFT: mean of pressure over reference. Of DIFFERS: the share of its pressure that the tire has lost.
+   Of ALL_LOW and COMMON_SHIFT: mean of pressure over reference. Of DIFFERS and SLOW_LEAK: the share of its pressure that the tire has lost.
    */
   itpms_real share;
   /*
@@ -1128,7 +1136,7 @@ typedef struct {
    */
   uint32_t doubt;
   /*
-   1 if a loss of a quarter of this tire alone would be found.
+   1 if a loss of 30 % of this tire alone would show.
    */
   uint32_t is_informed;
   /*
@@ -1151,6 +1159,10 @@ typedef struct {
    Its standard deviation.
    */
   itpms_real lost_share_sd;
+  /*
+   Smallest loss of this tire alone that would have shown since the calibration, as a share of its pressure.
+   */
+  itpms_real detectable_loss_share;
 } itpms_wheel_radius;
 
 /*
@@ -1350,7 +1362,7 @@ itpms_status itpms_car_save_calibration(itpms_car *car,
 /*
  Begins a drive with a stored calibration, before the first sample.
 
- Errors: NULL_POINTER, MISALIGNED, NOT_A_CAR, DAMAGED, OTHER_FORMAT, OTHER_CAR, IMPLAUSIBLE.
+ Errors: NULL_POINTER, MISALIGNED, NOT_A_CAR, DAMAGED, OTHER_FORMAT, OTHER_CAR, IMPLAUSIBLE, TOO_LATE.
 
  # Safety
  Every pointer is null or points to what its type says, `memory` to `size` bytes.
@@ -1522,7 +1534,7 @@ itpms_status itpms_wheels_save_calibration(itpms_wheels *wheels,
 /*
  Begins a drive with a stored calibration, before the first sample.
 
- Errors: NULL_POINTER, MISALIGNED, NOT_A_CAR, DAMAGED, OTHER_FORMAT, IMPLAUSIBLE.
+ Errors: NULL_POINTER, MISALIGNED, NOT_A_CAR, DAMAGED, OTHER_FORMAT, IMPLAUSIBLE, TOO_LATE.
 
  # Safety
  Every pointer is null or points to what its type says, `memory` to `size` bytes.

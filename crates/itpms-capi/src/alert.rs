@@ -30,6 +30,8 @@ pub enum itpms_cause {
     Differs = 7,
     /// Nothing could be learned for too long a time of driving.
     NoInformation = 8,
+    /// By the wheel speeds of several days: it has lost air slowly since the calibration.
+    SlowLeak = 9,
 }
 
 /// What is wrong with sensors.
@@ -102,7 +104,7 @@ pub struct itpms_alert {
     pub reference_kpa: itpms_real,
     /// Of FAST_LEAK: how fast it fell at most, in kPa per minute.
     pub rate_kpa_per_min: itpms_real,
-    /// Of ALL_LOW and COMMON_SHIFT: mean of pressure over reference. Of DIFFERS: the share of its pressure that the tire has lost.
+    /// Of ALL_LOW and COMMON_SHIFT: mean of pressure over reference. Of DIFFERS and SLOW_LEAK: the share of its pressure that the tire has lost.
     pub share: itpms_real,
     /// The standard deviation of `share`.
     pub share_sd: itpms_real,
@@ -161,6 +163,9 @@ impl From<&Alert<itpms_real>> for itpms_alert {
             Cause::Differs { lost_share, lost_sd_share, is_known } => {
                 (alert_out.share, alert_out.share_sd) = (*lost_share, *lost_sd_share);
                 alert_out.wheels_are_known = u32::from(*is_known);
+            }
+            Cause::SlowLeak(leak) => {
+                (alert_out.share, alert_out.share_sd) = (leak.lost_share, leak.lost_sd_share);
             }
             Cause::Malfunction(malfunction) => alert_out.put_malfunction(malfunction),
             Cause::NoInformation { driven_s } => alert_out.driven_s = *driven_s,
@@ -229,6 +234,7 @@ fn cause(cause: &Cause<itpms_real>) -> itpms_cause {
         Cause::Flat(_) => itpms_cause::Flat,
         Cause::Malfunction(_) => itpms_cause::Malfunction,
         Cause::Differs { .. } => itpms_cause::Differs,
+        Cause::SlowLeak(_) => itpms_cause::SlowLeak,
         Cause::NoInformation { .. } => itpms_cause::NoInformation,
     }
 }

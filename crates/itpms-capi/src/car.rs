@@ -201,6 +201,9 @@ impl Kept for Car {
 
     fn load_calibration(&mut self, bytes: &[u8]) -> Result<(), itpms_status> {
         let (corners, wheels): Taught = image::load(CALIBRATION, bytes)?;
+        if self.estimate.is_some() || self.has_wheels() && self.wheels.radii().time_s.is_finite() {
+            return Err(itpms_status::TooLate);
+        }
         if let Some(corners) = corners.filter(|_| self.has_corners()) {
             self.car.load_calibration(&corners).map_err(|error| match error {
                 CalibrationError::OtherCar => itpms_status::OtherCar,

@@ -94,7 +94,7 @@ pub enum itpms_radius_state {
     Uncalibrated = 0,
     /// A calibration goes on.
     Calibrating = 1,
-    /// A loss of a quarter of any single tire would not be found.
+    /// A loss of 30 % of any single tire would not show.
     Uninformed = 2,
     /// No tire differs from the others.
     NoneDiffers = 3,
@@ -128,7 +128,7 @@ pub struct itpms_wheel {
     pub change_sd_kpa: itpms_real,
     /// Standard deviation in kPa of what it differs by from the other tire of its axle.
     pub axle_difference_sd_kpa: itpms_real,
-    /// What the tire has lost in this drive in kPa; NaN as long as that is not counted.
+    /// What the tire has lost in this drive in kPa; NaN as long as that is not counted, and where it was low before that.
     pub lost_kpa: itpms_real,
     /// Its standard deviation in kPa.
     pub lost_sd_kpa: itpms_real,
@@ -228,8 +228,8 @@ fn wheel(
         pressure_sd_kpa: of(|c| c.pressure_sd_kpa),
         change_sd_kpa: of(|c| c.change_sd_kpa),
         axle_difference_sd_kpa: of(|c| c.axle_difference_sd_kpa.unwrap_or(NAN)),
-        lost_kpa: of(|c| c.loss.map_or(NAN, |loss| loss.lost_kpa)),
-        lost_sd_kpa: of(|c| c.loss.map_or(NAN, |loss| loss.lost_sd_kpa)),
+        lost_kpa: of(|c| c.lost_kpa()[0]),
+        lost_sd_kpa: of(|c| c.lost_kpa()[1]),
         stiffness_n_per_m: of(|c| c.stiffness_n_per_m),
         stiffness_sd_n_per_m: of(|c| c.stiffness_sd_n_per_m),
         reference_kpa: report.map_or(NAN, |report| report.reference_kpa),

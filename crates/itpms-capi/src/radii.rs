@@ -16,7 +16,7 @@ pub struct itpms_wheel_radius {
     pub state: u32,
     /// An `itpms_doubt`.
     pub doubt: u32,
-    /// 1 if a loss of a quarter of this tire alone would be found.
+    /// 1 if a loss of 30 % of this tire alone would show.
     pub is_informed: u32,
     /// Probability that this tire is low.
     pub low_probability: itpms_real,
@@ -28,6 +28,8 @@ pub struct itpms_wheel_radius {
     pub lost_share: itpms_real,
     /// Its standard deviation.
     pub lost_share_sd: itpms_real,
+    /// Smallest loss of this tire alone that would have shown since the calibration, as a share of its pressure.
+    pub detectable_loss_share: itpms_real,
 }
 
 /// What four wheel speeds alone say: which tires differ from the others since the calibration. A loss of all four alike is not seen.
@@ -61,12 +63,13 @@ pub(crate) fn report(wheels: &MonitoredWheels<itpms_real>) -> itpms_radius_repor
         itpms_wheel_radius {
             state: state as u32,
             doubt: doubt as u32,
-            is_informed: u32::from(radius.informed),
+            is_informed: u32::from(radius.informed()),
             low_probability: radius.low_probability,
             radius_change: radius.change,
             radius_change_sd: radius.change_sd,
             lost_share: radius.lost_share,
             lost_share_sd: radius.lost_share_sd,
+            detectable_loss_share: radius.detectable_loss_share,
         }
     };
     itpms_radius_report {

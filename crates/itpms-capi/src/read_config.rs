@@ -63,9 +63,6 @@ impl Config {
     /// The configuration of a C program.
     pub(crate) fn read(stated: &itpms_config) -> Result<Self, Refusal> {
         let wheelbase_m = given(stated.wheelbase_m);
-        if let Some(wheelbase_m) = wheelbase_m {
-            expect("wheelbase_m", wheelbase_m, wheelbase_m > 0.0, "a positive, finite number")?;
-        }
         let confidence = confidence(stated.confidence)?;
         let (mut corners, mut reference_kpa) = ([None; 4], [None; 4]);
         for (i, corner) in stated.corners.iter().enumerate() {
@@ -78,12 +75,9 @@ impl Config {
         let inflation =
             if flag("has_pumps", stated.has_pumps)? { Inflation::WhileRolling } else { Inflation::AtStops };
         let options = EstimatorOptions { inflation, ..EstimatorOptions::default() };
-        let monitor = MonitorConfig {
-            car: CarConfig { corners, wheelbase_m },
-            limits: limits(stated)?,
-            reference_kpa,
-            options,
-        };
+        let car = CarConfig { corners, wheelbase_m };
+        let monitor =
+            MonitorConfig { limits: limits(stated)?, reference_kpa, options, ..MonitorConfig::new(&car) };
         let wheels = read_wheel_speeds(&stated.wheel_speeds, stated.wheelbase_m)?;
         if corners.iter().all(Option::is_none) && wheels.is_none() {
             return Err(Refusal::choice("is_measured", 0, "1 at a corner, or wheel_speeds.is_used"));

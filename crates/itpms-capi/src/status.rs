@@ -44,10 +44,12 @@ pub enum itpms_status {
     OtherCar = 17,
     /// The calibration holds what no car could have.
     Implausible = 18,
+    /// A sample was taken already: a stored calibration comes before the first one.
+    TooLate = 19,
 }
 
 impl itpms_status {
-    const ALL: [Self; 19] = [
+    const ALL: [Self; 20] = [
         Self::Ok,
         Self::NullPointer,
         Self::Misaligned,
@@ -67,6 +69,7 @@ impl itpms_status {
         Self::OtherFormat,
         Self::OtherCar,
         Self::Implausible,
+        Self::TooLate,
     ];
 
     fn text(self) -> &'static CStr {
@@ -96,6 +99,7 @@ impl itpms_status {
             Self::OtherFormat => c"the bytes are of another version of the library, or hold something else",
             Self::OtherCar => c"the calibration is of other corners or other placard pressures",
             Self::Implausible => c"the calibration holds what no car could have",
+            Self::TooLate => c"a sample was taken already: a stored calibration comes before the first one",
         }
     }
 }

@@ -107,6 +107,9 @@ impl Kept for Wheels {
 
     fn load_calibration(&mut self, bytes: &[u8]) -> Result<(), itpms_status> {
         let calibration: RadiusCalibration<itpms_real> = image::load(CALIBRATION, bytes)?;
+        if self.wheels.radii().time_s.is_finite() {
+            return Err(itpms_status::TooLate);
+        }
         if self.wheels.load_calibration(&calibration) { Ok(()) } else { Err(itpms_status::Implausible) }
     }
 }

@@ -140,7 +140,7 @@ fn the_report_is_the_cores_to_the_last_bit() {
                 sample.time_s
             );
             assert_eq!(told.state, state(&core, corner) as u32);
-            assert_eq!(told.is_informed == 1, radius.informed);
+            assert_eq!(told.is_informed == 1, radius.informed());
         }
         if told.wheels[0].state == itpms_state::Low as u32 {
             warned_s = warned_s.or(Some(sample.time_s));
@@ -196,7 +196,7 @@ fn the_example_prints_what_the_core_says() {
 }
 
 #[test]
-fn it_takes_less_than_five_kilobytes() {
-    let most = if cfg!(feature = "f64") { 10_000 } else { 5_000 };
-    assert!(itpms_wheels_size() < most, "{}", itpms_wheels_size());
+fn it_takes_at_most_five_kibibytes() {
+    let most = if cfg!(feature = "f64") { 10_240 } else { 5_120 };
+    assert!(itpms_wheels_size() <= most, "{}", itpms_wheels_size());
 }

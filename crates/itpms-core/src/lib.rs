@@ -70,7 +70,7 @@
 //! # On a controller
 //!
 //! A car of four corners is 140 kB in `f32`. It has its memory first, as a constant of zeros, and is configured where it lies. On a
-//! Cortex-M4F that takes 4.3 kB of stack, and samples 10.9 kB. A car that has wheel speeds alone is a [`MonitoredWheels`] of 4 kB.
+//! Cortex-M4F that takes 4.3 kB of stack, and samples 10.9 kB. A car that has wheel speeds alone is a [`MonitoredWheels`] of 5 kB.
 //!
 //! ```
 //! use std::sync::{Mutex, PoisonError}; // Or whatever guards a static on the controller.
@@ -105,6 +105,7 @@
 //! | `belief` | what is believed of the car: a bank of Gaussian hypotheses |
 //! | [`estimator`] | the estimator of one corner |
 //! | [`car`] | the estimator of a car: puts the above in order |
+//! | `cold_pressure` | how warm the tires are, and what they would have cold |
 //! | [`diagnosis`] | what is wrong with a sensor |
 //! | [`warning`] | when to warn of what |
 //! | [`monitor`] | a car's estimator under its monitor |
@@ -124,7 +125,9 @@
 mod belief;
 pub mod car;
 mod cholesky;
+mod cold_pressure;
 pub mod conditioning;
+mod decision;
 pub mod diagnosis;
 pub mod estimator;
 mod inter_axle;
@@ -149,8 +152,8 @@ pub use self::diagnosis::{Malfunction, Sensor};
 pub use self::estimator::Estimator;
 #[doc(inline)]
 pub use self::model::{
-    CarConfig, CarEstimate, CarSample, Corner, CornerConfig, CornerEstimate, CornerSample, ParameterError,
-    PressureMap, QuarterCar, Validity, VehicleCalibration, Warning,
+    Air, CarConfig, CarEstimate, CarSample, ColdPressure, Corner, CornerConfig, CornerEstimate, CornerSample,
+    ParameterError, PressureMap, QuarterCar, Validity, VehicleCalibration, Warning,
 };
 #[doc(inline)]
 pub use self::monitor::{MonitorConfig, MonitoredCar, MonitoredWheels};

@@ -87,8 +87,8 @@ fn a_reset_goes_on_over_sensors_that_come_back() {
     for estimate in &drive(&mut car, after)[RATE_HZ as usize..] {
         for corner in estimate.corners.map(Option::unwrap) {
             assert!((corner.pressure_kpa - PLACARD_KPA).abs() < 4.0, "{} s: {corner:?}", estimate.time_s);
-            // 1.2 % of the stiffness are 3.9 kPa, beside what a calibration sets to 1.5.
-            assert!(corner.pressure_sd_kpa < 4.5, "{} s: {corner:?}", estimate.time_s);
+            // 1.57 % of the stiffness are 5.1 kPa, beside what a calibration sets to 1.5.
+            assert!(corner.pressure_sd_kpa < 5.5, "{} s: {corner:?}", estimate.time_s);
         }
     }
 }

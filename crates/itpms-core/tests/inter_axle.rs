@@ -44,16 +44,16 @@ fn a_shared_road_tells_all_four_pressures() {
         for corner in last.corners {
             let corner = corner.unwrap();
             // What no drive tells before a reset: the measured car's 1.5 % of unsprung mass and 1 % of the tire, and 1.5 % that the
-            // shared road may read too much. Beside it the start knows 36 kPa.
+            // shared road may read too much. Beside it the start knows 36 kPa; what struts rub is hardly known after 15 s.
             let untold = 0.015f64.hypot(0.01).hypot(0.015) * corner.stiffness_n_per_m / 713.91;
             let learned = (corner.pressure_sd_kpa.powi(2) - untold.powi(2)).sqrt();
-            assert!(learned < 5.0, "{sources:?}: {learned} {corner:?}");
+            assert!(learned < 6.0, "{sources:?}: {learned} {corner:?}");
         }
     }
 }
 
 /// What a measured car's file says is good to 1.5 % of unsprung mass and 1 % of each tire: 1.8 % of 233 kN/m are 6 kPa. A reset
-/// leaves 1.2 %.
+/// leaves 1.57 %.
 #[test]
 fn no_sd_is_below_the_vehicle_file_s_own_before_a_reset() {
     let least = |car: CarEstimator<f64>| {
@@ -66,11 +66,11 @@ fn no_sd_is_below_the_vehicle_file_s_own_before_a_reset() {
     // The softest of these tires has 180 kPa.
     assert!(least(car(&config())) > 0.98 * of_file(713.91 * 180.0 + 60_880.0));
     let reset = least(calibrated(5.0));
-    assert!((0.012..0.015).contains(&(reset * 713.91 / 233e3)), "{reset}");
+    assert!((0.0157..0.018).contains(&(reset * 713.91 / 233e3)), "{reset}");
 }
 
 /// Of the file's uncertainty, 0.8 of the masses' and 0.6 of the tires' are the same for all, so any two of them are wrong together by
-/// that much at least, also where corners are by themselves; a reset takes it away.
+/// that much at least, also where corners are by themselves; a reset leaves 1.5 % in common, sides, axles and diagonals less.
 #[test]
 fn what_all_tires_are_wrong_by_alike_is_in_their_correlations() {
     let ends_with = |mut car: CarEstimator<f64>| {
@@ -89,7 +89,8 @@ fn what_all_tires_are_wrong_by_alike_is_in_their_correlations() {
     let told = ends_with(car(&config()));
     assert!(told.iter().all(|share| *share > 0.9), "{told:?}");
     let reset = ends_with(calibrated(5.0));
-    assert!(reset.iter().all(|share| share.abs() < 0.2), "{reset:?}");
+    let left = 0.015f64.powi(2) / ((0.8f64 * 0.015).powi(2) + (0.6f64 * 0.01).powi(2));
+    assert!(reset.iter().all(|share| (share - left).abs() < 0.2), "{reset:?} {left}");
     let alone = ends_with(car(&CarConfig { wheelbase_m: None, ..config() }));
     assert!(alone.iter().all(|share| *share > 0.9), "{alone:?}");
 }
@@ -179,7 +180,7 @@ fn a_fall_of_all_four_after_a_reset_is_read() {
         let off = |i: usize| estimate.corners[i].unwrap().pressure_kpa - truth_kpa[i];
         [0, 1, 2, 3].map(off)
     };
-    for (time_s, most_kpa) in [(20.0, 3.0), (80.0, 20.0), (110.0, 14.0)] {
+    for (time_s, most_kpa) in [(20.0, 3.0), (80.0, 23.0), (110.0, 17.0)] {
         println!("{time_s} s: {:.1?} kPa", off_at(time_s));
         assert!(off_at(time_s).iter().all(|off| off.abs() < most_kpa), "{time_s}: {:?}", off_at(time_s));
     }

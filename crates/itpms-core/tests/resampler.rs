@@ -234,3 +234,19 @@ fn stamps_since_1970_give_the_grid_of_stamps_since_the_start() {
     assert!(dated.len().abs_diff(3_994) <= 1 && counts.gaps == 0, "{}", dated.len());
     assert!(dated.windows(2).all(|pair| (pair[1].time_s - pair[0].time_s - 0.002).abs() < 2.1e-3));
 }
+
+/// A controller that states 200 Hz and samples at 100: what is bridged is no signal.
+#[test]
+fn samples_that_never_come_at_the_stated_rate_are_a_bad_signal() {
+    let is_bad = |every: u32, lost: u32| {
+        let mut resampler = Resampler::new(200.0, 400.0);
+        for k in (0..2000).filter(|k| k % every == 0 && !(lost > 0 && k % lost == 0)) {
+            let time_s = f64::from(k) / 200.0;
+            resampler.push(time_s, 20.0, (3.0 * time_s).sin(), (70.0 * time_s).sin(), |_| {});
+        }
+        resampler.is_bad()
+    };
+    assert!(is_bad(2, 0) && is_bad(8, 0));
+    // Every third is lost.
+    assert!(!is_bad(1, 0) && !is_bad(1, 3));
+}

@@ -130,7 +130,7 @@ fn what_a_tire_was_before_its_sensors_lied_counts_once_that_is_said() {
     };
     let mut honest = car(&config::<f64>());
     let before = rear_right(&mut honest, &rows[..at(24.0)]);
-    for ([body, wheel], misread_kpa) in [([1.0, 0.5], -150.0..-50.0), ([2.0, 1.0], 2.0..8.0)] {
+    for ([body, wheel], misread_kpa) in [([1.0, 0.5], -150.0..-50.0), ([2.0, 1.0], 1.0..8.0)] {
         let lying = |row: &CarSample<f64>| {
             let corner = row.corners[3].unwrap();
             let gain = if row.time_s < 27.0 { [body, wheel] } else { [f64::NAN; 2] };

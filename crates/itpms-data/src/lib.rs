@@ -4,7 +4,7 @@
 //! | module | idea |
 //! |---|---|
 //! | [`vehicle`] | the vehicle file (TOML) and the corners it describes |
-//! | [`log`] | drive logs in: CSV and Parquet behind one reader that repairs, counts and refuses |
+//! | [`log`] | drive logs in: tables, MDF, CAN logs and MCAP behind one reader that repairs, counts and refuses |
 //! | `can` (feature) | the crate `itpms-can-log`: frames of CAN logs, descriptions of a bus |
 //! | `dbc` (feature `can`) | frames to columns and back, by a description |
 //! | [`columns`] | small tables of measurements in: named columns of numbers from CSV |
@@ -27,11 +27,14 @@ pub mod convert;
 pub mod dbc;
 pub mod error;
 pub mod log;
+#[cfg(feature = "mcap")]
+mod mcap_in;
 #[cfg(feature = "mdf4")]
 mod mdf4_contents;
 pub mod out;
 #[cfg(feature = "parquet")]
 mod parquet_columns;
+mod pressure_unit;
 pub mod profile;
 pub mod pulses;
 pub mod reference;
@@ -47,5 +50,5 @@ pub use itpms_mdf4 as mdf4;
 pub use itpms_opencrg as crg;
 pub use log::{LogReader, LogRow};
 #[cfg(feature = "can")]
-pub use log::{frame_description, holds_frames};
+pub use log::{frame_decoder, frame_description, holds_frames};
 pub use vehicle::Vehicle;

@@ -5,7 +5,7 @@
 
 use crate::error::DataError;
 use crate::mdf4::{Channel, ChannelGroup, ChannelKind, Mdf4Reader};
-use crate::signals::{Candidate, Unread};
+use crate::signals::{Candidate, Unread, element_name};
 
 /// Channels of frames of a bus as ASAM's bus logging names them.
 const FRAMES: [&str; 7] = [
@@ -21,6 +21,17 @@ const FRAMES: [&str; 7] = [
 /// Whether a channel can be a signal of a group with a clock.
 pub(crate) fn is_signal(group: &ChannelGroup, channel: &Channel) -> bool {
     group.has_time && !channel.is_time && channel.kind == ChannelKind::Number
+}
+
+/// What a channel is called as a signal.
+pub(crate) fn signal_name(group: &ChannelGroup, channel: &Channel) -> String {
+    let array = channel.element.zip(channel.name.rsplit_once('['));
+    array.map_or_else(
+        || channel.name.clone(),
+        |((number, of), (array, _))| {
+            element_name(&group.name, array, &channel.unit, number as usize, of as usize)
+        },
+    )
 }
 
 /// Whether a file holds frames of a CAN bus that are read as such: it has nothing else, or their description is given.
@@ -101,6 +112,12 @@ pub(crate) fn stacks(reader: &Mdf4Reader) -> Result<Vec<usize>, DataError> {
         }
     }
     Ok(firsts)
+}
+
+/// Whether the recording of which a group is the first stretch has samples, as far as the file counts them.
+pub(crate) fn has_samples(reader: &Mdf4Reader, firsts: &[usize], first: usize) -> bool {
+    let stretches = reader.groups().iter().zip(firsts).filter(|(_, of)| **of == first);
+    stretches.into_iter().any(|(group, _)| group.samples != Some(0))
 }
 
 /// The name that a group gets where it has none.

@@ -122,7 +122,7 @@ impl<'a> Table<'a> {
     }
 
     /// The number under `key`, which has to be there.
-    pub(crate) fn needed_number(&self, key: &'static str) -> Result<f64, Problem> {
+    pub(crate) fn needed_number(&self, key: &str) -> Result<f64, Problem> {
         self.number(key)?.ok_or_else(|| self.lacks(key))
     }
 
@@ -141,8 +141,8 @@ impl<'a> Table<'a> {
     }
 
     /// A key that is missing from this table.
-    pub(crate) fn lacks(&self, key: &'static str) -> Problem {
-        Problem::MissingKey { line: self.line, table: self.path.clone(), key }
+    pub(crate) fn lacks(&self, key: &str) -> Problem {
+        Problem::MissingKey { line: self.line, table: self.path.clone(), key: key.to_owned() }
     }
 
     /// A text that is none of those that mean something here.

@@ -60,7 +60,7 @@ impl Bench {
 
     fn resolved(&self, log: &Path, map: Option<&str>) -> (Resolved, Option<String>) {
         let map = map.map(|text| SignalMap::parse(text, Path::new("map.toml")).unwrap());
-        let mut lister = Lister::open(log, None).unwrap();
+        let mut lister = Lister::open(log, None, &[]).unwrap();
         while lister.step().unwrap() {}
         let listing = lister.finish();
         (resolve_knowing(&listing.candidates(), &listing.unread, map.as_ref()).unwrap(), listing.clock)
@@ -69,7 +69,7 @@ impl Bench {
     fn read(&self, log: &Path, map: &str) -> Result<usize, String> {
         let path = self.0.path().join("map.toml");
         fs::write(&path, map).unwrap();
-        let options = LogOptions { units: UnitCheck::Trusting, dbc: None, signals: Some(path) };
+        let options = LogOptions { units: UnitCheck::Trusting, dbc: None, signals: Some(path), rows: vec![] };
         LogReader::open_with(log, &options).map(Iterator::count).map_err(|error| error.to_string())
     }
 }

@@ -4,14 +4,18 @@
 
 mod advice;
 mod bad_logs;
+mod bus_oddities;
 mod dbc;
 mod drive_frames;
 mod foreign_parquet;
 mod listing;
 mod mcap;
+mod mcap_in;
 mod mdf4_contents;
+mod packed;
 mod parquet_types;
 mod pulses;
+mod recordings;
 mod reference;
 mod reference_killed;
 mod round_trip;

@@ -49,7 +49,7 @@ fn columns() -> LogColumns {
 fn write(folder: &Path, name: &str, rows: &[LogRow]) -> (PathBuf, LogOptions, Vec<String>) {
     let (log, dbc) = (folder.join(name), folder.join("car.dbc"));
     fs::write(&dbc, DBC).unwrap();
-    let options = LogOptions { dbc: Some(dbc), units: UnitCheck::Trusting, signals: None };
+    let options = LogOptions { dbc: Some(dbc), units: UnitCheck::Trusting, signals: None, rows: vec![] };
     let mut writer = LogWriter::create_with(&log, columns(), &options, Packing::Packed).unwrap();
     rows.iter().for_each(|row| writer.write(row).unwrap());
     let losses = writer.losses();

@@ -52,7 +52,7 @@ fn write(path: &Path) {
 }
 
 fn list(path: &Path, dbc: Option<&Path>) -> Listing {
-    let mut lister = Lister::open(path, dbc).unwrap();
+    let mut lister = Lister::open(path, dbc, &[]).unwrap();
     let mut steps = 0;
     while lister.step().unwrap() {
         assert!((0.0..=1.0).contains(&lister.progress()));

@@ -9,7 +9,7 @@ use std::path::Path;
 
 use itpms_core::diagnosis::{Malfunction, Place, Sensor};
 use itpms_core::model::{Corner, Wheels};
-use itpms_core::warning::{Alert, Basis, Cause, Change, Reading};
+use itpms_core::warning::{Alert, Basis, Cause, Change, LeakOverDays, Reading};
 use itpms_data::LogRow;
 use itpms_data::convert::{Request, convert};
 use itpms_data::log::{CornerColumns, LogColumns, LogCorner, LogMotion, LogOptions, MotionColumns};
@@ -170,6 +170,14 @@ fn every_alert_is_what_its_schema_says_and_what_is_not_known_is_left_out() {
         Cause::AllLow { mean_share: 0.75, sd_share: 0.01 },
         Cause::Malfunction(Malfunction::Gain { sensor, gain: 1.5 }),
         Cause::Differs { lost_share: 0.25, lost_sd_share: 0.05, is_known: true },
+        Cause::SlowLeak(LeakOverDays {
+            probability: 0.995,
+            lost_share_per_day: 0.005,
+            lost_sd_share_per_day: 0.001,
+            lost_share: 0.15,
+            lost_sd_share: 0.03,
+            days: 30,
+        }),
         Cause::NoInformation { driven_s: 600.0 },
     ];
     let dir = tempfile::tempdir().unwrap();
@@ -183,7 +191,7 @@ fn every_alert_is_what_its_schema_says_and_what_is_not_known_is_left_out() {
     writer.finish().unwrap();
     let topics = read(&path);
     let alerts = &topics["/alerts"];
-    assert_eq!(alerts.len(), 6);
+    assert_eq!(alerts.len(), 7);
     let (time_ns, low) = &alerts[0];
     assert_eq!(*time_ns, 12_500_000_000);
     assert!(low["pressure_kpa"] == 180.0 && !low.contains_key("sd_kpa"), "{low:?}");

@@ -57,13 +57,13 @@ impl Bench {
     }
 
     fn read(&self, map: Option<PathBuf>) -> Result<Vec<LogRow>, String> {
-        let options = LogOptions { units: UnitCheck::Trusting, dbc: None, signals: map };
+        let options = LogOptions { units: UnitCheck::Trusting, dbc: None, signals: map, rows: vec![] };
         let log = LogReader::open_with(&self.path(), &options).map_err(|error| error.to_string())?;
         log.collect::<Result<_, _>>().map_err(|error| error.to_string())
     }
 
     fn list(&self) -> Listing {
-        let mut lister = Lister::open(&self.path(), None).unwrap();
+        let mut lister = Lister::open(&self.path(), None, &[]).unwrap();
         while lister.step().unwrap() {}
         lister.finish()
     }

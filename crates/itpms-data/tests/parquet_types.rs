@@ -118,7 +118,7 @@ fn clocks_of_every_type_are_seconds() {
             // Seconds since 1970 in 64 bits have steps of 0.24 us.
             assert!((time_s - from_s - f64::from(i) / 100.0).abs() < 3e-7, "{schema}: {time_s}");
         }
-        let mut lister = Lister::open(&path, None).unwrap();
+        let mut lister = Lister::open(&path, None, &[]).unwrap();
         while lister.step().unwrap() {}
         let listing = lister.finish();
         assert_eq!(
@@ -295,7 +295,7 @@ fn an_index_without_a_name_is_the_clock_and_the_written_map_says_so() {
         column::<Int64Type>(group, &stamps(1_000_000_000, true));
     });
     assert_eq!(read(&path).unwrap().len(), ROWS as usize);
-    let mut lister = Lister::open(&path, None).unwrap();
+    let mut lister = Lister::open(&path, None, &[]).unwrap();
     while lister.step().unwrap() {}
     let listing = lister.finish();
     let resolved = itpms_data::signals::resolve(&listing.candidates(), None).unwrap();

@@ -134,10 +134,10 @@ fn an_assumed_wheelbase_is_replaced_by_the_one_that_was_found() {
 
 #[test]
 fn a_newer_format_is_told_from_damage() {
-    let newer = sealed("6", "something that nobody knows yet");
+    let newer = sealed("8", "something that nobody knows yet");
     assert_eq!(
         refusal(newer.as_bytes()),
-        "the learned reference has format 6, expected at most 5: a newer itpms wrote it"
+        "the learned reference has format 8, expected at most 7: a newer itpms wrote it"
     );
     let damaged = newer.replace("nobody", "n0body");
     assert!(refusal(damaged.as_bytes()).contains("is damaged"));
@@ -234,14 +234,14 @@ fn a_bar_that_pushes_is_in_no_car() {
 
 #[test]
 fn what_wheel_speeds_taught_is_stored_with_the_rest_or_alone() {
-    let mut covariance_1e6 = [[0.0; 6]; 6];
+    let mut covariance_1e6 = [[0.0; 8]; 8];
     for (i, row) in covariance_1e6.iter_mut().enumerate() {
         for (j, value) in row.iter_mut().enumerate() {
             *value = if i == j { 0.01 * (1 + i) as f64 } else { 1e-4 * (1 + i * j + i + j) as f64 };
         }
     }
     let radii = itpms_core::wheel_speed::RadiusCalibration {
-        mean_1e3: [-1.48, -1.54, 3.25, 1.5, 0.2, -0.1],
+        mean_1e3: [-1.48, -1.54, 3.25, 1.5, 0.2, -0.1, -0.6, -0.4],
         covariance_1e6,
         radius_1e3: [0.0, 0.0, 0.0, -2.4],
         leaves_out_yaw_rate: false,
@@ -256,7 +256,7 @@ fn what_wheel_speeds_taught_is_stored_with_the_rest_or_alone() {
     assert_eq!(StoredReference::parse(alone.to_text().as_bytes()).unwrap(), alone);
     // An older program reports that it is too old; without wheel speeds it reads on.
     assert!(
-        alone.to_text().starts_with("itpms-reference 4 ")
+        alone.to_text().starts_with("itpms-reference 6 ")
             && old().to_text().starts_with("itpms-reference 3 ")
     );
     let mut broken = radii;
@@ -269,11 +269,40 @@ fn what_wheel_speeds_taught_is_stored_with_the_rest_or_alone() {
     };
     let torsion = TorsionCalibration { around_hz: 49.5, pieces: 31, curves: [curve; 4] };
     let pulses = alone.clone().with_torsion([None, Some((torsion, -12.5)), None, Some((torsion, 0.0))]);
-    assert!(pulses.to_text().starts_with("itpms-reference 5 "));
+    assert!(pulses.to_text().starts_with("itpms-reference 6 "));
     assert_eq!(StoredReference::parse(pulses.to_text().as_bytes()).unwrap(), pulses);
     let none = TorsionCalibration { pieces: 31, around_hz: 500.0, curves: [curve; 4] };
     let none = alone.clone().with_torsion([Some((none, 0.0)), None, None, None]);
     assert!(refusal(none.to_text().as_bytes()).contains("a torsion that a tire has"));
     let text = StoredReference::parse(broken.to_text().as_bytes()).unwrap_err().to_string();
     assert!(text.contains("wheel speeds that a car has"), "{text}");
+}
+
+#[test]
+fn days_are_stored_with_the_wheel_speeds_and_what_is_none_is_refused() {
+    use itpms_core::wheel_speed::{RadiusCalibration, RadiusDay, RadiusDays};
+    let mut radii = RadiusCalibration::<f64>::nothing();
+    (0..8).for_each(|i| radii.covariance_1e6[i][i] = 0.25);
+    let alone = StoredReference::of_wheel_speeds(&Vehicle::paper(), radii, 1_900_000_000);
+    let mut days = RadiusDays::since(1.9e9);
+    let covariance_1e6 = [0.2, 0.01, 0.3, -0.02, 1.0 / 3.0, 1.5];
+    days.newest = RadiusDay { day: 23.4567, change_1e3: [0.1, -0.2, 0.3], covariance_1e6 };
+    let first = alone.clone().with_days(&days);
+    assert_eq!(StoredReference::parse(first.to_text().as_bytes()).unwrap(), first);
+    days.count = 21;
+    days.information = [1.0, 20.0, 500.0].map(|by| [5.0, 0.1, 4.0, 0.2, -0.3, 1.0].map(|x| by * x));
+    days.vector = [[0.1, 2.5, -3.0], [1e-3, 70.0, -1.0 / 3.0]];
+    let later = alone.clone().with_days(&days);
+    assert_eq!(StoredReference::parse(later.to_text().as_bytes()).unwrap(), later);
+    assert!(later.to_text().starts_with("itpms-reference 7 ") && later.to_text().len() < 8192);
+    let refused = |days: &RadiusDays<f64>| refusal(alone.clone().with_days(days).to_text().as_bytes());
+    let mut broken = days;
+    broken.information[2][5] = -1.0;
+    assert!(refused(&broken).contains("days that a car has"), "{}", refused(&broken));
+    broken = days;
+    broken.newest.change_1e3[1] = f64::INFINITY;
+    assert!(!refused(&broken).is_empty());
+    // Days of what?
+    let without = old().with_days(&days);
+    assert!(refusal(without.to_text().as_bytes()).contains("does not have wheel speeds"));
 }

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use itpms_core::model::{Corner, CornerEstimate, Diagnostics, Level, Loss, Validity, Warning};
 use itpms_core::warning::{Doubt, WheelState};
-use itpms_data::log::{CornerColumns, LogColumns, LogCorner, LogMotion, UnitCheck};
+use itpms_data::log::{AirColumns, CornerColumns, LogColumns, LogCorner, LogMotion, UnitCheck};
 use itpms_data::out::{EstimateWriter, LogWriter, RoadPoint, RoadWriter, WheelSpeedUse};
 use itpms_data::{DataError, LogReader, LogRow};
 use proptest::prelude::*;
@@ -143,6 +143,7 @@ fn estimate(pressure_kpa: f64, validity: Validity, warning: Warning) -> CornerEs
         change_sd_kpa: 1.1,
         axle_difference_sd_kpa: Some(3.25),
         loss: None,
+        cold: None,
         level: Level::Calibration,
         road_m: 0.001,
         road_sd_m: 0.0001,
@@ -162,10 +163,16 @@ fn estimate(pressure_kpa: f64, validity: Validity, warning: Warning) -> CornerEs
 fn estimates_have_the_promised_columns_and_words() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("est.csv");
-    let mut writer =
-        EstimateWriter::create(&path, &[Corner::FrontLeft, Corner::RearRight], WheelSpeedUse::None).unwrap();
+    let mut writer = EstimateWriter::create(
+        &path,
+        &[Corner::FrontLeft, Corner::RearRight],
+        WheelSpeedUse::None,
+        AirColumns::default(),
+    )
+    .unwrap();
     let loss = Loss {
         level_kpa: 241.0,
+        is_whole: 1,
         lost_kpa: 60.5,
         lost_sd_kpa: 4.5,
         change_sd_kpa: 3.0,
@@ -213,7 +220,8 @@ fn a_full_disk_is_reported_by_name_in_both_formats() {
     std::os::unix::fs::symlink("/dev/full", &link).unwrap();
     for path in [Path::new("/dev/full"), &link] {
         let fill = || {
-            let mut writer = EstimateWriter::create(path, &Corner::ALL, WheelSpeedUse::None)?;
+            let mut writer =
+                EstimateWriter::create(path, &Corner::ALL, WheelSpeedUse::None, AirColumns::default())?;
             for i in 0..5000 {
                 let e = Some(estimate(f64::from(i).sqrt(), Validity::Valid, Warning::None));
                 writer.write(f64::from(i), &[e; 4], &[None; 4], None)?;
@@ -229,7 +237,9 @@ fn a_full_disk_is_reported_by_name_in_both_formats() {
 fn an_output_of_unknown_kind_is_refused_before_anything_is_written() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("est.xlsx");
-    let text = EstimateWriter::create(&path, &Corner::ALL, WheelSpeedUse::None).unwrap_err().to_string();
+    let text = EstimateWriter::create(&path, &Corner::ALL, WheelSpeedUse::None, AirColumns::default())
+        .unwrap_err()
+        .to_string();
     assert!(text.ends_with("est.xlsx: unknown file extension .xlsx, expected .csv or .parquet"), "{text}");
     assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 0);
 }

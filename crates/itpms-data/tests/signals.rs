@@ -265,7 +265,7 @@ fn listed(header: &str) -> Vec<Candidate> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("table.csv");
     std::fs::write(&path, text).unwrap();
-    let mut lister = Lister::open(&path, None).unwrap();
+    let mut lister = Lister::open(&path, None, &[]).unwrap();
     while lister.step().unwrap() {}
     lister.finish().candidates()
 }

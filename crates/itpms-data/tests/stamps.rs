@@ -64,7 +64,7 @@ struct Found {
 }
 
 fn read(path: &Path, dbc: Option<PathBuf>) -> Result<Found, String> {
-    let options = LogOptions { units: UnitCheck::Trusting, dbc, signals: None };
+    let options = LogOptions { units: UnitCheck::Trusting, dbc, signals: None, rows: vec![] };
     let mut log = LogReader::open_with(path, &options).map_err(|error| error.to_string())?;
     let mut rows = Vec::new();
     while let Some(row) = log.next_row().map_err(|error| error.to_string())? {

@@ -89,7 +89,7 @@ fn every_dialect_gives_the_rows_of_its_plain_twin() {
         let (rows, warnings) = read(&path, None).unwrap_or_else(|text| panic!("{name}: {text}"));
         same(&rows, &expected, name);
         assert_eq!(warnings, Vec::<String>::new(), "{name}");
-        let mut lister = Lister::open(&path, None).unwrap();
+        let mut lister = Lister::open(&path, None, &[]).unwrap();
         while lister.step().unwrap() {}
         let listing = lister.finish();
         assert_eq!((listing.samples, listing.clock.as_deref()), (u64::from(ROWS), Some("time_s")), "{name}");

@@ -156,7 +156,10 @@ fn values_that_make_no_car_are_refused_in_one_sentence() {
         (typical(1.5, 0.5, 240.0), "the mass is 1.5 kg, expected 300 to 20000 kg"),
         (typical(f64::NAN, 0.5, 240.0), "the mass is NaN kg, expected 300 to 20000 kg"),
         (typical(1_500.0, 55.0, 240.0), "the front share is 55, expected 0.3 to 0.75"),
-        (typical(1_500.0, 0.5, 2.4), "the placard pressure is 2.4 kPa, expected 100 to 900 kPa"),
+        (
+            typical(1_500.0, 0.5, 2.4),
+            "the placard pressure is 2.4 kPa, expected 100 to 900 kPa (another unit? 2.4 bar is 240 kPa)",
+        ),
     ] {
         assert_eq!(found.unwrap_err(), message);
     }

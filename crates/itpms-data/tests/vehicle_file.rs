@@ -108,15 +108,21 @@ fn values_in_another_unit_are_suspected() {
     ] {
         let text = edited(from, to);
         assert!(
-            text.contains(&format!("{key} is {to}, expected ")) && text.contains("another unit?"),
+            text.contains(&format!("{key} is {to}, expected ")) && text.contains("(another unit?"),
             "{text}"
         );
     }
     // Where the estimate starts is a pressure like the placard's.
     let started = |kpa: &str| Vehicle::parse(&format!("{SEDAN}initial_kpa = {kpa}\n"));
     for (bad, expected) in [
-        ("2.4", "line 14: [corner.fl] initial_kpa is 2.4, expected 20 to 1500 (another unit?)"),
-        ("241300", "line 14: [corner.fl] initial_kpa is 241300, expected 20 to 1500 (another unit?)"),
+        (
+            "2.4",
+            "line 14: [corner.fl] initial_kpa is 2.4, expected 20 to 1500 (another unit? 2.4 bar is 240 kPa)",
+        ),
+        (
+            "241300",
+            "line 14: [corner.fl] initial_kpa is 241300, expected 20 to 1500 (another unit? 241300 Pa is 241 kPa)",
+        ),
         ("0", "line 14: [corner.fl] initial_kpa is 0, expected a positive, finite number"),
         ("nan", "line 14: [corner.fl] initial_kpa is NaN, expected a positive, finite number"),
     ] {

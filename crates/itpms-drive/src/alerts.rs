@@ -1,7 +1,7 @@
 //! What the monitor reported and took back: every transition as it happens, and a list for the summary.
 
-use itpms_core::model::PressureUnit;
-use itpms_core::warning::{Alert, Change, MonitorReport};
+use itpms_core::model::{Corner, PressureUnit};
+use itpms_core::warning::{Alert, Cause, Change, MonitorReport};
 use itpms_data::out::alert_object;
 use serde_json::{Value, json};
 
@@ -106,6 +106,16 @@ impl Alerts {
         });
         let rest = (self.unlisted > 0).then(|| format!("and {} more", self.unlisted));
         sentences.chain(rest)
+    }
+
+    /// The first one that says that a sensor of this corner is broken and that stood at the end.
+    pub(crate) fn broken(&self, corner: Corner) -> Option<&Alert<f64>> {
+        let stands = |listed: &&Listed| {
+            listed.ended_s.is_none()
+                && matches!(listed.alert.cause, Cause::Malfunction(_))
+                && listed.alert.wheels.contains(corner)
+        };
+        self.listed.iter().find(stands).map(|listed| &listed.alert)
     }
 
     /// Those that are listed, in the order in which they were reported.

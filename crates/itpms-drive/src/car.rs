@@ -3,7 +3,7 @@
 use itpms_core::car::CarEstimator;
 use itpms_core::estimator::OutsideStiffness;
 use itpms_core::model::CarEstimate;
-use itpms_core::model::{CalibrationError, CarSample, Corner, ParameterError, VehicleCalibration};
+use itpms_core::model::{Air, CalibrationError, CarSample, Corner, ParameterError, VehicleCalibration};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar, MonitoredWheels};
 use itpms_core::warning::MonitorReport;
 use itpms_paper::{EstimatorKind, PaperCar};
@@ -62,6 +62,13 @@ impl AnyCar {
     pub fn follow_wheels(&mut self, wheels: &MonitoredWheels<f64>) {
         if let Self::Monitored(car) = self {
             car.follow_wheels(wheels);
+        }
+    }
+
+    /// Takes what the car says of the air around it, which the paper's filters have no use for.
+    pub fn follow_air(&mut self, air: &Air<f64>) {
+        if let Self::Monitored(car) = self {
+            car.follow_air(air);
         }
     }
 

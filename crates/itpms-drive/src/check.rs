@@ -7,6 +7,7 @@ use itpms_data::out::WheelSpeedUse;
 use itpms_data::{LogReader, Vehicle};
 use serde_json::{Map, Value, json};
 
+use crate::alerts::{Alerts, Events};
 use crate::concerns::common_corners;
 use crate::drive::Drive;
 use crate::error::DriveError;
@@ -41,11 +42,12 @@ pub fn check(vehicle: &Vehicle, log: &mut LogReader, watch: Watch<'_>) -> Result
             "{path}: has wheel speeds alone, expected accelerations: there is no suspension to check"
         )));
     }
-    let mut axis = TimeAxis::new(vehicle.wheelbase_m);
-    let (spectra, fits) = listen(vehicle, log, &corners, &mut axis, watch)?;
+    let mut axis = TimeAxis::of(vehicle);
+    let (spectra, fits, alerts) = listen(vehicle, log, &corners, &mut axis, watch)?;
     let checked = corners.iter().zip(&spectra).filter_map(|(corner, spectra)| {
         let mut check = CornerCheck::of(corner.label(), spectra, suspension(vehicle, *corner)?);
         check.fit = fits[corner.index()];
+        check.broken = alerts.broken(*corner).map(ToString::to_string);
         Some(check)
     });
     let name = log.path().file_name().unwrap_or(log.path().as_os_str());
@@ -57,21 +59,24 @@ pub fn check(vehicle: &Vehicle, log: &mut LogReader, watch: Watch<'_>) -> Result
     })
 }
 
+/// See [`listen`].
+type Heard = (Vec<CrossSpectra>, [Option<Fit>; 4], Alerts);
+
 /// The spectra of all rows, corner by corner, and what an estimator that is given no more than the file says at their end of how body and
-/// wheel go together, in the order of [`Corner::ALL`]. `axis` takes the rows, too.
+/// wheel go together, in the order of [`Corner::ALL`], and what its monitor reports. `axis` takes the rows, too.
 fn listen(
     vehicle: &Vehicle,
     log: &mut LogReader,
     corners: &[Corner],
     axis: &mut TimeAxis,
     watch: Watch<'_>,
-) -> Result<(Vec<CrossSpectra>, [Option<Fit>; 4]), DriveError> {
+) -> Result<Heard, DriveError> {
     let survey = *log.survey();
     let mut drive =
-        Drive::new(&Settings::default(), vehicle, corners, WheelSpeedUse::None, survey.sample_rate_hz)?;
+        Drive::new(&Settings::default(), vehicle, corners, WheelSpeedUse::None, survey.estimator_rate_hz())?;
     let mut spectra: Vec<CrossSpectra> =
         corners.iter().map(|_| CrossSpectra::new(survey.sample_period_s)).collect();
-    let (mut rows, mut before_s) = (0u64, f64::NAN);
+    let (mut rows, mut before_s, mut events) = (0u64, f64::NAN, Events::default());
     while let Some(mut row) = log.next_row()? {
         if rows.is_multiple_of(ROWS_PER_LOOK) && watch(log.progress()).is_break() {
             return Err(DriveError::Stopped);
@@ -90,8 +95,9 @@ fn listen(
         }
         axis.take(&row);
         drive.update(&mut row);
+        events.take(drive.report(), &mut |_, _| Ok(()))?;
     }
-    Ok((spectra, Corner::ALL.map(|corner| drive.fit(corner))))
+    Ok((spectra, Corner::ALL.map(|corner| drive.fit(corner)), events.complete()))
 }
 
 fn suspension(vehicle: &Vehicle, corner: Corner) -> Option<Suspension> {

@@ -1,10 +1,12 @@
 //! What should be known before believing a result, in sentences.
 
 use itpms_analysis::report::ReportData;
+use itpms_core::conditioning::SAMPLE_RATES_HZ;
 use itpms_core::model::{Corner, Level, Misfit};
 use itpms_core::wheel_speed::RadiusState;
 use itpms_data::log::{Field, Slot};
 use itpms_data::out::WheelSpeedUse;
+use itpms_data::signals::doubt_of;
 use itpms_data::{LogReader, Vehicle};
 use itpms_paper::EstimatorKind;
 
@@ -14,12 +16,8 @@ use crate::job::Job;
 use crate::settings::LOG_END_S;
 use crate::wheel_speeds::{lacking, wheel_speed_use};
 
-/// Rates in Hz for which the estimators are made.
-const USUAL_RATES_HZ: std::ops::RangeInclusive<f64> = 99.0..=2020.0;
 /// Logarithm of pressure over placard from which on no one fills all tires otherwise.
 const ANOTHER_CAR: f64 = 0.26;
-/// Rate in Hz from which on a wheel's hop, at 10 to 15 Hz, lies well within what samples show.
-const LEAST_RATE_HZ: f64 = 50.0;
 /// Seconds of driving that a calibration should have.
 const SHORTEST_CALIBRATION_S: f64 = 10.0;
 /// Standard deviations by which the spectra have to contradict a calibration.
@@ -44,6 +42,13 @@ pub fn common_corners(log: &LogReader, vehicle: &Vehicle) -> Result<Vec<Corner>,
     }
     if common.is_empty() {
         let described = Corner::ALL.into_iter().filter(|c| vehicle.corner(*c).is_some()).collect::<Vec<_>>();
+        if described.is_empty() {
+            return Err(DriveError::Mismatch(format!(
+                "{}: has accelerations, and the vehicle {:?} is for wheel speeds alone: expected a vehicle file with masses, springs and dampers (itpms vehicle init --mass and --front-share writes one), or the four wheel speeds in the log",
+                log.path().display(),
+                vehicle.name
+            )));
+        }
         return Err(DriveError::Mismatch(format!(
             "{} has the corners {}, but the vehicle {:?} describes {}",
             log.path().display(),
@@ -52,11 +57,11 @@ pub fn common_corners(log: &LogReader, vehicle: &Vehicle) -> Result<Vec<Corner>,
             labels(&described)
         )));
     }
-    let rate_hz = log.survey().sample_rate_hz;
-    if !common.is_empty() && rate_hz < LEAST_RATE_HZ {
+    if !SAMPLE_RATES_HZ.contains(&log.survey().estimator_rate_hz()) {
         return Err(DriveError::Log(format!(
-            "{}: sampled at {rate_hz:.1} Hz, expected 100 Hz to 2 kHz: below {LEAST_RATE_HZ} Hz accelerations do not show how a wheel hops, and no pressure can be estimated",
-            log.path().display()
+            "{}: sampled at {:.1} Hz, expected 100 Hz to 2 kHz: slower accelerations do not show how a wheel hops, and no pressure can be estimated",
+            log.path().display(),
+            log.survey().sample_rate_hz
         )));
     }
     if let Some(why) = one_sensor_twice(log, &common) {
@@ -100,8 +105,11 @@ fn of_wheel_speeds(job: &Job<'_>, log: &LogReader, drive: &Drive) -> Option<Stri
             "the calibration of {seconds} s outlasts the drive of {:.1} s: no wheel speed was compared with anything",
             drive.length_s()
         )),
+        (Some(seconds), _) if drive.calibrated_on_snow() => Some(format!(
+            "the calibration of {seconds} s taught nothing of the wheel speeds: the driven wheels slipped more than on any dry road, as on snow; calibrate on a dry one"
+        )),
         (Some(seconds), _) if uncalibrated => Some(format!(
-            "the calibration of {seconds} s taught nothing of the wheel speeds, expected 10 s or more of driving above 18 km/h without brakes, sharp bends and torque on coupled wheels"
+            "the calibration of {seconds} s taught nothing of the wheel speeds, expected 10 s or more of driving above 18 km/h without brakes and sharp bends, with a yaw rate where a limited slip couples the wheels"
         )),
         (None, None) if wheel_speeds == WheelSpeedUse::Alone => Some(
             "never calibrated: wheel speeds show how tires differ from the others since a calibration (--calibrate-s, --reference); without one nothing is known"
@@ -109,6 +117,36 @@ fn of_wheel_speeds(job: &Job<'_>, log: &LogReader, drive: &Drive) -> Option<Stri
         ),
         _ => None,
     }
+}
+
+/// Standard deviation in kPa of what a wheel's pulses read from which on a calibration has as good as taught nothing of them.
+const TAUGHT_LITTLE_KPA: f64 = 20.0;
+
+/// The wheels of whose tooth pulses a calibration has taught nothing, or too little.
+fn of_pulses(job: &Job<'_>, drive: &Drive) -> Vec<String> {
+    let calibrated = job.settings.pulses.is_some() && job.settings.calibrate_s.is_some();
+    let learned = drive.learned();
+    let Ok((configs, _)) = job.vehicle.torsion_config() else { return Vec::new() };
+    if !calibrated || learned.wheel_speeds.is_none() {
+        return Vec::new();
+    }
+    let mut concerns = Vec::new();
+    for ((corner, learned), config) in Corner::ALL.into_iter().zip(&learned.torsion).zip(&configs) {
+        let sd_kpa =
+            learned.as_ref().map(|(learned, _)| learned.resonance_sd_hz() / config.resonance_per_kpa.abs());
+        let taught = match sd_kpa {
+            Some(sd_kpa) if sd_kpa > TAUGHT_LITTLE_KPA => {
+                format!("little of its tooth pulses, which read its pressure to {sd_kpa:.0} kPa")
+            }
+            Some(_) => continue,
+            None => "nothing of its tooth pulses, which will show no loss of it".to_owned(),
+        };
+        concerns.push(format!(
+            "{}: the calibration taught {taught}: calibrate for half an hour, at 50 to 100 km/h on ordinary roads",
+            corner.label()
+        ));
+    }
+    concerns
 }
 
 /// The tires' own sensors that contradict the estimate for good.
@@ -136,12 +174,27 @@ pub(crate) fn of_level(data: &ReportData) -> Option<String> {
     })
 }
 
+/// The corners of the vehicle file that are not in the log, each with the reason, as the end of "it is".
+pub(crate) fn not_estimated(job: &Job<'_>, log: &LogReader) -> Vec<(Corner, String)> {
+    if job.corners.is_empty() {
+        return Vec::new();
+    }
+    let present = log.columns().present();
+    let absent = |corner: &Corner| job.vehicle.corner(*corner).is_some() && !present.contains(corner);
+    let of = |corner: Corner| {
+        let doubt = doubt_of(corner, log.mapping()).map_or_else(String::new, |doubt| format!(": {doubt}"));
+        (corner, format!("not in the log{doubt}"))
+    };
+    Corner::ALL.into_iter().filter(absent).map(of).collect()
+}
+
 /// What a person, or a script, should know before believing the result.
 pub(crate) fn of(job: &Job<'_>, log: &LogReader, drive: &Drive) -> Vec<String> {
     let (vehicle, settings) = (job.vehicle, job.settings);
     let unit = settings.pressure_unit;
     let mut concerns = log.repairs().warnings();
     concerns.extend(of_wheel_speeds(job, log, drive));
+    concerns.extend(of_pulses(job, drive));
     concerns.extend(drive.yaw_fault().map(|fault| format!("yaw_rate_rad_s {fault}")));
     if job.corners.is_empty() {
         return concerns;
@@ -150,11 +203,11 @@ pub(crate) fn of(job: &Job<'_>, log: &LogReader, drive: &Drive) -> Vec<String> {
     for corner in present.iter().filter(|corner| vehicle.corner(**corner).is_none()) {
         concerns.push(format!("corner {} is not in the vehicle file and was not estimated", corner.label()));
     }
-    for corner in Corner::ALL.iter().filter(|c| vehicle.corner(**c).is_some() && !present.contains(c)) {
-        concerns.push(format!("corner {} of the vehicle file is not in the log", corner.label()));
+    for (corner, why) in not_estimated(job, log) {
+        concerns.push(format!("corner {} of the vehicle file is {why}", corner.label()));
     }
     let rate = log.survey().sample_rate_hz;
-    if !USUAL_RATES_HZ.contains(&rate) {
+    if !SAMPLE_RATES_HZ.contains(&rate) {
         concerns.push(format!("sampled at {rate:.1} Hz, expected 100 Hz to 2 kHz: less accurate"));
     }
     let both =

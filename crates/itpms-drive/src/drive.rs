@@ -80,8 +80,9 @@ impl Drive {
                 path.display()
             )));
         }
-        let corners = vehicle.car_config(corners);
-        let config = MonitorConfig { limits: settings.regulation.into(), ..MonitorConfig::new(&corners) };
+        let (corners, home_kpa) = (vehicle.car_config(corners), vehicle.home_kpa());
+        let limits = settings.regulation.into();
+        let config = MonitorConfig { limits, home_kpa, ..MonitorConfig::new(&corners) };
         let mut car = AnyCar::without_corners();
         if !alone && settings.calibration_kpa.iter().any(Option::is_some) {
             let what = "pressures of the calibration other than the placards' (--pressure-kpa) are of use for wheel speeds alone";
@@ -154,7 +155,21 @@ impl Drive {
     pub fn learned(&self) -> Taught {
         let wheel_speeds = self.wheels.as_ref().and_then(WheelSpeeds::learned);
         let torsion = self.wheels.as_ref().map_or([None; 4], WheelSpeeds::learned_torsion);
-        Taught { corners: self.car.estimator().and_then(CarEstimator::calibration), wheel_speeds, torsion }
+        let corners = self.car.estimator().and_then(CarEstimator::calibration);
+        let days = self.wheels.as_ref().and_then(WheelSpeeds::days);
+        Taught { corners, wheel_speeds, torsion, days }
+    }
+
+    /// The rows' times count from here, in s since 1970; zero: from there, or from no date.
+    pub fn clock_began(&mut self, unix_s: f64) {
+        if let Some(wheels) = &mut self.wheels {
+            wheels.clock_began(unix_s);
+        }
+    }
+
+    /// Whether the calibration of the wheel speeds was driven on snow, and taught nothing.
+    pub(crate) fn calibrated_on_snow(&self) -> bool {
+        self.wheels.as_ref().is_some_and(WheelSpeeds::refused_snow)
     }
 
     /// Whether the yaw rate's sign contradicts the wheels.
@@ -245,6 +260,7 @@ impl Drive {
         if row.speed_m_s.is_finite() && !is_a_cars(row.speed_m_s) {
             self.absurd.get_or_insert((0, row.speed_m_s)).0 += 1;
         }
+        self.car.follow_air(&row.motion.air);
         let mut estimate = self.car.update(&row.sample());
         if let Some(estimator) = self.car.estimator() {
             let (sample, quarter_cars) = (row.sample(), estimator.quarter_cars());

@@ -71,10 +71,6 @@ impl Files {
     ///
     /// # Errors
     /// A file cannot be created.
-    #[cfg_attr(
-        not(feature = "mcap"),
-        allow(unused_variables, reason = "no other file holds the log's signals")
-    )]
     pub fn create(
         paths: &FilePaths,
         settings: &Settings,
@@ -91,7 +87,7 @@ impl Files {
         let estimates = paths.estimates.as_ref();
         Ok(Self {
             estimates: estimates
-                .map(|path| EstimateWriter::create(path, corners, wheel_speeds))
+                .map(|path| EstimateWriter::create(path, corners, wheel_speeds, log.columns().motion.air))
                 .transpose()?,
             gate: RateGate::new(settings.rate_hz),
             road: paths.road.as_ref().map(|path| RoadWriter::create(path, corners)).transpose()?,
@@ -135,7 +131,8 @@ impl Files {
         }
         files.into_iter().try_for_each(AtomicFile::commit)?;
         let driven_s = done.data.drive.duration_s;
-        if let Some((saving, why)) = self.reference.as_ref().zip(done.calibration_doubt()) {
+        let taught = self.reference.as_ref().filter(|saving| !saving.adds_a_day());
+        if let Some((saving, why)) = taught.zip(done.calibration_doubt()) {
             return Err(saving.refused(why));
         }
         let reference =

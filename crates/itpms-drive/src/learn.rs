@@ -9,7 +9,7 @@ use itpms_analysis::learn::{
 };
 use itpms_core::model::Corner;
 use itpms_data::log::LogOptions;
-use itpms_data::vehicle::VehicleDetails;
+use itpms_data::vehicle::{VehicleDetails, pressure_in_other_unit};
 use itpms_data::{LogReader, Vehicle};
 use serde_json::{Map, Value, json};
 
@@ -17,6 +17,7 @@ use crate::concerns::common_corners;
 use crate::error::DriveError;
 use crate::run::ROWS_PER_LOOK;
 use crate::time_axis::TimeAxis;
+use crate::tire_sensors::sent_pressures;
 use crate::wheelbase;
 
 /// Significant digits of a learned value: its standard deviation has no more to say.
@@ -36,8 +37,10 @@ pub const KNOWN_KPA: std::ops::RangeInclusive<f64> = 60.0..=1500.0;
 pub fn no_pressure(kpa: f64) -> Option<String> {
     let usable = KNOWN_KPA.contains(&kpa);
     let (from, to) = KNOWN_KPA.into_inner();
-    (!usable)
-        .then(|| format!("{kpa} kPa is no tire's pressure, expected {from:.0} to {to:.0} (another unit?)"))
+    (!usable).then(|| {
+        let guess = pressure_in_other_unit(kpa);
+        format!("{kpa} kPa is no tire's pressure, expected {from:.0} to {to:.0} (another unit?{guess})")
+    })
 }
 
 /// A drive, and the pressures in kPa gauge that its tires had on it, in the order of [`Corner::ALL`]; of corners that the log does not have
@@ -48,7 +51,7 @@ pub struct KnownDrive {
     pub log: PathBuf,
     /// How it is read.
     pub options: LogOptions,
-    /// The pressures; of a wheel with NaN the mean of what the tire's own sensor sends in the log.
+    /// The pressures; of a wheel with NaN the median of what the tire's own sensor sends in the log.
     pub pressures_kpa: [f64; 4],
 }
 
@@ -93,14 +96,15 @@ pub fn learn_with(
     open: &mut dyn FnMut(usize) -> Result<LogReader, DriveError>,
     watch: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<LearnedVehicle, DriveError> {
-    let drives = &by_sensors(file, drives, open, watch)?[..];
+    let (drives, mut concerns) = by_sensors(file, drives, open, watch)?;
+    let drives = &drives[..];
     // Reading takes a part of what estimating does: it counts as a tenth of a pass.
     let total = (PASSES * drives.len().max(1)) as f64 + READING * drives.len() as f64;
     let mut done = READING * drives.len() as f64;
     let found = wheelbase::find(&file.car_config(&Corner::ALL), drives.len(), open, &mut |share| {
         watch(share * done / total)
     })?;
-    let mut concerns: Vec<String> = wheelbase::doubt(file, found).into_iter().collect();
+    concerns.extend(wheelbase::doubt(file, found));
     let written = file;
     let file = &wheelbase::with_found(file, found);
     let nominal = file.car_config(&Corner::ALL);
@@ -145,59 +149,27 @@ fn named(error: LearnError, drives: &[KnownDrive]) -> DriveError {
     }
 }
 
-/// The drives with the pressures that the tires' own sensors have where none are given.
-fn by_sensors(
+/// The drives with the pressures that the tires' own sensors have where none are given, and what is to be said of them.
+pub(crate) fn by_sensors(
     file: &Vehicle,
     drives: &[KnownDrive],
     open: &mut dyn FnMut(usize) -> Result<LogReader, DriveError>,
     watch: &mut dyn FnMut(f64) -> ControlFlow<()>,
-) -> Result<Vec<KnownDrive>, DriveError> {
-    let mut known = drives.to_vec();
+) -> Result<(Vec<KnownDrive>, Vec<String>), DriveError> {
+    let (mut known, mut remarks) = (drives.to_vec(), vec![]);
     for (number, drive) in known.iter_mut().enumerate() {
-        let lacks =
-            |corner: &Corner| file.corner(*corner).is_some() && drive.pressures_kpa[corner.index()].is_nan();
-        if !Corner::ALL.iter().any(lacks) {
-            continue;
-        }
         let mut log = open(number)?;
         if !log.columns().motion.tire_sensors.contains(&true) {
             continue;
         }
-        let sent = sensor_pressures(&mut log, f64::INFINITY, watch)?;
-        for (kpa, sent) in drive.pressures_kpa.iter_mut().zip(sent) {
+        let given_kpa = drive.pressures_kpa;
+        let sent = sent_pressures(&mut log, file, given_kpa, f64::INFINITY, &mut |_| watch(0.0))?;
+        for (kpa, sent) in drive.pressures_kpa.iter_mut().zip(sent.kpa) {
             *kpa = if kpa.is_nan() { sent.unwrap_or(f64::NAN) } else { *kpa };
         }
+        remarks.extend(sent.remarks);
     }
-    Ok(known)
-}
-
-/// Means of what the tires' own sensors send in the first `seconds` of a log, in kPa, in the order of [`Corner::ALL`]; `None` of one that sends
-/// nothing. A tenth is what a mean of whole kPa has to say.
-///
-/// # Errors
-/// The log cannot be read on; [`DriveError::Stopped`].
-pub fn sensor_pressures(
-    log: &mut LogReader,
-    seconds: f64,
-    watch: &mut dyn FnMut(f64) -> ControlFlow<()>,
-) -> Result<[Option<f64>; 4], DriveError> {
-    let (mut sums, mut count, mut begin_s) = ([(0.0, 0.0); 4], 0u64, None);
-    while let Some(row) = log.next_row()? {
-        if count.is_multiple_of(ROWS_PER_LOOK) && watch(0.0).is_break() {
-            return Err(DriveError::Stopped);
-        }
-        count += 1;
-        if row.time_s - *begin_s.get_or_insert(row.time_s) > seconds {
-            break;
-        }
-        for ((sum, readings), kpa) in sums.iter_mut().zip(row.motion.tire_sensor_kpa) {
-            if kpa.is_finite() {
-                (*sum, *readings) = (*sum + kpa, *readings + 1.0);
-            }
-        }
-    }
-    let mean = |(sum, readings): (f64, f64)| (readings > 0.0).then(|| (10.0 * sum / readings).round() / 10.0);
-    Ok(sums.map(mean))
+    Ok((known, remarks))
 }
 
 fn listen(
@@ -218,7 +190,7 @@ fn listen(
         let (path, label, kpa) = (drive.log.display(), corner.label(), drive.pressures_kpa[corner.index()]);
         if kpa.is_nan() {
             let why = format!(
-                "{path}: no pressure is given of {label}, and no tire sensor in the log has one ({label}_tpms_kpa); expected --pressure-kpa for every wheel"
+                "{path}: no pressure is given of {label}, and no tire sensor in the log sends a plausible one ({label}_tpms_kpa); expected --pressure-kpa for every wheel"
             );
             return Err(DriveError::Mismatch(why));
         }
@@ -227,7 +199,7 @@ fn listen(
         }
     }
     let config = vehicle.car_config(&corners);
-    let mut listener = Listener::new(&config, drive.pressures_kpa, log.survey().sample_rate_hz)?;
+    let mut listener = Listener::new(&config, drive.pressures_kpa, log.survey().estimator_rate_hz())?;
     let mut axis = TimeAxis::new(wheelbase_m);
     let mut count = 0u64;
     while let Some(row) = log.next_row()? {

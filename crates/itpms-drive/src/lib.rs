@@ -17,12 +17,14 @@
 //! | [`fleet`] | many drives of many cars |
 //! | [`simulated`] | simulated drives as logs hold them |
 //! | [`wheel_speeds`](wheel_speed_use) | wheel speeds under their monitor, alone or beside accelerations |
+//! | `air` | what a log says of the air that cannot be |
 //! | `pulses` | tooth pulses read along with a log |
 //! | [`error`] | why there is no result |
 //!
 //! Called by the binary and by the Python package. Knows no terminal, no exit codes and no mathematics.
 #![forbid(unsafe_code)]
 
+mod air;
 pub mod alerts;
 mod car;
 pub mod check;
@@ -33,6 +35,7 @@ pub mod files;
 pub mod fleet;
 mod job;
 pub mod learn;
+pub mod learn_radius;
 pub mod pipeline;
 mod plausibility;
 mod provenance;
@@ -44,6 +47,7 @@ pub mod settings;
 pub mod simulated;
 pub mod summary;
 mod time_axis;
+pub mod tire_sensors;
 mod wheel_speeds;
 mod wheelbase;
 
@@ -56,10 +60,11 @@ pub use error::DriveError;
 pub use files::{FilePaths, Files};
 pub use itpms_paper::EstimatorKind;
 pub use learn::{KnownDrive, LearnedVehicle, learn, learn_with};
+pub use learn_radius::{LearnedRadius, learn_radius};
 pub use pipeline::estimate_in_pipeline;
 pub use reference::Taught;
 pub use road::{LateRow, RoadTrack};
 pub use run::{Done, Job, Sink, Watch, estimate};
 pub use settings::Settings;
-pub use summary::{corner_line, summary_json, torsion_line, wheel_speed_lines};
+pub use summary::{corner_lines, summary_json, torsion_line, wheel_speed_lines};
 pub use wheel_speeds::wheel_speed_use;

@@ -16,6 +16,8 @@ const ODD_WHEEL: f64 = 0.03;
 const COARSE_M_S: f64 = 0.25 / 3.6;
 /// Changes of a wheel speed that are needed to know its steps.
 const LEAST_CHANGES: u64 = 200;
+/// Exchanged, the body's swings stand beside the wheel's, so many times as large; of what is in g they are less.
+const EXCHANGED: std::ops::Range<f64> = 3.0..15.0;
 /// A wheel over a smooth motorway moves by more than this, in m/s² rms, from [`FAST_M_S`] on.
 const LEAST_WHEEL_RMS_M_S2: f64 = 0.8;
 const FAST_M_S: f64 = 10.0;
@@ -191,7 +193,11 @@ impl Plausibility {
                 (count >= LEAST_ROWS).then(|| ((squares - sum * sum / count) / count).sqrt())
             })
         });
-        let is_small = |[_, wheel]: &[Option<f64>; 2]| wheel.is_some_and(|rms| rms < LEAST_WHEEL_RMS_M_S2);
+        let is_small = |[body, wheel]: &[Option<f64>; 2]| {
+            wheel.is_some_and(|rms| {
+                rms < LEAST_WHEEL_RMS_M_S2 && !body.is_some_and(|body| EXCHANGED.contains(&(body / rms)))
+            })
+        };
         let fast_km_h = 3.6 * FAST_M_S;
         if let Some(corner) = rms.iter().position(is_small) {
             return Some(format!(

@@ -2,10 +2,12 @@
 //! parameters. Called at the end of a drive.
 
 use std::path::Path;
+use std::time::{SystemTime, UNIX_EPOCH};
 
 use itpms_analysis::report::{Parameter, Provenance};
 use itpms_core::model::Corner;
 use itpms_data::log::{LogOptions, UnitCheck};
+use itpms_data::reference::day;
 use itpms_data::{LogReader, Vehicle};
 use itpms_road::RoadRepetition;
 
@@ -15,12 +17,12 @@ use crate::settings::Settings;
 /// All of it.
 pub(crate) fn provenance(job: &Job<'_>, log: &LogReader, sensors_kpa: &[f64; 4]) -> Provenance {
     Provenance {
-        program: format!("itpms {}", env!("CARGO_PKG_VERSION")),
+        program: job.settings.program.clone(),
+        made: today(),
         source: log.path().file_name().unwrap_or_default().to_string_lossy().into_owned(),
         vehicle: job.vehicle.name.clone(),
         estimator: estimator_label(job).to_owned(),
         sources: sources(job.vehicle, job.corners),
-        // The same command gives the same page, byte by byte: no date of today.
         command: job.settings.command.clone(),
         options: options(job.settings, job.reading)
             .into_iter()
@@ -28,6 +30,13 @@ pub(crate) fn provenance(job: &Job<'_>, log: &LogReader, sensors_kpa: &[f64; 4])
             .collect(),
         repairs: log.repairs().counts().into_iter().map(|(what, count)| (what.to_owned(), count)).collect(),
     }
+}
+
+/// The day, or that of `SOURCE_DATE_EPOCH`: with it the same command gives the same page, byte by byte, on any day.
+pub(crate) fn today() -> String {
+    let stated = std::env::var("SOURCE_DATE_EPOCH").ok().and_then(|text| text.parse().ok());
+    let now = || SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
+    day(stated.unwrap_or_else(now))
 }
 
 /// The tires' own sensors, where there is no estimated pressure to show them beside.
@@ -62,6 +71,8 @@ fn options(settings: &Settings, reading: &LogOptions) -> Vec<(String, String)> {
         UnitCheck::Suspicious => None,
         UnitCheck::Trusting => Some("taken as they are (--trust-units)".to_owned()),
     };
+    let rows = reading.rows.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
+    let rows = (!rows.is_empty()).then(|| format!("those with {rows} (--where)"));
     let given =
         |path: &Option<_>, option: &str| path.as_deref().map(|path| format!("{} ({option})", file(path)));
     [
@@ -69,6 +80,7 @@ fn options(settings: &Settings, reading: &LogOptions) -> Vec<(String, String)> {
         ("Warning limits", Some(settings.regulation.name().to_owned())),
         ("Signals named by", given(&reading.signals, "--signals")),
         ("Frames explained by", given(&reading.dbc, "--dbc")),
+        ("Rows", rows),
         ("Units", units),
         ("Road repeats", repeats),
         ("Rows of the result per second", Some(settings.rate_hz.to_string())),
@@ -129,8 +141,12 @@ mod tests {
             rate_hz: 2.5,
             ..Settings::default()
         };
-        let reading =
-            LogOptions { units: UnitCheck::Trusting, dbc: None, signals: Some("maps/a.toml".into()) };
+        let reading = LogOptions {
+            units: UnitCheck::Trusting,
+            dbc: None,
+            signals: Some("maps/a.toml".into()),
+            rows: vec![],
+        };
         assert_eq!(
             listed(&settings, &reading),
             "Calibration: of an earlier drive: a.reference (--reference); Warning limits: UN R141; \

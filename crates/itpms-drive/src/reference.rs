@@ -6,7 +6,7 @@ use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use itpms_core::model::{CalibrationError, VehicleCalibration};
-use itpms_core::wheel_speed::RadiusCalibration;
+use itpms_core::wheel_speed::{RadiusCalibration, RadiusDays};
 use itpms_data::Vehicle;
 use itpms_data::out::AtomicFile;
 use itpms_data::reference::{LearnedTorsion, ReferenceProblem, StoredReference};
@@ -24,6 +24,8 @@ pub struct Taught {
     pub wheel_speeds: Option<RadiusCalibration<f64>>,
     /// Of tooth pulses.
     pub torsion: LearnedTorsion,
+    /// What the days since the calibration of the wheel speeds show, with this one, or why it does not count; `None` without one.
+    pub days: Option<Result<RadiusDays<f64>, &'static str>>,
 }
 
 impl Taught {
@@ -62,11 +64,13 @@ fn refused(path: &Path, why: impl std::fmt::Display) -> DriveError {
     DriveError::Mismatch(format!("{}: {why}", path.display()))
 }
 
-/// The file of what a calibration drive teaches, in the making.
+/// The file of what a calibration drive teaches, or an earlier one with another day, in the making.
 #[derive(Debug)]
 pub struct Saving {
     file: AtomicFile,
     vehicle: Vehicle,
+    /// That of the drive, to which it adds its day.
+    before: Option<StoredReference>,
 }
 
 impl Saving {
@@ -76,7 +80,13 @@ impl Saving {
     /// It cannot be written, or the estimator does not learn.
     pub fn create(path: &Path, settings: &Settings, vehicle: &Vehicle) -> Result<Self, DriveError> {
         settings.expect_learning("--save-reference")?;
-        Ok(Self { file: AtomicFile::create(path)?, vehicle: vehicle.clone() })
+        let before = read(settings, vehicle)?.map(|(_, stored)| stored);
+        Ok(Self { file: AtomicFile::create(path)?, vehicle: vehicle.clone(), before })
+    }
+
+    /// Whether it is an earlier reference with the drive's day, and no calibration's.
+    pub(crate) fn adds_a_day(&self) -> bool {
+        self.before.is_some()
     }
 
     /// The error of a file that is not written.
@@ -95,6 +105,14 @@ impl Saving {
         learned: Taught,
     ) -> Result<AtomicFile, DriveError> {
         let target = self.file.target().to_owned();
+        if let Some(before) = self.before.take() {
+            let days = learned.days.unwrap_or(Err("expected wheel speeds in the drive and in the reference"));
+            let days =
+                days.map_err(|why| refused(&target, format!("no day was added to the reference: {why}")))?;
+            self.file.append(before.with_days(&days).to_text().as_bytes())?;
+            self.file.settle()?;
+            return Ok(self.file);
+        }
         if learned.is_nothing() {
             let seconds = calibrate_s.unwrap_or_default();
             let why = if driven_s + LOG_END_S < seconds {
@@ -121,15 +139,18 @@ impl Saving {
 
 impl Saving {
     fn stored(&self, learned: &Taught) -> Result<StoredReference, itpms_data::error::Problem> {
-        let Taught { corners, wheel_speeds, torsion } = *learned;
+        let Taught { corners, wheel_speeds, torsion, days } = *learned;
+        // By the log's date, where it has one: days are counted from there.
+        let dated_s = days.and_then(Result::ok).map_or(0.0, |days| days.calibrated_unix_s);
+        let learned_unix_s = if dated_s > 0.0 { dated_s as u64 } else { now_unix_s() };
         let torsion = if wheel_speeds.is_some() { torsion } else { [None; 4] };
         let stored = match (corners, wheel_speeds) {
             (None, Some(wheel_speeds)) => {
-                StoredReference::of_wheel_speeds(&self.vehicle, wheel_speeds, now_unix_s())
+                StoredReference::of_wheel_speeds(&self.vehicle, wheel_speeds, learned_unix_s)
             }
             (corners, wheel_speeds) => {
                 let corners = corners.ok_or(ReferenceProblem::Lacks("a corner"))?;
-                StoredReference::new(&self.vehicle, corners, now_unix_s())?.with_wheel_speeds(wheel_speeds)
+                StoredReference::new(&self.vehicle, corners, learned_unix_s)?.with_wheel_speeds(wheel_speeds)
             }
         };
         Ok(stored.with_torsion(torsion))
@@ -158,7 +179,7 @@ pub fn teach(
     Ok(None)
 }
 
-/// The only clock of the program. One that is wrong, before 1970 even, makes a reference with a wrong date, not a wrong
+/// The only clock of the program, for logs without a date. One that is wrong, before 1970 even, makes a reference with a wrong date, not a wrong
 /// reference.
 fn now_unix_s() -> u64 {
     SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs())

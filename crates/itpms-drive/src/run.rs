@@ -9,6 +9,7 @@ use itpms_core::warning::{Cause, Change, MonitorReport};
 use itpms_data::out::{RadiusRow, States};
 use itpms_data::{LogReader, LogRow};
 
+use crate::air::AirCheck;
 use crate::alerts::{Alerts, Events, Listed};
 use crate::concerns;
 use crate::drive::{Drive, Estimates, QuarterCars};
@@ -73,6 +74,8 @@ pub struct Done {
     pub alerts: Alerts,
     /// What should be known before believing it, a sentence each.
     pub concerns: Vec<String>,
+    /// The corners of the vehicle file that the log does not have, each with the reason, as the end of "it is".
+    pub not_estimated: Vec<(Corner, String)>,
     /// How well body and wheel of every corner go together, in the order of [`Corner::ALL`](itpms_core::model::Corner::ALL).
     pub fits: [Option<Fit>; 4],
     /// What a calibration drive taught, once it was over.
@@ -84,6 +87,8 @@ pub struct Done {
     /// What tooth pulses showed in the end of each tire since the calibration, where they are read, in the order of
     /// [`Corner::ALL`](itpms_core::model::Corner::ALL).
     pub torsion: Option<[Option<TorsionChange<f64>>; 4]>,
+    /// Whether the log has a temperature of the air, for cold pressures.
+    pub has_temperature: bool,
     /// What the tires' own sensors sent last, in kPa, in the order of [`Corner::ALL`](itpms_core::model::Corner::ALL); NaN: nothing.
     pub sensors_kpa: [f64; 4],
 }
@@ -137,16 +142,17 @@ pub fn estimate(
 
 /// The estimator of a log, and what becomes of its rows.
 pub(crate) fn begin(log: &LogReader, job: &Job<'_>) -> Result<(Drive, Record), DriveError> {
-    let rate_hz = log.survey().sample_rate_hz;
+    let rate_hz = log.survey().estimator_rate_hz();
     let wheel_speeds = wheel_speed_use(log.columns(), job.vehicle, job.corners).unwrap_or_default();
     let mut drive = Drive::new(job.settings, job.vehicle, job.corners, wheel_speeds, rate_hz)?;
+    drive.clock_began(log.start_ns() as f64 * 1e-9);
     // Wheel speeds show no road.
     let road = job.road && !job.corners.is_empty();
     if job.report && !road && !job.corners.is_empty() {
         drive = drive.with_road(job.vehicle, job.corners, rate_hz)?;
     }
     let track = road.then(|| RoadTrack::new(job.vehicle, job.corners, rate_hz)).transpose()?;
-    let axis = TimeAxis::new(job.vehicle.wheelbase_m);
+    let axis = TimeAxis::of(job.vehicle);
     Ok((
         drive,
         Record {
@@ -157,6 +163,7 @@ pub(crate) fn begin(log: &LogReader, job: &Job<'_>) -> Result<(Drive, Record), D
             plausibility: Plausibility::default(),
             rolling_radius_m: job.vehicle.rolling_radius_m().unwrap_or(f64::NAN),
             sensors_kpa: [f64::NAN; 4],
+            air: AirCheck::default(),
         },
     ))
 }
@@ -182,12 +189,15 @@ pub(crate) fn conclude(
         return Err(DriveError::Log(format!("{}: {contradiction}", log.path().display())));
     }
     let implausible = record.plausibility.concerns();
+    let has_temperature = log.columns().motion.air.temperature && !job.corners.is_empty();
+    let of_air: Vec<String> = record.air.concerns(has_temperature).collect();
     let of_pulses = pulses.finish(log.path(), log.last_time_s().unwrap_or(f64::NAN))?;
     let sensors_kpa = record.sensors_kpa;
     let provenance = provenance(job, log, &sensors_kpa);
     let (mut data, alerts) = record.complete(provenance, sink)?;
     let mut concerns = concerns::of(job, log, &drive);
     concerns.extend(implausible);
+    concerns.extend(of_air);
     concerns.extend(of_pulses);
     concerns.extend(concerns::of_tire_sensors(&data));
     concerns.extend(concerns::of_level(&data));
@@ -198,11 +208,13 @@ pub(crate) fn conclude(
         data,
         alerts,
         concerns,
+        not_estimated: concerns::not_estimated(job, log),
         fits,
         learned: drive.learned(),
         placards_kpa,
         radii: drive.radii(),
         torsion: drive.torsion(),
+        has_temperature,
         sensors_kpa,
     })
 }
@@ -217,6 +229,7 @@ pub(crate) struct Record {
     rolling_radius_m: f64,
     /// What the tires' own sensors sent last, in kPa; NaN: nothing.
     sensors_kpa: [f64; 4],
+    air: AirCheck,
 }
 
 impl Record {
@@ -234,6 +247,7 @@ impl Record {
         self.collector.push_report(report);
         self.axis.take(row);
         self.plausibility.take(row, self.rolling_radius_m);
+        self.air.take(&row.motion.air);
         for (last, sent) in self.sensors_kpa.iter_mut().zip(row.motion.tire_sensor_kpa) {
             if sent.is_finite() {
                 *last = sent;

@@ -35,6 +35,8 @@ pub struct Settings {
     pub rate_hz: f64,
     /// Unit of the pressures that people read: lines, sentences and pages. Files are in kPa.
     pub pressure_unit: PressureUnit,
+    /// Program and version that made all this, for the end of a report.
+    pub program: String,
     /// The command that all this came from, for the end of a report; empty: not shown.
     pub command: String,
 }
@@ -52,6 +54,7 @@ impl Default for Settings {
             pulses: None,
             rate_hz: 10.0,
             pressure_unit: PressureUnit::Kpa,
+            program: concat!("itpms ", env!("CARGO_PKG_VERSION")).to_owned(),
             command: String::new(),
         }
     }

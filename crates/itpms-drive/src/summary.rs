@@ -1,9 +1,9 @@
 //! What is known at the end of a drive, as JSON and in lines.
 
-use itpms_analysis::report::{CornerReport, Reading, found, unseen, wheel_line};
+use itpms_analysis::report::{CornerReport, Reading, air_to_add_kpa, cold_words, found, unseen, wheel_line};
 use itpms_core::model::{Corner, Level, PressureUnit, Warning};
 use itpms_core::torsion::TorsionChange;
-use itpms_core::wheel_speed::WheelRadius;
+use itpms_core::wheel_speed::{SlowLeak, WheelRadius};
 use itpms_data::out::{RadiusRow, state_label};
 use serde_json::{Map, Value, json};
 
@@ -18,9 +18,15 @@ pub fn summary_json(done: &Done, rows: u64) -> Map<String, Value> {
     let Done { data, alerts, concerns, .. } = done;
     let corner = |corner: &CornerReport| {
         let fit = done.fits[corner.corner.index()].as_ref();
-        (corner.corner.label().to_owned(), corner_json(corner, fit))
+        let mut value = corner_json(corner, fit);
+        if done.has_temperature {
+            value["cold"] = cold_json(corner);
+        }
+        (corner.corner.label().to_owned(), value)
     };
     let corners: Map<String, Value> = data.corners.iter().map(corner).collect();
+    let not_estimated =
+        done.not_estimated.iter().map(|(corner, why)| (corner.label().to_owned(), json!(why)));
     [
         ("vehicle", json!(data.provenance.vehicle)),
         ("estimator", json!(data.provenance.estimator)),
@@ -28,6 +34,7 @@ pub fn summary_json(done: &Done, rows: u64) -> Map<String, Value> {
         ("rate_hz", json!(data.drive.rate_hz)),
         ("distance_m", json!(data.drive.distance_m)),
         ("corners", Value::Object(corners)),
+        ("not_estimated", Value::Object(not_estimated.collect())),
         ("wheel_speeds", json!(done.radii.as_ref().map(wheels_json))),
         ("torsion", json!(done.torsion.as_ref().map(torsion_json))),
         ("tire_sensors_kpa", sensors_json(&done.sensors_kpa)),
@@ -38,6 +45,16 @@ pub fn summary_json(done: &Done, rows: u64) -> Map<String, Value> {
     .map(|(key, value)| (key.to_owned(), value))
     .into_iter()
     .collect()
+}
+
+/// The lines of all corners, as the command and the Python package show them, and of those of the vehicle file that were not estimated. `end_s`:
+/// when the drive ended, by the clock of the readings.
+#[must_use]
+pub fn corner_lines(done: &Done, end_s: f64) -> Vec<String> {
+    let estimated =
+        done.data.corners.iter().map(|corner| corner_line(corner, end_s, done.data.pressure_unit));
+    let others = done.not_estimated.iter();
+    estimated.chain(others.map(|(corner, why)| format!("{}  not estimated: {why}", corner.label()))).collect()
 }
 
 /// What the tires' own sensors sent last; null where none did.
@@ -77,15 +94,16 @@ pub fn torsion_line(done: &Done, unit: PressureUnit) -> Option<String> {
 fn wheels_json(row: &RadiusRow) -> Value {
     let radii = &row.radii;
     let wheel = |corner: Corner| {
-        let WheelRadius { change, change_sd, lost_share, lost_share_sd, low_probability, informed } =
-            radii.wheels[corner.index()];
+        let wheel = radii.wheels[corner.index()];
+        let WheelRadius { change, change_sd, lost_share, lost_share_sd, low_probability, .. } = wheel;
         let value = json!({
             "radius_change": change,
             "radius_change_sd": change_sd,
             "lost_share": lost_share,
             "lost_share_sd": lost_share_sd,
             "low_probability": low_probability,
-            "informed": informed,
+            "informed": wheel.informed(),
+            "detectable_loss": wheel.detectable_loss_share,
             "state": state_label(row.states[corner.index()]),
         });
         (corner.label().to_owned(), value)
@@ -100,6 +118,11 @@ fn wheels_json(row: &RadiusRow) -> Value {
         "axles_radius_difference": radii.difference[2],
         "radius_difference_sd": radii.difference_sd,
         "not_seen": unseen(radii),
+        "days": (row.slow_leak.days > 0).then(|| json!({
+            "days": row.slow_leak.days,
+            "since_calibration_d": row.slow_leak.day,
+            "slow_leak_probability": row.slow_leak.probability,
+        })),
     })
 }
 
@@ -112,7 +135,18 @@ pub fn wheel_speed_lines(row: &RadiusRow) -> Vec<String> {
     };
     let found = format!("by the wheel speeds {}", found(&row.radii));
     let wheels = Corner::ALL.into_iter().filter(|_| row.radii.difference[0].is_finite()).map(wheel);
-    std::iter::once(found).chain(wheels).chain(unseen(&row.radii)).collect()
+    std::iter::once(found).chain(wheels).chain(unseen(&row.radii)).chain(days_line(&row.slow_leak)).collect()
+}
+
+/// What the days since the calibration say.
+fn days_line(leak: &SlowLeak<f64>) -> Option<String> {
+    let (corner, probability) =
+        Corner::ALL.into_iter().zip(leak.probability).max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let days = format!("over {} days, {:.0} days after the calibration", leak.days, leak.day);
+    (leak.days > 1).then(|| match probability {
+        p if p > 0.5 => format!("{days}, {} loses air slowly with a probability of {p:.3}", corner.label()),
+        p => format!("{days}, no slow leak ({}: probability {p:.3})", corner.label()),
+    })
 }
 
 fn corner_json(corner: &CornerReport, fit: Option<&Fit>) -> Value {
@@ -150,6 +184,19 @@ fn corner_json(corner: &CornerReport, fit: Option<&Fit>) -> Value {
     })
 }
 
+/// What the tire would have cold, and what is to be added.
+fn cold_json(corner: &CornerReport) -> Value {
+    let Some(cold) = corner.figures.cold else { return json!({ "state": "unknown" }) };
+    let add_kpa = air_to_add_kpa(&cold, corner.placard_kpa);
+    json!({
+        "pressure_kpa": cold.pressure_kpa,
+        "sd_kpa": cold.sd_kpa,
+        "ambient_temperature_c": cold.ambient_temperature_c,
+        "add_kpa": add_kpa,
+        "state": if add_kpa.is_some() { "add" } else { "fine" },
+    })
+}
+
 /// How well body and wheel go together, and what does not.
 pub(crate) fn fit_json((fit, misfit): &Fit) -> Value {
     json!({
@@ -161,10 +208,9 @@ pub(crate) fn fit_json((fit, misfit): &Fit) -> Value {
     })
 }
 
-/// A corner in a line, as the command and the Python package show it: the last pressure that was valid; where that is not now, since
+/// A corner in a line: the last pressure that was valid; where that is not now, since
 /// when; what was warned of; why it is not known. `end_s`: when the drive ended, by the clock of the readings.
-#[must_use]
-pub fn corner_line(corner: &CornerReport, end_s: f64, unit: PressureUnit) -> String {
+fn corner_line(corner: &CornerReport, end_s: f64, unit: PressureUnit) -> String {
     let figures = &corner.figures;
     let mut line = format!("{}  ", corner.corner.label());
     line += &match figures.last {
@@ -179,6 +225,10 @@ pub fn corner_line(corner: &CornerReport, end_s: f64, unit: PressureUnit) -> Str
         PressureUnit::Kpa => format!(" (placard {})", corner.placard_kpa),
         _ => format!(" (placard {})", unit.number(corner.placard_kpa, 0)),
     };
+    if let Some(cold) = figures.cold {
+        let (at, add) = cold_words(&cold, corner.placard_kpa, unit);
+        line += &format!("; {at}{}", add.map_or_else(String::new, |add| format!(": {add}")));
+    }
     if let Some(sensor) = corner.tire_sensor {
         line += &format!("; its sensor {}", unit.number(sensor.pressure_kpa, 0));
     }

@@ -9,7 +9,7 @@ mod likeness;
 
 use itpms_core::conditioning::SpeedHold;
 use itpms_core::model::Corner;
-use itpms_data::LogRow;
+use itpms_data::{LogRow, Vehicle};
 
 use likeness::Likeness;
 
@@ -41,6 +41,8 @@ const ROUGH_SECONDS: f64 = 0.5;
 #[derive(Debug)]
 pub(crate) struct TimeAxis {
     wheelbase_m: Option<f64>,
+    /// Whether that is no more than assumed.
+    assumed: bool,
     speed: SpeedHold<f64>,
     last_s: f64,
     way_m: f64,
@@ -76,9 +78,15 @@ struct Second {
 }
 
 impl TimeAxis {
+    /// For a drive with this vehicle file.
+    pub(crate) fn of(vehicle: &Vehicle) -> Self {
+        Self { assumed: vehicle.assumes_wheelbase(), ..Self::new(vehicle.wheelbase_m) }
+    }
+
     pub(crate) fn new(wheelbase_m: Option<f64>) -> Self {
         Self {
             wheelbase_m,
+            assumed: false,
             speed: SpeedHold::new(),
             last_s: f64::NAN,
             way_m: 0.0,
@@ -178,8 +186,9 @@ impl TimeAxis {
             .max_by(|a, b| self.after.at(*a).total_cmp(&self.after.at(*b)))?;
         let factor = best as f64 / CELLS as f64;
         (factor.ln().abs() > OFF && after < NOT_THERE * self.after.at(best)).then(|| {
+            let assumed = if self.assumed { " (assumed; itpms vehicle learn finds it)" } else { "" };
             format!(
-                "the rear wheels pass over the same road {:.2} m after the front ones by time_s and speed_m_s, but wheelbase_m is {wheelbase_m}: the time, the speed or the wheelbase is wrong by a factor of {factor:.2}{}, and no pressure can be estimated",
+                "the rear wheels pass over the same road {:.2} m after the front ones by time_s and speed_m_s, but wheelbase_m is {wheelbase_m}{assumed}: the time, the speed or the wheelbase is wrong by a factor of {factor:.2}{}, and no pressure can be estimated",
                 factor * wheelbase_m,
                 likely_unit(factor),
             )

@@ -4,7 +4,7 @@ use itpms_core::model::Corner;
 use itpms_core::monitor::MonitoredWheels;
 use itpms_core::torsion::{CarTorsion, TorsionChange};
 use itpms_core::warning::MonitorReport;
-use itpms_core::wheel_speed::RadiusCalibration;
+use itpms_core::wheel_speed::{RadiusCalibration, RadiusDays};
 use itpms_data::log::LogColumns;
 use itpms_data::out::{RadiusRow, WheelSpeedUse};
 use itpms_data::pulses::Pulse;
@@ -44,6 +44,11 @@ pub(crate) struct WheelSpeeds {
     turns: Turns,
     /// Where tooth pulses are read.
     torsion: Option<Box<CarTorsion<f64>>>,
+    /// When the stored calibration was learned, in s since 1970, before the first row has told how old it is.
+    learned_unix_s: Option<f64>,
+    /// From where the rows' times count, in s since 1970, and the last one's.
+    began_unix_s: f64,
+    unix_s: f64,
     report: Box<MonitorReport<f64>>,
 }
 
@@ -80,6 +85,10 @@ impl WheelSpeeds {
         }
         let radii = stored.and_then(|stored| stored.wheel_speeds.as_ref());
         let loaded = radii.is_some_and(|radii| wheels.load_calibration(radii));
+        let learned_unix_s = stored.filter(|_| loaded).map(|stored| stored.learned_unix_s as f64);
+        if let Some(stored) = stored.filter(|_| loaded) {
+            let _ = wheels.load_days(&stored.days);
+        }
         if let (Some(torsion), Some(stored)) = (&mut torsion, stored) {
             let _ = torsion.load_calibration(&stored.torsion);
         }
@@ -92,11 +101,47 @@ impl WheelSpeeds {
         let rolling_radius_m = vehicle.rolling_radius_m().unwrap_or(f64::NAN);
         let (track_rear_m, turns) = (config.track_rear_m, Turns::default());
         let report = Box::new(MonitorReport::empty());
-        Ok(Self { wheels, rolling_radius_m, alone, track_rear_m, turns, torsion, report })
+        let (began_unix_s, unix_s) = (0.0, 0.0);
+        Ok(Self {
+            wheels,
+            rolling_radius_m,
+            alone,
+            track_rear_m,
+            turns,
+            torsion,
+            learned_unix_s,
+            began_unix_s,
+            unix_s,
+            report,
+        })
+    }
+
+    pub(crate) fn clock_began(&mut self, unix_s: f64) {
+        self.began_unix_s = unix_s;
+        self.wheels.clock_began(unix_s);
+    }
+
+    /// What the days since the calibration show, with this one, or why it does not count; `None` without a calibration.
+    pub(crate) fn days(&self) -> Option<Result<RadiusDays<f64>, &'static str>> {
+        let (days, calibrated) = (self.wheels.days(), self.wheels.calibration().is_some());
+        let problem = if !(self.unix_s > DATES_S) {
+            Some("the drive has no date, expected times in s since 1970 or a log with its start")
+        } else if !(self.unix_s >= days.calibrated_unix_s && days.calibrated_unix_s > DATES_S) {
+            Some(
+                "the drive is of before the calibration, or that has no date, expected a calibration drive with dates",
+            )
+        } else {
+            None
+        };
+        calibrated.then(|| problem.map_or(Ok(*days), Err))
     }
 
     /// Takes a row, and what the car's other monitor reported after it. The speed of a car of which nothing else is known is that of its wheels.
     pub(crate) fn update(&mut self, row: &mut LogRow, beside: &MonitorReport<f64>) {
+        self.unix_s = self.began_unix_s + row.time_s;
+        if let Some(learned_s) = self.learned_unix_s.take() {
+            self.wheels.age_calibration(KM_PER_S * age_s(learned_s, self.unix_s));
+        }
         let sample = row.motion.sample(row.time_s, self.rolling_radius_m);
         if self.alone && row.speed_m_s.is_nan() {
             row.speed_m_s = 0.25 * sample.wheel_speed_m_s.iter().sum::<f64>();
@@ -113,6 +158,10 @@ impl WheelSpeeds {
             *self.report = *beside;
             self.wheels.tell(&mut self.report);
         }
+    }
+
+    pub(crate) fn refused_snow(&self) -> bool {
+        self.wheels.refused_snow()
     }
 
     pub(crate) fn monitor(&self) -> &MonitoredWheels<f64> {
@@ -158,8 +207,19 @@ impl WheelSpeeds {
 
     pub(crate) fn row(&self) -> RadiusRow {
         let states = Corner::ALL.map(|corner| Some(self.wheels.state_of(corner)));
-        RadiusRow { radii: *self.wheels.radii(), states }
+        RadiusRow { radii: *self.wheels.radii(), states, slow_leak: *self.wheels.slow_leak() }
     }
+}
+
+/// What a car drives in the mean, 13 000 km a year, in km/s.
+const KM_PER_S: f64 = 13_000.0 / (365.25 * 86_400.0);
+/// Stamps from here on are dates, in s since 1970.
+const DATES_S: f64 = 1e8;
+
+/// For how long a calibration has been stored, in s; of a log whose clock tells no date, zero.
+fn age_s(learned_unix_s: f64, unix_s: f64) -> f64 {
+    let dated = unix_s > DATES_S && learned_unix_s > DATES_S;
+    if dated { (unix_s - learned_unix_s).max(0.0) } else { 0.0 }
 }
 
 /// Speed in m/s above which rear wheels show how a car turns.

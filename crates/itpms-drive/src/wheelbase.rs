@@ -24,7 +24,7 @@ pub(crate) fn find(
     let mut found = vec![];
     for number in 0..drives {
         let mut log = open(number)?;
-        let mut listener = WheelbaseListener::new(car, log.survey().sample_rate_hz);
+        let mut listener = WheelbaseListener::new(car, log.survey().estimator_rate_hz());
         let mut count = 0u64;
         while let Some(row) = log.next_row()? {
             let share = (number as f64 + log.progress()) / drives as f64;
@@ -64,14 +64,21 @@ pub(crate) fn doubt(file: &Vehicle, found: Option<FoundWheelbase>) -> Option<Str
         None if file.assumes_wheelbase() => Some(format!(
             "the wheelbase of {stated_m} m was assumed and the drives do not show it (front and rear were not found to follow each other): measure it and set wheelbase_m"
         )),
-        Some(found)
-            if !file.assumes_wheelbase() && (found.wheelbase_m - stated_m).abs() > FAR * found.sd_m =>
-        {
-            Some(format!(
-                "the drives show a wheelbase of {:.2} ± {:.2} m, the file has {stated_m} m: measure it, or write wheelbase_sd_m = 0.15 beside wheelbase_m to have it learned",
-                found.wheelbase_m, found.sd_m
-            ))
+        // What was learned in the place of an assumption, and could be a wrong clock or speed as well.
+        Some(found) if file.assumes_wheelbase() => {
+            let sd_m = found.sd_m.hypot(file.details.wheelbase_sd_m.unwrap_or(0.0));
+            let factor = found.wheelbase_m / stated_m;
+            ((found.wheelbase_m - stated_m).abs() > FAR * sd_m).then(|| {
+                format!(
+                    "the drives show a wheelbase of {:.2} ± {:.2} m, which takes the place of the {stated_m} m that were assumed: measure it; if it is not so, the time or the speed is wrong by a factor of {factor:.2}, and so is what was learned",
+                    found.wheelbase_m, found.sd_m
+                )
+            })
         }
+        Some(found) if (found.wheelbase_m - stated_m).abs() > FAR * found.sd_m => Some(format!(
+            "the drives show a wheelbase of {:.2} ± {:.2} m, the file has {stated_m} m: measure it, or write wheelbase_sd_m = 0.15 beside wheelbase_m to have it learned",
+            found.wheelbase_m, found.sd_m
+        )),
         _ => None,
     }
 }

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::slice;
 
 use crate::description::token;
-use crate::model::{Model, ModelError};
+use crate::model::{Model, ModelError, Phase};
 use crate::variables::Kind;
 
 /// What a function of the standard returns. Both versions have the first five alike.
@@ -199,6 +199,17 @@ pub(crate) unsafe fn reset(pointer: *mut c_void) -> Status {
     let Some(instance) = (unsafe { instance(pointer) }) else { return Status::Error };
     instance.model.reset();
     Status::Ok
+}
+
+/// The tool has initialized or terminated it.
+///
+/// # Safety
+/// As for [`instance`].
+pub(crate) unsafe fn enter(pointer: *mut c_void, phase: Phase) -> Status {
+    // SAFETY: the caller's promise.
+    let Some(instance) = (unsafe { instance(pointer) }) else { return Status::Error };
+    let result = instance.model.enter(phase);
+    instance.conclude(result)
 }
 
 /// Whether there is an instance: what a function says that has nothing to do.

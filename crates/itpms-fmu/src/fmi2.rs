@@ -5,6 +5,7 @@ use std::ffi::{CStr, c_char, c_int, c_void};
 use std::path::PathBuf;
 
 use crate::abi::{self, Instance, Log, Status};
+use crate::model::Phase;
 use crate::variables::Kind;
 
 type Logger = unsafe extern "C" fn(*mut c_void, *const c_char, c_int, *const c_char, *const c_char, ...);
@@ -130,18 +131,23 @@ unsafe extern "C" fn fmi2SetDebugLogging(
     unsafe { abi::there(instance) }
 }
 
-/// Functions that take an instance and have nothing to do with it.
-macro_rules! nothing_to_do {
-    ($($name:ident)*) => {$(
-        #[unsafe(no_mangle)]
-        unsafe extern "C" fn $name(instance: *mut c_void) -> Status {
-            // SAFETY: the tool's instance.
-            unsafe { abi::there(instance) }
-        }
-    )*};
+#[unsafe(no_mangle)]
+unsafe extern "C" fn fmi2EnterInitializationMode(instance: *mut c_void) -> Status {
+    // SAFETY: the tool's instance.
+    unsafe { abi::there(instance) }
 }
 
-nothing_to_do! { fmi2EnterInitializationMode fmi2ExitInitializationMode fmi2Terminate }
+#[unsafe(no_mangle)]
+unsafe extern "C" fn fmi2ExitInitializationMode(instance: *mut c_void) -> Status {
+    // SAFETY: the tool's instance.
+    unsafe { abi::enter(instance, Phase::Initialized) }
+}
+
+#[unsafe(no_mangle)]
+unsafe extern "C" fn fmi2Terminate(instance: *mut c_void) -> Status {
+    // SAFETY: the tool's instance.
+    unsafe { abi::enter(instance, Phase::Terminated) }
+}
 
 /// Getter and setter of a type.
 macro_rules! access {

@@ -5,6 +5,7 @@ use std::ffi::{c_char, c_int, c_void};
 use std::path::PathBuf;
 
 use crate::abi::{self, Instance, Log, Status};
+use crate::model::Phase;
 use crate::variables::Kind;
 
 type Logger = unsafe extern "C" fn(*mut c_void, c_int, *const c_char, *const c_char);
@@ -70,18 +71,17 @@ unsafe extern "C" fn fmi3EnterInitializationMode(
     unsafe { abi::there(instance) }
 }
 
-/// Functions that take an instance and have nothing to do with it.
-macro_rules! nothing_to_do {
-    ($($name:ident)*) => {$(
-        #[unsafe(no_mangle)]
-        unsafe extern "C" fn $name(instance: *mut c_void) -> Status {
-            // SAFETY: the tool's instance.
-            unsafe { abi::there(instance) }
-        }
-    )*};
+#[unsafe(no_mangle)]
+unsafe extern "C" fn fmi3ExitInitializationMode(instance: *mut c_void) -> Status {
+    // SAFETY: the tool's instance.
+    unsafe { abi::enter(instance, Phase::Initialized) }
 }
 
-nothing_to_do! { fmi3ExitInitializationMode fmi3Terminate }
+#[unsafe(no_mangle)]
+unsafe extern "C" fn fmi3Terminate(instance: *mut c_void) -> Status {
+    // SAFETY: the tool's instance.
+    unsafe { abi::enter(instance, Phase::Terminated) }
+}
 
 /// Getter and setter of a type. Every variable is one number, so there are as many values as references.
 macro_rules! access {

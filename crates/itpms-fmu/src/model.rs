@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::thread;
 
+use itpms_core::conditioning::SAMPLE_RATES_HZ;
 use itpms_core::model::{CarEstimate, Corner, CornerConfig, PressureMap, QuarterCar, Warning};
 use itpms_core::warning::{Cause, WheelState};
 use itpms_data::log::{LogCorner, LogMotion};
@@ -10,12 +11,15 @@ use itpms_data::out::WheelSpeedUse;
 use itpms_data::reference::crc64;
 use itpms_data::{LogRow, Vehicle};
 use itpms_drive::{Drive, DriveError, Settings};
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::variables::{Causality, OfCar, OfCorner, Role, Variable, parameter, variables};
 
 /// How a saved state begins: what it is, its format and the program's version, which has to be the same.
-const MAGIC: &str = concat!("itpms-fmu-state 1 ", env!("CARGO_PKG_VERSION"), " ");
+const MAGIC: &str = concat!("itpms-fmu-state 2 ", env!("CARGO_PKG_VERSION"), " ");
+/// Wheel speeds alone come at least so often.
+const WHEEL_SPEED_RATE_HZ: f64 = 9.5;
 /// Stack of what builds a car from bytes; a simulation tool's thread may have less.
 const STACK_BYTES: usize = 32 << 20;
 
@@ -31,9 +35,14 @@ pub enum ModelError {
     /// The drive cannot begin.
     #[error(transparent)]
     Drive(#[from] DriveError),
-    /// A step of no length.
-    #[error("a step of {0} s, expected a positive, finite length")]
-    Step(f64),
+    /// A step that is no time between two samples.
+    #[error(
+        "a step of {0} s, expected {1}: a step is the time between two samples, which the tool sets (FMPy: step_size=0.002, output_interval=0.002)"
+    )]
+    Step(f64, &'static str),
+    /// A step that the standard does not allow then.
+    #[error("a step {0}, expected it after the initialization and before the end")]
+    Order(&'static str),
     /// A saved state that cannot be used.
     #[error("the saved state {0}")]
     State(String),
@@ -46,6 +55,18 @@ pub struct Model {
     variables: Vec<Variable>,
     values: Vec<f64>,
     drive: Option<Box<Drive>>,
+    phase: Phase,
+}
+
+/// What a tool has done with a unit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Phase {
+    /// Made, or reset.
+    Made,
+    /// Initialized: it can be stepped.
+    Initialized,
+    /// Terminated: only a reset goes on.
+    Terminated,
 }
 
 impl Model {
@@ -54,7 +75,7 @@ impl Model {
     pub fn new(file: Vehicle) -> Self {
         let variables = variables(&file);
         let values = variables.iter().map(|variable| variable.start).collect();
-        Self { file, variables, values, drive: None }
+        Self { file, variables, values, drive: None, phase: Phase::Made }
     }
 
     /// The same of the vehicle file in a folder of resources.
@@ -105,17 +126,41 @@ impl Model {
         *self = Self::new(self.file.clone());
     }
 
+    /// The tool has initialized or terminated it.
+    ///
+    /// # Errors
+    /// It was terminated before.
+    pub fn enter(&mut self, phase: Phase) -> Result<(), ModelError> {
+        if self.phase == Phase::Terminated {
+            return Err(ModelError::Order("or an initialization after the end"));
+        }
+        self.phase = phase;
+        Ok(())
+    }
+
     /// Takes the inputs as the sample at `time_s`; what can be read then is what is known after it. The first step begins the drive, and says
     /// how many samples a second to expect.
     ///
     /// # Errors
-    /// A step of no length; a parameter that the estimator refuses.
+    /// A step before the initialization, after the end or of no length, a first one that is no time between two samples; a parameter that
+    /// the estimator refuses.
     pub fn step(&mut self, time_s: f64, step_s: f64) -> Result<(), ModelError> {
+        match self.phase {
+            Phase::Made => return Err(ModelError::Order("before the initialization")),
+            Phase::Initialized => {}
+            Phase::Terminated => return Err(ModelError::Order("after the end")),
+        }
         if !(step_s > 0.0 && step_s.is_finite() && time_s.is_finite()) {
-            return Err(ModelError::Step(step_s));
+            return Err(ModelError::Step(step_s, "a positive, finite length"));
         }
         let corners = self.measured();
         if self.drive.is_none() {
+            let rate_hz = step_s.recip();
+            if !corners.is_empty() && !SAMPLE_RATES_HZ.contains(&rate_hz) {
+                return Err(ModelError::Step(step_s, "0.0005 to 0.01 s"));
+            } else if rate_hz < WHEEL_SPEED_RATE_HZ {
+                return Err(ModelError::Step(step_s, "at most 0.1 s"));
+            }
             self.drive = Some(Box::new(self.begin(&corners, step_s.recip())?));
         }
         let mut row = self.row(time_s, &corners);
@@ -213,7 +258,7 @@ impl Model {
     fn write(&mut self, now_s: f64, estimate: &CarEstimate<f64>) {
         let Some(drive) = &self.drive else { return };
         let report = drive.report();
-        let taught = drive.learned();
+        let (taught, radii) = (drive.learned(), drive.radii());
         let flag = |holds: bool| f64::from(u8::from(holds));
         for (variable, value) in self.variables.iter().zip(&mut self.values) {
             let written = match variable.role {
@@ -235,11 +280,18 @@ impl Model {
                     let number = |number: fn(&itpms_core::CornerEstimate<f64>) -> f64| {
                         Some(found.as_ref().map_or(f64::NAN, number))
                     };
+                    let rolls = |number: fn(&itpms_core::wheel_speed::WheelRadius<f64>) -> f64| {
+                        let wheel = radii.as_ref().map(|row| &row.radii.wheels[corner.index()]);
+                        Some(wheel.map_or(f64::NAN, number))
+                    };
                     match of {
                         OfCorner::Pressure => number(|e| e.pressure_kpa),
                         OfCorner::PressureSd => number(|e| e.pressure_sd_kpa),
-                        OfCorner::Lost => number(|e| e.loss.map_or(f64::NAN, |loss| loss.lost_kpa)),
-                        OfCorner::LostSd => number(|e| e.loss.map_or(f64::NAN, |loss| loss.lost_sd_kpa)),
+                        OfCorner::Lost => number(|e| e.lost_kpa()[0]),
+                        OfCorner::LostSd => number(|e| e.lost_kpa()[1]),
+                        OfCorner::LostShare => rolls(|wheel| wheel.lost_share),
+                        OfCorner::LostShareSd => rolls(|wheel| wheel.lost_share_sd),
+                        OfCorner::DetectableLoss => rolls(|wheel| wheel.detectable_loss_share),
                         OfCorner::Stiffness => number(|e| e.stiffness_n_per_m),
                         OfCorner::Road => number(|e| e.road_m),
                         OfCorner::RoadSd => number(|e| e.road_sd_m),
@@ -262,7 +314,7 @@ impl Model {
     /// # Errors
     /// It cannot be written, which a car of ours always can.
     pub fn to_bytes(&self) -> Result<Vec<u8>, ModelError> {
-        let body = postcard::to_stdvec(&(self.file.to_toml(), &self.values, &self.drive))
+        let body = postcard::to_stdvec(&(self.file.to_toml(), &self.values, &self.drive, self.phase))
             .map_err(|error| ModelError::State(format!("cannot be written: {error}")))?;
         let head = format!("{MAGIC}{:016x}\n", crc64(&[&body]));
         Ok([head.as_bytes(), &body].concat())
@@ -279,8 +331,8 @@ impl Model {
         if seal != format!("{:016x}\n", crc64(&[body])).as_bytes() {
             return Err(refuse("is damaged: its checksum does not fit"));
         }
-        type Saved = (String, Vec<f64>, Option<Box<Drive>>);
-        let (file, values, drive) = thread::scope(|scope| {
+        type Saved = (String, Vec<f64>, Option<Box<Drive>>, Phase);
+        let (file, values, drive, phase) = thread::scope(|scope| {
             let reading = thread::Builder::new().stack_size(STACK_BYTES);
             let reading = reading.spawn_scoped(scope, || postcard::from_bytes::<Saved>(body));
             reading.ok().and_then(|reading| reading.join().ok()?.ok())
@@ -289,7 +341,7 @@ impl Model {
         if file != self.file.to_toml() || values.len() != self.variables.len() {
             return Err(refuse("is of another vehicle file"));
         }
-        (self.values, self.drive) = (values, drive);
+        (self.values, self.drive, self.phase) = (values, drive, phase);
         Ok(())
     }
 }
@@ -328,6 +380,12 @@ mod tests {
         model.get(reference(model, name)).unwrap().1
     }
 
+    fn initialized() -> Model {
+        let mut model = Model::new(Vehicle::paper());
+        model.enter(Phase::Initialized).unwrap();
+        model
+    }
+
     /// Two sines at every wheel, for so many steps.
     fn drive(model: &mut Model, steps: std::ops::Range<u32>) {
         for k in steps {
@@ -343,12 +401,26 @@ mod tests {
 
     #[test]
     fn parameters_are_the_files_until_they_are_set_and_fixed_from_the_first_step_on() {
-        let mut model = Model::new(Vehicle::paper());
+        let mut model = initialized();
         assert_eq!(get(&model, "rr_unsprung_mass_kg"), 56.9);
         assert!(set(&mut model, "rr_unsprung_mass_kg", f64::NAN));
         let error = model.step(0.0, 0.002).unwrap_err().to_string();
         assert!(error.starts_with("unsprung_mass_kg is NaN"), "{error}");
         model.reset();
+        assert!(model.step(0.0, 0.002).unwrap_err().to_string().contains("before the initialization"));
+        model.enter(Phase::Initialized).unwrap();
+        for wheelbase_m in [-1.0, f64::NAN, 1e308, f64::INFINITY] {
+            assert!(set(&mut model, "wheelbase_m", wheelbase_m));
+            let error = model.step(0.0, 0.002).unwrap_err().to_string();
+            assert!(error.starts_with("wheelbase_m is"), "{error}");
+        }
+        for step_s in [0.04, 0.011, 0.0004, 1.0] {
+            let error = model.step(0.0, step_s).unwrap_err().to_string();
+            assert!(
+                error.contains("expected 0.0005 to 0.01 s") && error.contains("output_interval"),
+                "{error}"
+            );
+        }
         assert!(set(&mut model, "wheelbase_m", 2.6) && !set(&mut model, "fl_pressure_kpa", 200.0));
         drive(&mut model, 0..10);
         assert!(!set(&mut model, "wheelbase_m", 2.7) && set(&mut model, "speed_m_s", 21.0));
@@ -357,11 +429,14 @@ mod tests {
         for step_s in [0.0, -0.002, f64::NAN, f64::INFINITY] {
             assert!(model.step(1.0, step_s).is_err());
         }
+        model.enter(Phase::Terminated).unwrap();
+        assert!(model.step(1.0, 0.002).unwrap_err().to_string().contains("after the end"));
+        assert!(model.enter(Phase::Initialized).is_err());
     }
 
     #[test]
     fn a_car_without_sensors_is_refused_and_wheel_speeds_need_their_keys() {
-        let mut model = Model::new(Vehicle::paper());
+        let mut model = initialized();
         for corner in ["fl", "fr", "rl", "rr"] {
             assert!(set(&mut model, &format!("{corner}_is_measured"), 0.0));
         }
@@ -373,7 +448,7 @@ mod tests {
 
     #[test]
     fn a_saved_state_goes_on_and_a_damaged_one_changes_nothing() {
-        let mut model = Model::new(Vehicle::paper());
+        let mut model = initialized();
         drive(&mut model, 0..2000);
         let mut bytes = model.to_bytes().unwrap();
         let mut other = Model::new(Vehicle::paper());

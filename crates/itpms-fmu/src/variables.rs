@@ -77,6 +77,9 @@ pub enum OfCorner {
     PressureSd,
     Lost,
     LostSd,
+    LostShare,
+    LostShareSd,
+    DetectableLoss,
     Stiffness,
     Road,
     RoadSd,
@@ -169,7 +172,7 @@ const CAR: [Row<OfCar>; 13] = {
     ]
 };
 
-const CORNER: [Row<OfCorner>; 21] = {
+const CORNER: [Row<OfCorner>; 24] = {
     use Causality::{Input, Output, Parameter};
     use Kind::{Boolean, Integer, Real};
     [
@@ -234,9 +237,26 @@ const CORNER: [Row<OfCorner>; 21] = {
             Real,
             "lost_kpa",
             "kPa",
-            "What the tire has lost in this drive; NaN as long as that is not counted.",
+            "What the tire has lost in this drive; NaN as long as that is not counted, and where it was low before that.",
         ),
         (OfCorner::LostSd, Output, Real, "lost_sd_kpa", "kPa", "Its standard deviation."),
+        (
+            OfCorner::LostShare,
+            Output,
+            Real,
+            "lost_share",
+            "",
+            "By wheel speeds: share of its pressure that the tire has lost since the calibration, against the others; NaN: not compared.",
+        ),
+        (OfCorner::LostShareSd, Output, Real, "lost_share_sd", "", "Its standard deviation."),
+        (
+            OfCorner::DetectableLoss,
+            Output,
+            Real,
+            "detectable_loss",
+            "",
+            "By wheel speeds: the smallest loss of this tire alone that would have shown, as a share of its pressure.",
+        ),
         (OfCorner::Stiffness, Output, Real, "stiffness_n_per_m", "N/m", "Tire stiffness."),
         (OfCorner::Road, Output, Real, "road_m", "m", "Height of the road under the wheel, without drift."),
         (OfCorner::RoadSd, Output, Real, "road_sd_m", "m", "Its standard deviation."),

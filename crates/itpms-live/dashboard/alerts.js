@@ -11,6 +11,7 @@ const KINDS = {
   "over-inflated": ["over", "Too high"],
   flat: ["low", "Flat, on its rim"],
   differs: ["low", "Differs from the others"],
+  "slow-leak": ["low", "Slow leak"],
   malfunction: ["malfunction", "Malfunction"],
   "no-information": ["unknown", "No information"],
 };
@@ -49,7 +50,7 @@ function reason(alert) {
     case "no-information":
       return `no information in ${n(alert.driven_s / 60)} min of driving`;
     default:
-      return (alert.text ?? "").replace(/; since .*$/, "").replace(/^malfunction: /, "").replace(/\b(fl|fr|rl|rr)\b/g, (corner) => lower(NAMES[corner]));
+      return (alert.text ?? "").replace(/; since .*$/, "").replace(/^(malfunction: |\w+ slow leak: )/, "").replace(/\b(fl|fr|rl|rr)\b/g, (corner) => lower(NAMES[corner]));
   }
 }
 

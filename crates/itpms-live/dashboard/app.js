@@ -9,7 +9,7 @@ import { Past } from "./past.js";
 import { Roads } from "./roads.js";
 import { Status } from "./status.js";
 import { drawWheels } from "./wheels.js";
-import { CORNERS, NAMES, STATES, UNIT, attribute, digits, element, lower, moment, number, plain, put, span, speedDoubt, verdict } from "./words.js";
+import { CORNERS, NAMES, STATES, UNIT, attribute, digits, element, lower, moment, number, plain, put, rolls, span, speedDoubt, verdict } from "./words.js";
 
 const calm = matchMedia("(prefers-reduced-motion: reduce)");
 const by = (id) => document.getElementById(id);
@@ -113,9 +113,13 @@ function subline(snapshot) {
 
 function drawCharts() {
   const stretch = span_s > 60 ? past.coarse : past.fine, said = [...alerts.known.values()];
-  pressures.draw(stretch, newest, said);
+  // Without accelerometers there are no pressures, no road, and nothing to say of sensors that are not there.
+  const alone = newest?.wheels.length > 0 && newest.wheels.every(rolls);
+  for (const id of ["pressure-charts", "pressure-words", "road", "gates-panel", "sensors-table"]) by(id).hidden = alone;
+  put(by("history-title"), alone ? "Wheels over time" : "Pressures over time");
+  if (!alone) pressures.draw(stretch, newest, said);
   states.draw(stretch, newest);
-  roads.draw(past, stretch, newest);
+  if (!alone) roads.draw(past, stretch, newest);
   if (by("table-box").open) drawTable();
 }
 

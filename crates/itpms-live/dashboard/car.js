@@ -1,6 +1,6 @@
 // The car from above: four tires told apart by color, outline, sign and word.
 
-import { CORNERS, NAMES, UNIT, attribute, badge, isShown, kind, number, put, reading, short, STATES } from "./words.js";
+import { CORNERS, NAMES, UNIT, attribute, badge, isShown, kind, number, pressure, put, reading, rolls, short, STATES } from "./words.js";
 
 const tires = Object.fromEntries(CORNERS.map((corner) => {
   const group = document.getElementById("tire-" + corner);
@@ -17,8 +17,8 @@ export function drawCar(snapshot, state) {
     attribute(tire.group, "class", "tire " + is);
     attribute(tire.sign, "href", wheel ? "#sign-" + is : "#sign-none");
     // There is room for whole numbers; the cards have the rest.
-    put(tire.number, !wheel ? "" : isShown(wheel) ? number(wheel.pressure_kpa, 0) : "–");
-    put(tire.spread, !wheel ? "no data" : isShown(wheel) ? `± ${number(wheel.pressure_sd_kpa, 0)} ${UNIT}` : UNIT);
+    put(tire.number, !wheel ? "" : rolls(wheel) ? pressure(wheel) : isShown(wheel) ? number(wheel.pressure_kpa, 0) : "–");
+    put(tire.spread, !wheel ? "no data" : rolls(wheel) ? (wheel.lost_share == null ? "" : "lost") : isShown(wheel) ? `± ${number(wheel.pressure_sd_kpa, 0)} ${UNIT}` : UNIT);
     put(tire.word, wheel ? (old ? STATES[is].was : short(wheel)) : "");
   }
   const said = (snapshot?.wheels ?? []).map((wheel) => `${NAMES[wheel.corner]}: ${badge(wheel)}, ${reading(wheel)}`);

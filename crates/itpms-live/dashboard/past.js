@@ -6,7 +6,7 @@ import { CORNERS } from "./words.js";
 const FIELDS = ["state", "pressure_kpa", "pressure_sd_kpa", "gate", "iri_m_per_km", "road_m"];
 
 // More than a time of the past, in whole milliseconds, may be ahead of the one that was rounded.
-export const ROUNDED_S = 1e-3;
+const ROUNDED_S = 1e-3;
 
 class Stretch {
   constructor(step_s, span_s) {

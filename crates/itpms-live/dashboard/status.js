@@ -1,13 +1,11 @@
 // Whether what is shown is now. Says so in words, and greys what is not.
 
-import { ROUNDED_S } from "./past.js";
 import { plain, put, span, timeOfDay } from "./words.js";
 
 export class Status {
   constructor() {
-    // When rows last came, on this machine's clock; NaN: never.
+    // When the newest row came, by the server on this machine's clock; NaN: never.
     this.data_ms = NaN;
-    this.time_s = null;
     this.health = null;
     this.banner = document.getElementById("status");
     this.word = document.getElementById("status-word");
@@ -21,18 +19,18 @@ export class Status {
     this.offset_ms = Date.now() - hello.unix_s * 1000;
   }
   history(history) {
-    const unix_s = Math.max(history.fine.unix_s.at(-1) ?? NaN, this.time_s == null ? -Infinity : (this.data_ms - this.offset_ms) / 1000);
-    if (Number.isFinite(unix_s)) this.data_ms = unix_s * 1000 + this.offset_ms;
-    this.time_s = history.fine.time_s.at(-1) ?? this.time_s;
+    this.date(history.fine.time_s.at(-1), history.fine.unix_s.at(-1));
+  }
+  // Before the first row there is no time of the data's own, and `unix_s` is the monitor's start.
+  date(time_s, unix_s) {
+    const ms = time_s == null || unix_s == null ? NaN : unix_s * 1000 + this.offset_ms;
+    if (Number.isNaN(ms) || ms === this.data_ms) return false;
+    this.data_ms = ms;
+    return true;
   }
   snapshot(snapshot) {
-    // What the server sent of the past is rounded: data that are in it already are as old as it says.
-    if (snapshot.time_s != null && !(Math.abs(snapshot.time_s - (this.time_s ?? Infinity)) < ROUNDED_S)) {
-      this.time_s = snapshot.time_s;
-      this.data_ms = Date.now();
-      // What was overdue has come.
-      this.health = null;
-    }
+    // What was overdue has come.
+    if (this.date(snapshot.time_s, snapshot.unix_s)) this.health = null;
     this.source = snapshot.source;
   }
   beat(beat) {

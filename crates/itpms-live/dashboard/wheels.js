@@ -1,6 +1,6 @@
 // A card per wheel: state, pressure with its standard deviation, what it should be, and how much is being learned.
 
-import { NAMES, UNIT, attribute, badge, element, isShown, kind, number, pressure, put, span, spread, LEVELS, STATES } from "./words.js";
+import { NAMES, UNIT, attribute, badge, element, isShown, kind, number, pressure, put, rolls, shows, span, spread, LEVELS, STATES } from "./words.js";
 
 const host = document.getElementById("cards");
 const cards = new Map();
@@ -20,7 +20,7 @@ function card(corner) {
   foot.append(should, learned, rests);
   article.append(name, mark, number, gauge, foot);
   host.append(article);
-  return { article, mark, value, sd, fill, band, should, learned, rests };
+  return { article, mark, value, sd, gauge, fill, band, should, learned, rests };
 }
 
 const percent = (share) => (100 * Math.min(1, Math.max(0, share))).toFixed(1) + "%";
@@ -42,9 +42,10 @@ export function drawWheels(snapshot, state) {
     c.band.style.left = shown ? percent((wheel.pressure_kpa - 2 * wheel.pressure_sd_kpa) / full) : "0";
     c.band.style.width = shown ? percent((4 * wheel.pressure_sd_kpa) / full) : "0";
     const same = Math.abs(wheel.reference_kpa - wheel.placard_kpa) < 0.5;
-    put(c.should, same || wheel.reference_kpa == null ? `placard ${number(wheel.placard_kpa, 0)} ${UNIT}` : `reference ${number(wheel.reference_kpa, 0)} ${UNIT}`);
+    c.gauge.hidden = rolls(wheel);
+    put(c.should, rolls(wheel) ? shows(wheel) : same || wheel.reference_kpa == null ? `placard ${number(wheel.placard_kpa, 0)} ${UNIT}` : `reference ${number(wheel.reference_kpa, 0)} ${UNIT}`);
     put(c.learned, old ? "" : wheel.informed_age_s == null ? "no estimate yet" : wheel.informed_age_s < 5 ? "updating" : `updated ${span(wheel.informed_age_s)} ago`);
     // The level may be no better than the vehicle file while a change is known well.
-    put(c.rests, shown && LEVELS[wheel.level] ? `${LEVELS[wheel.level]}; changes ± ${number(wheel.change_sd_kpa, 1)} ${UNIT}` : "");
+    put(c.rests, rolls(wheel) ? LEVELS[wheel.level] : shown && LEVELS[wheel.level] ? `${LEVELS[wheel.level]}; changes ± ${number(wheel.change_sd_kpa, 1)} ${UNIT}` : "");
   }
 }

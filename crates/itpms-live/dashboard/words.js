@@ -48,9 +48,13 @@ export const number = (kpa, n) => exact(inUnit(kpa), n);
 
 // What may be shown of a wheel's pressure.
 export const isShown = (wheel) => wheel && wheel.valid && wheel.pressure_kpa != null && wheel.pressure_sd_kpa != null;
+// A car of which the wheel speeds alone are known: no pressure, but what each tire has lost against the others.
+export const rolls = (wheel) => wheel?.level === "other-tires";
+const percent = (share) => `${(100 * share).toFixed(0)} %`;
+export const shows = (wheel) => (wheel.detectable_loss == null || wheel.detectable_loss > 0.9 ? "no loss would show yet" : `a loss of ${percent(wheel.detectable_loss)} would show`);
 const places = (sd) => (sd < 1.95 ? 1 : 0);
-export const pressure = (wheel) => (isShown(wheel) ? number(wheel.pressure_kpa, places(wheel.pressure_sd_kpa)) : "–");
-export const spread = (wheel) => (isShown(wheel) ? `± ${number(wheel.pressure_sd_kpa, places(wheel.pressure_sd_kpa))} ${UNIT}` : UNIT);
+export const pressure = (wheel) => (rolls(wheel) ? (wheel.lost_share == null ? "–" : percent(wheel.lost_share)) : isShown(wheel) ? number(wheel.pressure_kpa, places(wheel.pressure_sd_kpa)) : "–");
+export const spread = (wheel) => (rolls(wheel) ? (wheel.lost_share == null ? "not compared yet" : `± ${percent(wheel.lost_share_sd)} lost`) : isShown(wheel) ? `± ${number(wheel.pressure_sd_kpa, places(wheel.pressure_sd_kpa))} ${UNIT}` : UNIT);
 export const reading = (wheel) => `${pressure(wheel)} ${spread(wheel)}`;
 export const digits = (value, n) => (value == null || Number.isNaN(value) ? "–" : value.toFixed(n));
 export const count = (value) => (value == null ? "–" : value.toLocaleString("en-US").replaceAll(",", "\u202f"));
@@ -104,7 +108,7 @@ export function verdict(snapshot, old) {
   const names = (some) => list(some.map((wheel, i) => (i ? lower(NAMES[wheel.corner]) : NAMES[wheel.corner])));
   const are = (some) => (some.length > 1 ? "are" : "is");
   const low = of("low"), over = of("over"), broken = of("malfunction"), unknown = of("unknown"), fine = of("fine");
-  if (low.length === 1) return `${names(low)} is low` + (isShown(low[0]) ? `: ${reading(low[0])}` : "");
+  if (low.length === 1) return `${names(low)} is low` + (isShown(low[0]) || rolls(low[0]) ? `: ${reading(low[0])}` : "");
   if (low.length && low.length === wheels.length) return `All ${low.length} tires are low`;
   if (low.length) return `${names(low)} are low`;
   if (broken.length) return `${names(broken)}: the sensors allow no statement`;

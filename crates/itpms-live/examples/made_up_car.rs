@@ -65,6 +65,7 @@ struct Car {
     seq: u64,
     transitions: u64,
     time_s: f64,
+    unix_s: f64,
     source: SourceState,
     frozen: bool,
     states: [&'static str; 4],
@@ -80,6 +81,7 @@ impl Car {
             seq: 0,
             transitions: 0,
             time_s: 0.0,
+            unix_s: f64::NAN,
             source: SourceState::Live,
             frozen: false,
             states: ["unknown"; 4],
@@ -92,7 +94,7 @@ impl Car {
         if self.source != SourceState::Live {
             return;
         }
-        self.time_s = time_s;
+        (self.time_s, self.unix_s) = (time_s, unix_s());
         for (state, since_s) in self.states.iter_mut().zip(&self.since_s) {
             if *state == "unknown" && *since_s == 0.0 && time_s > 3.0 {
                 *state = "fine";
@@ -147,7 +149,7 @@ impl Car {
         Snapshot {
             seq: self.seq,
             time_s: self.time_s,
-            unix_s: unix_s(),
+            unix_s: self.unix_s,
             source: Source {
                 name: self.name.to_owned(),
                 kind: "replay",
@@ -165,6 +167,7 @@ impl Car {
             speed_doubt: None,
             distance_m: SPEED_M_S * self.time_s,
             latency_ms: Latency { p50: 0.4, p99: 1.1, max: 2.3 },
+            not_estimated: Default::default(),
             all_fine: live && wheels.iter().all(|wheel| wheel.state == "fine"),
             tracks: ["left", "right"].map(|side| Track { side, shared: true, incoherence: 0.07 }).to_vec(),
             alerts: self.alerts.clone(),
@@ -197,6 +200,11 @@ impl Car {
             axle_difference_sd_kpa: Some(1.2 * sd_kpa),
             lost_kpa: None,
             lost_sd_kpa: None,
+            cold_pressure_kpa: None,
+            cold_pressure_sd_kpa: None,
+            lost_share: None,
+            lost_share_sd: None,
+            detectable_loss: None,
             level: "calibration",
             stiffness_n_per_m: 233_000.0,
             reference_kpa: 241.3,

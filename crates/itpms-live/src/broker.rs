@@ -2,7 +2,7 @@
 
 use std::path::Path;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use rumqttc::{MqttOptions, NetworkOptions, TlsConfiguration, Transport};
 use rustls::ClientConfig;
@@ -170,22 +170,39 @@ impl BrokerAddress {
     }
 }
 
-/// Pauses between attempts that double.
+/// Pauses between attempts that double, until a connection has lasted: a broker that takes everybody and sends them away again at once (a
+/// second client of our name, no right to the topic) is not asked ten times a second.
 #[derive(Debug)]
-pub(crate) struct Backoff(Duration);
+pub(crate) struct Backoff {
+    pause: Duration,
+    connected: Option<Instant>,
+}
 
 impl Default for Backoff {
     fn default() -> Self {
-        Self(FIRST_PAUSE)
+        Self { pause: FIRST_PAUSE, connected: None }
     }
 }
 
 impl Backoff {
     /// The next pause.
     pub(crate) fn next(&mut self) -> Duration {
-        let pause = self.0;
-        self.0 = (2 * self.0).min(LONGEST_PAUSE);
+        self.next_at(Instant::now())
+    }
+
+    fn next_at(&mut self, now: Instant) -> Duration {
+        let lasted = self.connected.take().map(|since| now.saturating_duration_since(since));
+        if lasted.is_some_and(|lasted| lasted >= LONGEST_PAUSE) {
+            self.reset();
+        }
+        let pause = self.pause;
+        self.pause = (2 * self.pause).min(LONGEST_PAUSE);
         pause
+    }
+
+    /// A connection was made.
+    pub(crate) fn connected(&mut self) {
+        self.connected = Some(Instant::now());
     }
 
     /// It worked.
@@ -197,6 +214,20 @@ impl Backoff {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_connection_that_does_not_last_shortens_no_pause() {
+        let mut backoff = Backoff::default();
+        let mut pauses = Vec::new();
+        for _ in 0..8 {
+            backoff.connected();
+            pauses.push(backoff.next().as_millis());
+        }
+        assert_eq!(pauses, [100, 200, 400, 800, 1600, 3200, 5000, 5000]);
+        backoff.connected();
+        assert_eq!(backoff.next_at(Instant::now() + LONGEST_PAUSE), FIRST_PAUSE, "one that has lasted does");
+        assert_eq!(backoff.next(), 2 * FIRST_PAUSE, "and no connection is none");
+    }
 
     #[test]
     fn addresses_are_read_or_refused() {

@@ -32,8 +32,13 @@ fn rolling(drive: &Drive, vehicle: &Vehicle, corner: Corner) -> Option<Wheel> {
         pressure_sd_kpa: nan,
         change_sd_kpa: nan,
         axle_difference_sd_kpa: None,
-        lost_kpa: Some(radius.lost_share * placard_kpa).filter(|lost_kpa| lost_kpa.is_finite()),
-        lost_sd_kpa: Some(radius.lost_share_sd * placard_kpa).filter(|sd_kpa| sd_kpa.is_finite()),
+        lost_kpa: known(radius.lost_share * placard_kpa),
+        lost_sd_kpa: known(radius.lost_share_sd * placard_kpa),
+        cold_pressure_kpa: None,
+        cold_pressure_sd_kpa: None,
+        lost_share: known(radius.lost_share),
+        lost_share_sd: known(radius.lost_share_sd),
+        detectable_loss: known(radius.detectable_loss_share),
         level: Level::OtherTires.label(),
         stiffness_n_per_m: nan,
         reference_kpa: placard_kpa,
@@ -45,6 +50,10 @@ fn rolling(drive: &Drive, vehicle: &Vehicle, corner: Corner) -> Option<Wheel> {
         road_m: nan,
         iri_m_per_km: nan,
     })
+}
+
+fn known(value: f64) -> Option<f64> {
+    Some(value).filter(|value| value.is_finite())
 }
 
 /// Why a wheel is not known, if it is not.
@@ -70,8 +79,13 @@ fn wheel(drive: &Drive, vehicle: &Vehicle, corner: Corner) -> Option<Wheel> {
         pressure_sd_kpa: estimate.pressure_sd_kpa,
         change_sd_kpa: estimate.change_sd_kpa,
         axle_difference_sd_kpa: estimate.axle_difference_sd_kpa,
-        lost_kpa: estimate.loss.map(|loss| loss.lost_kpa),
-        lost_sd_kpa: estimate.loss.map(|loss| loss.lost_sd_kpa),
+        lost_kpa: known(estimate.lost_kpa()[0]),
+        lost_sd_kpa: known(estimate.lost_kpa()[1]),
+        cold_pressure_kpa: estimate.cold.and_then(|cold| known(cold.pressure_kpa)),
+        cold_pressure_sd_kpa: estimate.cold.and_then(|cold| known(cold.sd_kpa)),
+        lost_share: None,
+        lost_share_sd: None,
+        detectable_loss: None,
         level: estimate.level.label(),
         stiffness_n_per_m: estimate.stiffness_n_per_m,
         reference_kpa: report.map_or(placard_kpa, |report| report.reference_kpa),

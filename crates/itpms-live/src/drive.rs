@@ -51,7 +51,8 @@ impl Drive {
     pub fn new(vehicle: &Vehicle, clock: Clock, options: &DriveOptions) -> Result<Self, LiveError> {
         let config = vehicle.car_config(&clock.corners);
         let refused = |error: &dyn std::fmt::Display| LiveError::Refused(error.to_string());
-        let config = MonitorConfig { limits: options.regulation.into(), ..MonitorConfig::new(&config) };
+        let (limits, home_kpa) = (options.regulation.into(), vehicle.home_kpa());
+        let config = MonitorConfig { limits, home_kpa, ..MonitorConfig::new(&config) };
         let mut car = Box::new(MonitoredCar::unconfigured());
         // Without corners there is nothing to configure: wheel speeds are all there is.
         let alone = clock.corners.is_empty();
@@ -95,6 +96,7 @@ impl Drive {
 
     /// Takes a row; gives what began and ended to `reported`. `true` if an estimate is due to be published.
     pub fn update(&mut self, row: &LogRow, mut reported: impl FnMut(f64, Change<f64>)) -> bool {
+        self.car.follow_air(&row.motion.air);
         let mut estimate = self.car.update(&row.sample());
         self.road.update(&row.sample(), &self.car.estimator().quarter_cars(), &mut estimate);
         let progress = &mut self.progress;

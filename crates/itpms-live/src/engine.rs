@@ -3,7 +3,7 @@
 //! Owned by the estimating thread. Reads no clock but the wall's, for stamps and latency: what is estimated depends on the
 //! rows alone. Knows nothing of threads; where snapshots go is its caller's business.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
@@ -12,6 +12,7 @@ use itpms_core::warning::Change;
 use itpms_data::log::{SURVEY_ROWS, Survey};
 use itpms_data::out::{RateGate, alert_object};
 use itpms_data::pulses::Pulse;
+use itpms_data::signals::doubt_of;
 use itpms_data::{LogRow, Vehicle};
 
 use crate::describe;
@@ -59,9 +60,15 @@ pub struct Engine {
     snapshots: u64,
     transitions: u64,
     past: Past,
+    /// Wall clock when the newest row came; NaN before the first one.
+    newest_unix_s: f64,
     units: UnitWatch,
     /// Whether it was reported that rows come in bursts.
     bursts_reported: bool,
+    /// What was doubtful about the source's signals.
+    doubts: Vec<String>,
+    /// Corners of the vehicle that do not come, and why.
+    not_estimated: BTreeMap<&'static str, String>,
 }
 
 enum Stage {
@@ -108,9 +115,18 @@ impl Engine {
             snapshots: 0,
             transitions: 0,
             past: Past::new(),
+            newest_unix_s: unix_s(),
             units,
             bursts_reported: false,
+            doubts: Vec::new(),
+            not_estimated: BTreeMap::new(),
         }
+    }
+
+    /// The same, knowing what was doubtful about the source's signals.
+    #[must_use]
+    pub fn knowing(self, doubts: Vec<String>) -> Self {
+        Self { doubts, ..self }
     }
 
     /// The counters that are shown with every snapshot; the source's part of the work keeps them up to date.
@@ -202,7 +218,7 @@ impl Engine {
         };
         let wheel_speeds = rows.iter().any(roll);
         let rate_hz = match Survey::of(&rows) {
-            Ok(survey) => survey.sample_rate_hz,
+            Ok(survey) => survey.estimator_rate_hz(),
             Err(problem) => {
                 // Perhaps the bus was just waking up: the newer half may be better.
                 self.warn(&format!("{problem}; looking on"));
@@ -229,7 +245,12 @@ impl Engine {
     }
 
     /// What of the source's corners the vehicle has.
-    fn clock(&self, sample_rate_hz: f64, corners: &[Corner], wheel_speeds: bool) -> Result<Clock, LiveError> {
+    fn clock(
+        &mut self,
+        sample_rate_hz: f64,
+        corners: &[Corner],
+        wheel_speeds: bool,
+    ) -> Result<Clock, LiveError> {
         let described = |corner: &Corner| self.vehicle.corner(*corner).is_some();
         let common: Vec<Corner> = corners.iter().copied().filter(described).collect();
         let usable = self.vehicle.wheel_speed_config();
@@ -246,7 +267,10 @@ impl Engine {
                 source_name: self.source.name.clone(),
                 found: labels(corners),
                 vehicle: self.vehicle.name.clone(),
-                described: labels(&all),
+                described: match all[..] {
+                    [] => "none: it is for wheel speeds alone".to_owned(),
+                    _ => labels(&all),
+                },
             });
         }
         for corner in corners.iter().filter(|corner| !described(corner)) {
@@ -257,11 +281,12 @@ impl Engine {
             )));
         }
         for corner in Corner::ALL.iter().filter(|corner| described(corner) && !corners.contains(corner)) {
-            let label = corner.label();
-            let name = &self.source.name;
-            (self.say)(Note::Warning(format!(
-                "{name}: corner {label} of the vehicle file is not among the signals"
-            )));
+            let log = if self.source.kind == "replay" { "in the log" } else { "among the signals" };
+            let doubt =
+                doubt_of(*corner, &self.doubts).map_or_else(String::new, |doubt| format!(": {doubt}"));
+            let why = format!("not {log}{doubt}");
+            self.warn(&format!("corner {} of the vehicle file is {why}", corner.label()));
+            self.not_estimated.insert(corner.label(), why);
         }
         Ok(Clock { sample_rate_hz, corners: common, wheel_speeds })
     }
@@ -327,6 +352,7 @@ impl Engine {
             (self.say)(Note::Warning(format!("{}: {word}", self.source.name)));
         }
         self.source.rows += 1;
+        self.newest_unix_s = unix_s();
         if let Some(arrived) = arrived {
             let now = Instant::now();
             self.latency.add(now.saturating_duration_since(arrived), now);
@@ -345,7 +371,7 @@ impl Engine {
         let mut snapshot = Snapshot {
             seq,
             time_s: f64::NAN,
-            unix_s: unix_s(),
+            unix_s: self.newest_unix_s,
             source: self.source.clone(),
             vehicle: self.vehicle.name.clone(),
             speed_m_s: f64::NAN,
@@ -356,6 +382,7 @@ impl Engine {
             tracks: Vec::new(),
             alerts: Vec::new(),
             sensors: Vec::new(),
+            not_estimated: self.not_estimated.clone(),
             all_fine: false,
         };
         if let Stage::Running(drive) = &self.stage {

@@ -43,6 +43,12 @@ impl Feed {
         self.aligner.columns().are_enough()
     }
 
+    /// What was doubtful about the signals.
+    #[must_use]
+    pub fn doubts(&self) -> Vec<String> {
+        self.decoder.resolved().assumptions()
+    }
+
     /// Frames with a signal that is wanted.
     #[must_use]
     pub fn used(&self) -> u64 {

@@ -189,6 +189,7 @@ mod tests {
             tracks: vec![],
             alerts: vec![],
             sensors: vec![],
+            not_estimated: Default::default(),
             all_fine: false,
         })
     }

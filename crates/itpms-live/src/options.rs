@@ -2,7 +2,7 @@
 
 use itpms_core::model::VehicleCalibration;
 use itpms_core::warning::Regulation;
-use itpms_core::wheel_speed::RadiusCalibration;
+use itpms_core::wheel_speed::{RadiusCalibration, RadiusDays};
 use itpms_data::log::UnitCheck;
 use itpms_data::reference::LearnedTorsion;
 
@@ -17,6 +17,8 @@ pub struct DriveOptions {
     pub reference: Option<VehicleCalibration<f64>>,
     /// The same of its wheel speeds.
     pub wheel_reference: Option<RadiusCalibration<f64>>,
+    /// What the days since then have shown of them.
+    pub days_reference: Option<RadiusDays<f64>>,
     /// Whether tooth pulses come, too.
     pub pulses: bool,
     /// What an earlier calibration taught of them.
@@ -34,6 +36,7 @@ impl Default for DriveOptions {
             calibrate_s: None,
             reference: None,
             wheel_reference: None,
+            days_reference: None,
             pulses: false,
             torsion_reference: [None; 4],
             rate_hz: 10.0,

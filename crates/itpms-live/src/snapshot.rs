@@ -3,6 +3,8 @@
 //! Made by the estimating thread; read by JSON lines, MQTT, the page and the tests. As JSON the names of the fields are
 //! part of the contract with scripts. A number that is not known is NaN here and `null` in JSON. Holds no logic.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 use serde_json::{Map, Value};
 
@@ -13,7 +15,8 @@ pub struct Snapshot {
     pub seq: u64,
     /// Time of the newest row in s, on the source's clock; NaN before the first row.
     pub time_s: f64,
-    /// Wall clock when this was made, in s since 1970-01-01 UTC.
+    /// Wall clock when that row came, in s since 1970-01-01 UTC: an old snapshot is as old as its data. Before the first row,
+    /// when the monitor began.
     pub unix_s: f64,
     /// Where the rows come from, and whether they come.
     pub source: Source,
@@ -36,6 +39,8 @@ pub struct Snapshot {
     pub alerts: Vec<Map<String, Value>>,
     /// The accelerometers.
     pub sensors: Vec<SensorHealth>,
+    /// Corners of the vehicle file that do not come, and why.
+    pub not_estimated: BTreeMap<&'static str, String>,
     /// Whether every wheel is known to be fine and the source is live: the only time to say "all good".
     pub all_fine: bool,
 }
@@ -105,11 +110,25 @@ pub struct Wheel {
     pub change_sd_kpa: f64,
     /// Standard deviation in kPa of what it differs by from the axle's other tire; `null` without one.
     pub axle_difference_sd_kpa: Option<f64>,
-    /// What was lost in this drive in kPa, and its standard deviation; `null` while that is not counted. By wheel speeds alone: against the
-    /// other tires since the calibration.
+    /// What was lost in this drive in kPa, and its standard deviation; `null` while that is not counted, and where the tire was low
+    /// before that. By wheel speeds alone: against the other tires since the calibration.
     pub lost_kpa: Option<f64>,
     /// See [`lost_kpa`](Self::lost_kpa).
     pub lost_sd_kpa: Option<f64>,
+    /// What the tire would have once it had cooled down to the air around the car, in kPa, and its standard deviation; absent while the
+    /// temperature of the air is not known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cold_pressure_kpa: Option<f64>,
+    /// See [`cold_pressure_kpa`](Self::cold_pressure_kpa).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cold_pressure_sd_kpa: Option<f64>,
+    /// By wheel speeds alone: share of its pressure that was lost since the calibration, its standard deviation, and the smallest loss that
+    /// would have shown; `null` while not known.
+    pub lost_share: Option<f64>,
+    /// See [`lost_share`](Self::lost_share).
+    pub lost_share_sd: Option<f64>,
+    /// See [`lost_share`](Self::lost_share).
+    pub detectable_loss: Option<f64>,
     /// What its level rests on: `file`, `calibration`, `reference` or, by wheel speeds alone, `other-tires`: then there is no pressure.
     pub level: &'static str,
     /// Tire stiffness in N/m.

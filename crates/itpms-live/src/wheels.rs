@@ -33,6 +33,9 @@ impl Wheels {
         {
             return Err(refused(&"the learned reference has wheel speeds that no car has"));
         }
+        if let Some(days) = &options.days_reference {
+            let _ = monitor.load_days(days);
+        }
         let mut torsion = None;
         if options.pulses {
             let (of_wheels, placard_kpa) = vehicle.torsion_config().map_err(lacks)?;

@@ -7,7 +7,7 @@ use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, mpsc};
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use common::{rows, say, snapshot, transition, with_large_stack};
 use itpms_core::model::Corner;
@@ -102,6 +102,28 @@ fn a_burst_of_a_bus_that_wakes_up_does_not_set_the_rate() {
         assert_eq!(engine.snapshot().source.rate_hz, 200.0);
         let said = said.lock().unwrap();
         assert!(said.len() == 1 && said[0].contains("2.0 ms apart: bursts"), "{said:?}");
+    });
+}
+
+#[test]
+fn an_old_snapshot_is_dated_by_its_data() {
+    with_large_stack(|| {
+        let mut engine = engine(None);
+        engine.open(200.0, &Corner::ALL, false).unwrap();
+        // Before the first row, when the monitor began.
+        let begun_s = engine.snapshot().unix_s;
+        thread::sleep(Duration::from_millis(30));
+        assert_eq!(engine.snapshot().unix_s, begun_s);
+        let before_s = SystemTime::now().duration_since(UNIX_EPOCH).unwrap().as_secs_f64();
+        assert!((before_s - 60.0..before_s - 0.029).contains(&begun_s), "{} {before_s}", begun_s);
+        rows(400).for_each(|row| engine.take(&row, None, &mut |_| {}).unwrap());
+        let dated = engine.snapshot();
+        assert!((before_s - 0.1..before_s + 60.0).contains(&dated.unix_s), "{} {before_s}", dated.unix_s);
+        thread::sleep(Duration::from_millis(30));
+        engine.source_mut().state = SourceState::Stale;
+        assert_eq!(engine.snapshot().unix_s, dated.unix_s);
+        engine.take(&rows(401).last().unwrap(), None, &mut |_| {}).unwrap();
+        assert!(engine.snapshot().unix_s > dated.unix_s + 0.029);
     });
 }
 

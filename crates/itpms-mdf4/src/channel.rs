@@ -31,6 +31,8 @@ pub struct Channel {
     pub comment: String,
     /// Whether it is the group's time in s.
     pub is_time: bool,
+    /// Of an element of a short array: its number from zero, and how many there are. Its name is the array's and `[0]`.
+    pub element: Option<(u32, u32)>,
     /// What can be read of it.
     pub kind: ChannelKind,
 }
@@ -46,7 +48,7 @@ pub enum ChannelKind {
     Bytes,
     /// Text or bytes of varying length; listed, not read.
     VariableLength,
-    /// An array or a structure; listed, not read.
+    /// A structure, or an array that is long or has several dimensions; listed, not read.
     Composite,
     /// Something that could be a number but cannot be computed, and why.
     Unreadable(String),

@@ -11,6 +11,11 @@ use super::structure::{MOST_CHANNELS, Walk, too_many};
 
 const CHANNEL: Kind = Kind { name: "channel", id: b"##CN", links: 8, data: 24, most: 128 };
 
+const ARRAY: Kind = Kind { name: "array", id: b"##CA", links: 1, data: 24, most: 64 };
+
+/// Elements of an array that are channels of their own: a value per wheel, the axes of a sensor. Longer ones are curves and pictures.
+const MOST_ELEMENTS: u64 = 16;
+
 /// Structures inside structures.
 const DEEPEST: usize = 8;
 
@@ -23,6 +28,21 @@ const HAS_INVALIDATION_BIT: u32 = 1 << 1;
 struct Widths {
     values: u32,
     invalid: u32,
+}
+
+/// An array of one dimension in a record: how many elements, and from one to the next bytes and invalidation bits.
+#[derive(Debug, Clone, Copy)]
+struct Array {
+    elements: u32,
+    bytes: i64,
+    invalidation_bits: u32,
+}
+
+/// Where a channel is among those of its group, and in its array.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    index: usize,
+    element: Option<(u32, Array)>,
 }
 
 /// A channel, how it is read if it is a number, and where its bytes are.
@@ -52,35 +72,58 @@ impl Walk<'_> {
             }
             self.channels += 1;
             lists.push(block.link(0));
-            let mut composite = false;
+            let mut composite = None;
             if block.link(1) != 0 {
-                composite = true;
-                let inside = self.file.frame("composition", block.link(1));
+                composite = Some(ChannelKind::Composite);
+                let inside = self.file.frame("composition", block.link(1)).map(|frame| frame.id);
                 // What is inside an array has no channel of its own.
-                if lists.len() <= DEEPEST && inside.is_ok_and(|frame| frame.id == *b"##CN") {
+                if lists.len() <= DEEPEST && inside.as_ref().is_ok_and(|id| id == b"##CN") {
                     lists.push(block.link(1));
                 }
+                if let Some(array) = self.array(block.link(1))
+                    && self.channels + array.elements as usize <= MOST_CHANNELS
+                {
+                    self.channels += array.elements as usize;
+                    for number in 0..array.elements {
+                        let place = Place { index: found.len(), element: Some((number, array)) };
+                        found.push(self.channel(&block, place, widths, None)?);
+                    }
+                    continue;
+                }
             }
-            found.push(self.channel(
-                &block,
-                found.len(),
-                widths,
-                composite.then_some(ChannelKind::Composite),
-            )?);
+            let place = Place { index: found.len(), element: None };
+            found.push(self.channel(&block, place, widths, composite)?);
         }
         Ok(found)
+    }
+
+    /// A short array of values in the record; `None` for any other composition.
+    fn array(&mut self, at: u64) -> Option<Array> {
+        let block = self.file.block(&ARRAY, at).ok()?;
+        // Values, or a look-up table of them, without a further composition, in the record (and not in groups of their own).
+        let plain = matches!(block.u8(0), 0 | 2) && block.u8(1) == 0 && block.link(0) == 0;
+        let (dimensions, elements) = (block.u16(2), block.u64(16));
+        let bytes = i32::from_le_bytes(block.bytes(8));
+        (plain && dimensions == 1 && (1..=MOST_ELEMENTS).contains(&elements)).then(|| Array {
+            elements: elements as u32,
+            bytes: i64::from(bytes),
+            invalidation_bits: block.u32(12),
+        })
     }
 
     fn channel(
         &mut self,
         block: &Block,
-        index: usize,
+        place: Place,
         widths: Widths,
         composite: Option<ChannelKind>,
     ) -> Result<Found, Mdf4Problem> {
         let mut name = self.text(block.link(2))?;
         if name.is_empty() {
-            name = format!("channel {}", index + 1);
+            name = format!("channel {}", place.index + 1);
+        }
+        if let Some((number, _)) = place.element {
+            name = format!("{name}[{number}]");
         }
         let mut unit = self.text(block.link(6))?;
         let comment = self.text(block.link(7))?;
@@ -88,7 +131,7 @@ impl Walk<'_> {
         let is_time = master && block.u8(1) == 1;
         let field = match composite {
             Some(kind) => Err(kind),
-            None => field(block, widths.values),
+            None => field(block, place.element, widths.values),
         };
         let (kind, layout) = match field {
             Err(kind) => (kind, None),
@@ -100,18 +143,23 @@ impl Walk<'_> {
                 match &*conversion {
                     Conversion::Unreadable(why) => (ChannelKind::Unreadable(why.clone()), None),
                     _ => {
-                        let validity = validity(block, widths.invalid);
+                        let validity = validity(block, place.element, widths.invalid);
                         (ChannelKind::Number, Some(Layout { field, raw, conversion, validity }))
                     }
                 }
             }
         };
-        Ok((Channel { name, unit, comment, is_time, kind }, (layout, bytes(block, widths.values))))
+        let element = place.element.map(|(number, array)| (number, array.elements));
+        let bytes = bytes(block, widths.values).filter(|_| element.is_none());
+        Ok((Channel { name, unit, comment, is_time, element, kind }, (layout, bytes)))
     }
 }
 
 /// Where a channel's number lies, or what the channel is instead.
-fn field(block: &Block, record: u32) -> Result<(Field, Raw), ChannelKind> {
+fn field(block: &Block, element: Option<(u32, Array)>, record: u32) -> Result<(Field, Raw), ChannelKind> {
+    let from_first = element.map_or(0, |(number, array)| i64::from(number) * array.bytes);
+    // Beyond any record where it is no place.
+    let offset = u32::try_from(i64::from(block.u32(4)) + from_first).unwrap_or(u32::MAX);
     match block.u8(0) {
         // Values, masters, and channels that run beside another medium.
         0 | 2 | 4 => {}
@@ -133,7 +181,7 @@ fn field(block: &Block, record: u32) -> Result<(Field, Raw), ChannelKind> {
         15 | 16 => return Err(ChannelKind::Unreadable("complex numbers".to_owned())),
         other => return Err(ChannelKind::Unreadable(format!("data of unknown type {other}"))),
     };
-    let field = Field::new(number, order, block.u32(4), block.u8(3), block.u32(8), record);
+    let field = Field::new(number, order, offset, block.u8(3), block.u32(8), record);
     let raw = if number == Number::Float { Raw::Float } else { Raw::Integer };
     field.map(|field| (field, raw)).map_err(ChannelKind::Unreadable)
 }
@@ -151,8 +199,9 @@ fn bytes(block: &Block, record: u32) -> Option<BytesLayout> {
     }
 }
 
-fn validity(block: &Block, invalid_bytes: u32) -> Validity {
-    let (flags, position) = (block.u32(12), block.u32(16));
+fn validity(block: &Block, element: Option<(u32, Array)>, invalid_bytes: u32) -> Validity {
+    let from_first = element.map_or(0, |(number, array)| number.saturating_mul(array.invalidation_bits));
+    let (flags, position) = (block.u32(12), block.u32(16).saturating_add(from_first));
     if flags & ALL_INVALID != 0 {
         return Validity::None;
     }

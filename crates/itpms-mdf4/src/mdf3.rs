@@ -275,7 +275,7 @@ impl Walk<'_> {
                     }
                 },
             };
-            channels.push(Channel { name, unit, comment: block.text(58, 128), is_time, kind });
+            channels.push(Channel { name, unit, comment: block.text(58, 128), is_time, element: None, kind });
             layouts.push(layout);
             at = block.link(4);
         }

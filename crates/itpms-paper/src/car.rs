@@ -78,7 +78,13 @@ impl<T: Real> PaperCar<T> {
         }
         let correlation =
             [0, 1, 2, 3].map(|i| [0, 1, 2, 3].map(|j| if i == j { T::one() } else { T::zero() }));
-        CarEstimate { time_s: sample.time_s, corners, correlation, tracks: [TrackState::unknown(); 2] }
+        CarEstimate {
+            time_s: sample.time_s,
+            corners,
+            correlation,
+            loss_correlation: correlation,
+            tracks: [TrackState::unknown(); 2],
+        }
     }
 
     /// What the monitor reports after the last sample.

@@ -236,6 +236,7 @@ fn published_estimate<T: Real>(
         level: Level::VehicleFile,
         axle_difference_sd_kpa: None,
         loss: None,
+        cold: None,
         road_m: record.map_or(nan, |record| record.road_m),
         road_sd_m: record.map_or(nan, |record| record.road_variance_m2.sqrt()),
         validity: match record {

@@ -57,7 +57,8 @@ impl Car {
     /// Takes samples: names and bytes. Gives the estimates after each, names and bytes, and the warnings, names and words.
     fn update<'py>(&mut self, py: Python<'py>, given: Packed<'py>) -> PyResult<(Packed<'py>, Words)> {
         let samples = Samples::new(py, &self.corners, &given)?;
-        let mut found = Found::new(&self.corners, wheel_speeds(&self.corners), samples.rows);
+        let has_temperature = samples.there.motion.air.temperature;
+        let mut found = Found::new(&self.corners, wheel_speeds(&self.corners), has_temperature, samples.rows);
         let mut from = 0;
         while from < samples.rows {
             py.check_signals()?;

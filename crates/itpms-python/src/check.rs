@@ -22,9 +22,10 @@ pub(crate) fn check_log(
     trust_units: bool,
     dbc: Option<PathBuf>,
     signals: Option<PathBuf>,
+    rows_where: Vec<String>,
     progress: Progress,
 ) -> PyResult<Checked> {
-    let options = reading(trust_units, dbc, signals);
+    let options = reading(py, trust_units, dbc, signals, &rows_where)?;
     run(py, vehicle, &progress, || LogReader::open_with(&path, &options))
 }
 
@@ -39,9 +40,10 @@ pub(crate) fn check_pieces(
     vehicle: &Vehicle,
     trust_units: bool,
     signals: Option<PathBuf>,
+    rows_where: Vec<String>,
     progress: Progress,
 ) -> PyResult<Checked> {
-    let options = reading(trust_units, None, signals);
+    let options = reading(py, trust_units, None, signals, &rows_where)?;
     let pieces = Pieces::new(names, rows, pieces.unbind());
     let raised = pieces.raised();
     raised.or(run(py, vehicle, &progress, move || pieces.open(Path::new(name), &options)))

@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 use itpms_analysis::report::render_report;
 use itpms_core::model::Corner;
 use itpms_core::warning::Change;
-use itpms_data::out::{RadiusRow, RateGate, States, WheelSpeedUse, transition_object};
+use itpms_data::out::{RadiusRow, RateGate, States, transition_object};
 use itpms_data::{LogReader, LogRow};
 use itpms_drive::drive::Estimates;
 use itpms_drive::fleet::wheels::{Begun, wheels};
 use itpms_drive::reference::Saving;
 use itpms_drive::{
-    Done, DriveError, Job, LateRow, Settings, Sink, common_corners, corner_line, summary_json, torsion_line,
+    Done, DriveError, Job, LateRow, Settings, Sink, common_corners, corner_lines, summary_json, torsion_line,
     wheel_speed_lines, wheel_speed_use,
 };
 use pyo3::prelude::*;
@@ -35,7 +35,7 @@ pub(crate) fn estimate_log(
     options: Options,
     progress: Progress,
 ) -> PyResult<Estimated> {
-    let reading = options.reading();
+    let reading = options.reading(py)?;
     run(py, vehicle, &options, &progress, || LogReader::open_with(&path, &reading))
 }
 
@@ -51,7 +51,7 @@ pub(crate) fn estimate_pieces(
     options: Options,
     progress: Progress,
 ) -> PyResult<Estimated> {
-    let reading = options.reading();
+    let reading = options.reading(py)?;
     let pieces = Pieces::new(names, rows, pieces.unbind());
     let raised = pieces.raised();
     let result = run(py, vehicle, &options, &progress, move || pieces.open(Path::new(name), &reading));
@@ -65,7 +65,7 @@ fn run(
     progress: &Progress,
     open: impl FnOnce() -> Result<LogReader, itpms_data::DataError> + Send,
 ) -> PyResult<Estimated> {
-    let (settings, reading) = (options.settings(py)?, options.reading());
+    let (settings, reading) = (options.settings(py)?, options.reading(py)?);
     let (vehicle, keep_road, save) = (&vehicle.0, options.road, options.save_reference.as_deref());
     // For a report the road is smoothed; the same report, whatever else was kept.
     let (report, smooth) = (options.report, options.report || keep_road);
@@ -74,7 +74,9 @@ fn run(
         let corners = common_corners(&log, vehicle)?;
         let saving = save.map(|path| Saving::create(path, &settings, vehicle)).transpose()?;
         let wheel_speeds = wheel_speed_use(log.columns(), vehicle, &corners).unwrap_or_default();
-        let mut kept = Kept::new(&corners, wheel_speeds, settings.rate_hz, keep_road);
+        let has_temperature = log.columns().motion.air.temperature;
+        let found = Found::new(&corners, wheel_speeds, has_temperature, 0);
+        let mut kept = Kept::new(&corners, found, settings.rate_hz, keep_road);
         let job =
             Job { vehicle, corners: &corners, settings: &settings, reading: &reading, road: smooth, report };
         let done = itpms_drive::estimate(&mut log, &job, &mut kept, &mut |share| meanwhile.done(share))?;
@@ -85,7 +87,7 @@ fn run(
         let figures = Value::Object(summary_json(&done, rows));
         let end_s = log.last_time_s().map_or(f64::NAN, |end_s| end_s - done.data.drive.origin_s);
         let unit = done.data.pressure_unit;
-        let lines = done.data.corners.iter().map(|corner| corner_line(corner, end_s, unit));
+        let lines = corner_lines(&done, end_s).into_iter();
         let lines = lines.chain(done.radii.iter().flat_map(wheel_speed_lines));
         let lines = lines.chain(torsion_line(&done, unit)).collect();
         Ok(Estimated {
@@ -113,7 +115,7 @@ struct Kept {
 }
 
 impl Kept {
-    fn new(corners: &[Corner], wheel_speeds: WheelSpeedUse, rate_hz: f64, road: bool) -> Self {
+    fn new(corners: &[Corner], found: Found, rate_hz: f64, road: bool) -> Self {
         let named =
             |names: Vec<String>| names.into_iter().map(|name| (name, Vec::new())).collect::<Columns>();
         let of = |suffix: &str| {
@@ -123,7 +125,7 @@ impl Kept {
         Self {
             corners: corners.to_vec(),
             gate: RateGate::new(rate_hz),
-            found: Found::new(corners, wheel_speeds, 0),
+            found,
             road: road.then(|| named([first, of("road_m"), of("road_sd_m")].concat())),
             transitions: Vec::new(),
             begun: Begun::default(),

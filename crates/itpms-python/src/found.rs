@@ -1,7 +1,7 @@
 //! Estimates over time, in the columns of `itpms estimate -o`.
 
 use itpms_core::model::{Corner, Level, Warning};
-use itpms_data::out::{Cell, Kind, RadiusRow, States, WheelSpeedUse, state_label};
+use itpms_data::out::{COLD_COLUMNS, Cell, Kind, RadiusRow, States, WheelSpeedUse, cold_values, state_label};
 use itpms_drive::Estimates;
 
 use crate::columns::{Columns, Words};
@@ -23,15 +23,26 @@ const WORDS: [&str; 3] = ["warning", "level", "state"];
 pub(crate) struct Found {
     corners: Vec<Corner>,
     wheel_speeds: WheelSpeedUse,
+    /// Numbers of a corner: with cold pressures where the temperature of the air is there.
+    per_corner: usize,
     cells: Vec<Cell<'static>>,
     pub(crate) numbers: Columns,
     pub(crate) words: Words,
 }
 
 impl Found {
-    pub(crate) fn new(corners: &[Corner], wheel_speeds: WheelSpeedUse, rows: usize) -> Self {
+    pub(crate) fn new(
+        corners: &[Corner],
+        wheel_speeds: WheelSpeedUse,
+        has_temperature: bool,
+        rows: usize,
+    ) -> Self {
+        let cold = if has_temperature { &COLD_COLUMNS[..] } else { &[] };
+        let suffixes: Vec<&str> = NUMBERS.iter().chain(cold).copied().collect();
         let of = |corner: &Corner| {
-            NUMBERS.map(|suffix| (format!("{}_{suffix}", corner.label()), Vec::with_capacity(rows)))
+            let label = corner.label();
+            let named = |suffix: &&str| (format!("{label}_{suffix}"), Vec::with_capacity(rows));
+            suffixes.iter().map(named).collect::<Vec<_>>()
         };
         let mut numbers = vec![("time_s".to_owned(), Vec::with_capacity(rows))];
         numbers.extend(corners.iter().flat_map(of));
@@ -45,7 +56,8 @@ impl Found {
                 Kind::Number | Kind::Flag => numbers.push((name, Vec::with_capacity(rows))),
             }
         }
-        Self { corners: corners.to_vec(), wheel_speeds, cells: Vec::new(), numbers, words }
+        let (corners, per_corner) = (corners.to_vec(), suffixes.len());
+        Self { corners, wheel_speeds, per_corner, cells: Vec::new(), numbers, words }
     }
 
     pub(crate) fn push(
@@ -62,7 +74,7 @@ impl Found {
             .corners
             .iter()
             .zip(self.words.chunks_exact_mut(WORDS.len()))
-            .zip(corners.chunks_exact_mut(NUMBERS.len()))
+            .zip(corners.chunks_exact_mut(self.per_corner))
         {
             let estimate = estimates[corner.index()].as_ref();
             const NAN: f64 = f64::NAN;
@@ -70,11 +82,12 @@ impl Found {
             let values = estimate.map_or(nothing, |e| {
                 let valid = if e.validity.is_valid() { 1.0 } else { 0.0 };
                 let difference = e.axle_difference_sd_kpa.unwrap_or(NAN);
-                let [lost, lost_sd] = e.loss.map_or([NAN; 2], |loss| [loss.lost_kpa, loss.lost_sd_kpa]);
+                let [lost, lost_sd] = e.lost_kpa();
                 let (pressure, sd, stiffness) = (e.pressure_kpa, e.pressure_sd_kpa, e.stiffness_n_per_m);
                 [pressure, sd, stiffness, valid, e.change_sd_kpa, difference, lost, lost_sd]
             });
-            for ((_, column), value) in numbers.iter_mut().zip(values) {
+            let cold = estimate.map_or([NAN; 2], cold_values);
+            for ((_, column), value) in numbers.iter_mut().zip(values.into_iter().chain(cold)) {
                 column.push(value);
             }
             words[0].1.push(estimate.map_or(Warning::None, |e| e.warning).label());
@@ -87,7 +100,7 @@ impl Found {
     fn push_radii(&mut self, radii: Option<&RadiusRow>) {
         self.cells.clear();
         self.wheel_speeds.cells(radii, &mut self.cells);
-        let mut numbers = self.numbers.iter_mut().skip(1 + NUMBERS.len() * self.corners.len());
+        let mut numbers = self.numbers.iter_mut().skip(1 + self.per_corner * self.corners.len());
         let mut words = self.words.iter_mut().skip(WORDS.len() * self.corners.len());
         for cell in &self.cells {
             let number = match cell {

@@ -33,9 +33,10 @@ pub(crate) fn learn(
     trust_units: bool,
     dbc: Option<PathBuf>,
     signals: Option<PathBuf>,
+    rows_where: Vec<String>,
     progress: Progress,
 ) -> PyResult<Learned> {
-    let options = pieces::reading(trust_units, dbc, signals);
+    let options = pieces::reading(py, trust_units, dbc, signals, &rows_where)?;
     let known: Vec<KnownDrive> = drives
         .iter()
         .map(|given| KnownDrive {

@@ -43,6 +43,8 @@ pub(crate) struct Options {
     #[pyo3(item)]
     signals: Option<PathBuf>,
     #[pyo3(item)]
+    rows: Vec<String>,
+    #[pyo3(item)]
     pulses: Option<PathBuf>,
 }
 
@@ -74,9 +76,10 @@ impl Options {
         if self.calibrate_s.is_some() && self.reference.is_some() {
             return Err(refuse("both calibrate_s and reference are given, expected one of them".to_owned()));
         }
-        if self.save_reference.is_some() && self.calibrate_s.is_none() {
+        if self.save_reference.is_some() && self.calibrate_s.is_none() && self.reference.is_none() {
             return Err(refuse(
-                "save_reference is given without calibrate_s: nothing would be learned".to_owned(),
+                "save_reference is given without calibrate_s and reference: nothing would be learned"
+                    .to_owned(),
             ));
         }
         Ok(Settings {
@@ -96,8 +99,8 @@ impl Options {
     }
 
     /// How a log is read.
-    pub(crate) fn reading(&self) -> LogOptions {
-        pieces::reading(self.trust_units, self.dbc.clone(), self.signals.clone())
+    pub(crate) fn reading(&self, py: Python<'_>) -> PyResult<LogOptions> {
+        pieces::reading(py, self.trust_units, self.dbc.clone(), self.signals.clone(), &self.rows)
     }
 }
 

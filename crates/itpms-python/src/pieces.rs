@@ -9,11 +9,24 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyIterator};
 
 use crate::columns::numbers;
+use crate::errors::{Kind, raise};
 
 /// How a log is read.
-pub(crate) fn reading(trust_units: bool, dbc: Option<PathBuf>, signals: Option<PathBuf>) -> LogOptions {
+pub(crate) fn reading(
+    py: Python<'_>,
+    trust_units: bool,
+    dbc: Option<PathBuf>,
+    signals: Option<PathBuf>,
+    rows: &[String],
+) -> PyResult<LogOptions> {
     let units = if trust_units { UnitCheck::Trusting } else { UnitCheck::Suspicious };
-    LogOptions { units, dbc, signals }
+    let rows = rows.iter().map(|row| row.parse()).collect::<Result<_, String>>();
+    Ok(LogOptions {
+        units,
+        dbc,
+        signals,
+        rows: rows.map_err(|why| raise(py, Kind::Setting, format!("where: {why}")))?,
+    })
 }
 
 /// An iterator over the columns, in the order of their names, that is asked for the next piece when the last one is used up. A column

@@ -36,6 +36,18 @@ def test_as_a_whole_drive_has_it(drive, result, whole):
         np.testing.assert_array_equal(whole[name][rows], values, err_msg=name)
 
 
+def test_the_air_gives_cold_pressures_and_leaves_the_others(drive, whole):
+    air = {"ambient_temperature_c": np.full(20_000, -10.0), "barometric_kpa": np.full(20_000, 101.3)}
+    found = itpms.Car(drive.vehicle, 500).update({**drive.columns, **air})
+    named = {f"{c}_cold_pressure_{what}" for c in ("fl", "fr", "rl", "rr") for what in ("kpa", "sd_kpa")}
+    assert set(found) - set(whole) == named
+    np.testing.assert_array_equal(found["rr_pressure_kpa"], whole["rr_pressure_kpa"])
+    # Hardly warm after 40 s; its temperature at the start is not known.
+    last = {name: values[-1] for name, values in found.items()}
+    assert 0.0 < last["rr_pressure_kpa"] - last["rr_cold_pressure_kpa"] < 3.0
+    assert last["rr_cold_pressure_sd_kpa"] > last["rr_pressure_sd_kpa"]
+
+
 def test_one_sample_at_a_time(drive, whole):
     car = itpms.Car(drive.vehicle, 500)
     names = list(drive.columns)

@@ -48,10 +48,11 @@ def test_a_drive_from_a_file_and_from_its_table(command, tmp_path):
             assert result.summary[key] == summary[key], key
     own = tmp_path / "own.html"
     itpms.estimate(log, car).report(own)
-    # Only the command's page says which command made it.
+    # Only the command's page says which command made it, and of which commit it was built.
     made_by = re.compile(r'<tr><th scope="row">Command</th><td>itpms .*</td></tr>\n')
     assert len(made_by.findall(page.read_text())) == 1
-    assert own.read_text() == made_by.sub("", page.read_text())
+    commit = re.compile(r"(itpms [\d.]+) \([0-9a-f]+\)")
+    assert own.read_text() == commit.sub(r"\1", made_by.sub("", page.read_text()))
 
 
 def test_calibration_and_its_reference(command, tmp_path):

@@ -121,7 +121,7 @@ def test_a_map_says_which_column_is_what(drive, result, tmp_path):
     for given in (frame, pl.from_pandas(frame)):
         found = itpms.estimate(given, drive.vehicle, signals=tmp_path / "map.toml").columns
         np.testing.assert_allclose(found["fl_pressure_kpa"], result.columns["fl_pressure_kpa"], atol=1e-3)
-    with pytest.raises(itpms.LogError, match="time_s is missing"):
+    with pytest.raises(itpms.LogError, match="no corner has that of its body and of its wheel"):
         itpms.estimate(frame, drive.vehicle)
 
 

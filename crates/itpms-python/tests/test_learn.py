@@ -68,7 +68,12 @@ def test_a_drive_tells_the_ratio_of_tire_and_wheel(calibration):
 def test_what_is_refused(calibration, tmp_path):
     frame, car = calibration
     for drives, pressures, error, sentence in [
-        (frame, 2.4, itpms.SettingError, r"fl: 2\.4 kPa is no tire's pressure, expected 60 to 1500 \(another unit\?\)"),
+        (
+            frame,
+            2.4,
+            itpms.SettingError,
+            r"fl: 2\.4 kPa is no tire's pressure, expected 60 to 1500 \(another unit\? 2\.4 bar is 240 kPa\)",
+        ),
         (frame, {"fl": 240.0}, itpms.SettingError, "no pressure is given of fr"),
         (frame, {"front": 240.0}, itpms.SettingError, "names 'front', expected corners"),
         ([frame, frame], [240, 240, 240], itpms.SettingError, "3 entries for 2 drives"),

@@ -1,5 +1,8 @@
 """Vehicles, made-up drives and roads."""
 
+import copy
+import json
+
 import numpy as np
 import pytest
 
@@ -56,6 +59,14 @@ def test_a_vehicle_reads_back_as_it_was_written(tmp_path):
     assert again == car and hash(again) == hash(car)
     # Table 2 and eq. (5) of the paper.
     front = car.corners["fl"]
+    for write in (
+        lambda: front.update(placard_kpa=200.0),
+        lambda: car.corners.pop("fl"),
+        lambda: front.__setitem__("placard_kpa", 200.0),
+    ):
+        with pytest.raises(TypeError, match="a Vehicle does not change"):
+            write()
+    assert type(copy.deepcopy(car.corners)["fl"]) is dict and json.loads(json.dumps(car.corners)) == car.corners
     assert (front["sprung_mass_kg"], front["unsprung_mass_kg"], front["spring_n_per_m"]) == (240.8, 56.9, 29114.0)
     assert (front["stiffness_per_kpa"], front["stiffness_at_zero"]) == (713.91, 60880.0)
     assert (car.wheelbase_m, car.id) == (2.7, None)

@@ -134,7 +134,7 @@ pub(crate) struct DemoArgs {
 #[derive(Debug, clap::Args)]
 #[command(after_help = ESTIMATE_EXAMPLES)]
 pub(crate) struct EstimateArgs {
-    /// The drive log: .csv, .parquet, .mf4, .dat, or a CAN log (.log, .asc, .blf, .trc, .mf4) with --dbc.
+    /// The drive log: .csv, .parquet, .mf4, .dat, .mcap, or a CAN log (.log, .asc, .blf, .trc, .mf4) with --dbc.
     pub(crate) log: PathBuf,
     /// Masses, springs, dampers and tires of the corners.
     #[arg(long, value_name = "V.toml", env = VEHICLE, hide_env_values = true)]
@@ -152,14 +152,15 @@ pub(crate) struct EstimateArgs {
     #[arg(long, value_name = "NAME", default_value = EstimatorKind::default().label(), value_parser = estimator_names())]
     pub(crate) estimator: EstimatorKind,
     /// The first S seconds are driven at placard pressure: a calibration.
-    #[arg(long, value_name = "S", value_parser = positive)]
+    #[arg(long, value_name = "S", value_parser = positive, group = "taught")]
     pub(crate) calibrate_s: Option<f64>,
-    /// Where what the calibration teaches of this car goes, for later drives.
-    #[arg(long, value_name = "FILE", requires = "calibrate_s")]
+    /// Where what the calibration teaches of this car goes, for later drives. With --reference: that reference with what this day has shown
+    /// of the wheel speeds; it may be the same file.
+    #[arg(long, value_name = "FILE", requires = "taught")]
     pub(crate) save_reference: Option<PathBuf>,
     /// What a calibration taught of this car on an earlier drive. A file that is damaged, of a newer format, of another car or
     /// implausible is refused, with exit code 2.
-    #[arg(long, value_name = "FILE", conflicts_with = "calibrate_s")]
+    #[arg(long, value_name = "FILE", group = "taught")]
     pub(crate) reference: Option<PathBuf>,
     /// Pressures of the tires in the calibration, gauge, where they were measured and are not the placards': one for all wheels or one for
     /// each. For wheel speeds alone.
@@ -206,6 +207,8 @@ Examples:
   itpms estimate drive.parquet --vehicle car.toml -o est.parquet --road-out road.parquet --report report.html
   itpms estimate first.csv --vehicle car.toml -o est.csv --calibrate-s 600 --save-reference car.reference
   itpms estimate drive.csv --vehicle car.toml -o est.csv --reference car.reference
+  # Wheel speeds, each day: the reference learns what the day has shown, and a slow leak shows over days
+  itpms estimate today.csv --vehicle wheels.toml -o est.csv --reference car.reference --save-reference car.reference
   itpms estimate drive.csv --vehicle car.toml -o est.csv --events events.jsonl
   itpms estimate drive.csv --vehicle car.toml --mcap drive.mcap
   itpms estimate bus.log --dbc car.dbc --vehicle wheels.toml -o est.csv --calibrate-s 600 --save-reference car.reference

@@ -4,6 +4,7 @@
 
 mod advice;
 mod bad_input;
+mod cold_pressure;
 mod common;
 mod convert;
 mod demo;
@@ -24,6 +25,8 @@ mod roughness;
 mod signals;
 mod simulate;
 mod simulated_wheel_speeds;
+mod slow_leak;
+mod slow_speed;
 mod surveyed_road;
 mod tables;
 mod vehicle;

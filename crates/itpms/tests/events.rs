@@ -80,10 +80,13 @@ fn a_speed_that_makes_no_sense_or_comes_too_seldom_is_mentioned() {
     // A speed in km/h that no check of units can know for one: 80 m/s.
     let said = remarks_on_speeds(|_, speed| (3.6 * speed).to_string());
     assert!(said.contains("the time, the speed or the wheelbase is wrong by a factor of 3."), "{said}");
-    // One value a second at 200 Hz, as a satellite receiver tells it: known for half of the time.
+    // One value a second at 200 Hz, as a satellite receiver tells it.
     let seldom = |row: usize, speed: f64| if row % 200 == 1 { speed.to_string() } else { String::new() };
     let said = remarks_on_speeds(seldom);
-    assert!(said.contains("speed_m_s is unknown for 50 % of the time"), "{said}");
+    assert!(
+        said.contains("comes 1 times a second beside 200 rows; between, it is on the straight line"),
+        "{said}"
+    );
 }
 
 /// What becomes of a drive whose wheels are written under other names, or whose rows but for times and speeds run backwards.

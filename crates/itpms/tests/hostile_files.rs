@@ -224,4 +224,10 @@ fn a_corner_of_the_vehicle_that_the_log_lacks_is_said() {
         "{outcome:?}"
     );
     assert!(!outcome.stderr.contains("corner fl"), "{outcome:?}");
+    // Among the corners, too, and where warnings are not wanted.
+    let outcome = bench.run("estimate drive.csv --vehicle car.toml -o est.csv -q");
+    assert!(outcome.stdout.contains("\nrr  not estimated: not in the log\n"), "{outcome:?}");
+    let outcome = bench.run("estimate drive.csv --vehicle car.toml -o est.csv --json");
+    let value: serde_json::Value = serde_json::from_str(&outcome.stdout).unwrap();
+    assert_eq!(value["not_estimated"], serde_json::json!({ "rr": "not in the log" }));
 }

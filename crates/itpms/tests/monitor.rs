@@ -389,3 +389,53 @@ fn a_pipe_that_nobody_reads_ends_with_its_reader() {
     }
     assert_eq!(child.wait().unwrap().code(), Some(0));
 }
+
+#[test]
+fn a_corner_that_is_not_estimated_has_its_reason_as_estimate_has_it() {
+    let bench = puncture();
+    with_frames(&bench);
+    let drop = |columns: &[&str]| {
+        let (header, rows) = table(&bench.read("drive.csv"));
+        let kept: Vec<usize> =
+            (0..header.len()).filter(|place| !columns.contains(&header[*place].as_str())).collect();
+        let line = |cells: &Vec<String>| {
+            kept.iter().map(|place| cells[*place].as_str()).collect::<Vec<_>>().join(",")
+        };
+        let lines: Vec<String> = std::iter::once(&header).chain(&rows).map(line).collect();
+        lines.join("\n") + "\n"
+    };
+    bench.write("three.csv", drop(&["rr_body_accel_m_s2", "rr_wheel_accel_m_s2"]));
+    // Another message has the names of the front left corner.
+    let dbc = bench.read("car.dbc").replace("AxleAcc", "WheelAcc");
+    let front_left = dbc.split("BO_ ").find(|message| message.contains("BodyAccZ_FL")).unwrap();
+    let (_, signals) = front_left.split_once('\n').unwrap();
+    let never = format!("BO_ 1999 Never: 6 ESP\n{}\n\nBO_ ", signals.trim_end());
+    bench.write("never.dbc", dbc.replacen("BO_ ", &never, 1));
+    let frames = bench.read("drive.log");
+    let without: Vec<&str> = frames.lines().filter(|line| !line.contains(" 210#")).collect();
+    bench.write("without.log", without.join("\n") + "\n");
+    for (log, more, corner, why) in [
+        ("three.csv", "", "rr", "not in the log"),
+        ("without.log", "--dbc never.dbc", "fl", "which has no samples in this log"),
+    ] {
+        let estimated = bench.run(&format!("estimate {log} {more} --vehicle car.toml -o e.csv --json"));
+        let estimated: Value = serde_json::from_str(estimated.success()).unwrap();
+        let reason = estimated["not_estimated"][corner].as_str().unwrap().to_owned();
+        assert!(reason.starts_with("not in the log") && reason.ends_with(why), "{reason}");
+        let live =
+            format!("monitor -q --replay {log} {more} --speed max --vehicle car.toml --json {log}.jsonl");
+        let outcome = bench.run(&live);
+        outcome.success();
+        let line = format!("warning: {log}: corner {corner} of the vehicle file is {reason}");
+        assert!(outcome.stderr.lines().any(|found| found == line), "{}", outcome.stderr);
+        for estimate in estimates(&bench, &format!("{log}.jsonl")) {
+            assert_eq!(estimate["not_estimated"], serde_json::json!({ corner: reason }));
+        }
+    }
+    // Where one of the two comes it is that one, live as in a file.
+    let live = "monitor --replay drive.log --dbc never.dbc --speed max --vehicle car.toml --json all.jsonl";
+    bench.run(live).success();
+    let last = lines(&bench, "all.jsonl", "estimate").pop().unwrap();
+    assert_eq!(last["wheels"].as_array().unwrap().len(), 4);
+    assert_eq!(last["not_estimated"], serde_json::json!({}));
+}

@@ -174,3 +174,21 @@ fn pulses_that_belong_to_nothing_are_refused() {
             .contains("s.pulses.csv: tooth pulses count together with wheel speeds and are not used")
     );
 }
+
+#[test]
+fn a_calibration_that_taught_nothing_of_the_pulses_says_so_of_each_wheel() {
+    let bench = Bench::new();
+    bench.write("rolling.toml", SCENARIO.replace("duration_s = 3000", "duration_s = 70"));
+    bench
+        .run("lab simulate rolling.toml --seed 3 -o drive.csv --pulses-out teeth.parquet --vehicle-out car.toml")
+        .success();
+    // Not two pieces of half a minute, behind two hundred turns for the teeth.
+    let outcome = bench.run(
+        "estimate drive.csv --pulses teeth.parquet --vehicle car.toml --calibrate-s 60 --save-reference car.reference",
+    );
+    outcome.success();
+    for wheel in ["fl", "fr", "rl", "rr"] {
+        let said = format!("{wheel}: the calibration taught ");
+        assert!(outcome.stderr.contains(&said), "{wheel}: {}", outcome.stderr);
+    }
+}

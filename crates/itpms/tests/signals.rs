@@ -82,9 +82,14 @@ fn a_person_reads_a_table() {
     assert!(text.contains("1 identifier without signals, not in the DBC:"), "{text}");
     assert!(text.contains("In the DBC, not in this log: Suspension_FR, Suspension_RL"), "{text}");
     assert!(
-        text.contains("Not in this log, though it would be a column: fl_pressure_kpa, fl_road_m, fr_body"),
+        text.contains(
+            "fr_body_accel_m_s2 could be Suspension_FR.BodyAccZ_FR, which has no samples in this log"
+        ),
         "{text}"
     );
+    let missing = line("Not in this log, though it would be a column: ");
+    assert!(missing.contains(" fr_body_accel_m_s2") && missing.contains(" rr_body_accel_m_s2"), "{text}");
+    assert!(!missing.contains("fl_body_accel_m_s2") && !missing.contains("speed_m_s"), "{text}");
     assert!(text.contains("no signal for fl_wheel_accel_m_s2, so this corner cannot be estimated"), "{text}");
 }
 

@@ -64,3 +64,44 @@ fn wheel_speeds_come_beside_the_accelerations_where_the_scenario_has_them() {
     let column = head.iter().position(|name| name == "fl_wheel_speed_m_s").unwrap();
     assert!(rows[..400].chunks(4).all(|four| four.iter().all(|row| row[column] == four[0][column])));
 }
+
+/// Twenty minutes at the placard's pressures and with one tire let down: what its radius did over what its pressure did is the scenario's.
+#[test]
+fn radii_over_pressures_are_learned_from_two_known_pressures() {
+    let bench = Bench::new();
+    const BETA: f64 = 0.011;
+    let constant = SCENARIO.replace("[[700.0, 241.3], [760.0, 145.0]]", "[[0.0, 241.3], [1.0, 241.3]]");
+    let car = format!("alone = true\ncar_seed = 7\nradius_per_ln_pressure = {BETA}");
+    let whole = constant.replace("alone = true", &car);
+    for (name, seed, front_left_kpa) in [("full", 1, "241.3"), ("soft", 2, "170.0")] {
+        let scenario = whole.replace(
+            "fl = { pressure.constant_kpa = 241.3 }",
+            &format!("fl = {{ pressure.constant_kpa = {front_left_kpa} }}"),
+        );
+        bench.write("scenario.toml", scenario);
+        bench
+            .run(&format!(
+                "lab simulate scenario.toml --seed {seed} -o {name}.csv --no-truth --vehicle-out car.toml"
+            ))
+            .success();
+    }
+    bench.run("vehicle init --tire 205/55R16 --wheelbase-m 2.7 --driven front -o wheels.toml").success();
+    let learn = "vehicle learn full.csv soft.csv --from wheels.toml -o learned.toml";
+    let line =
+        format!("{learn} --pressure-kpa 241.3 --pressure-kpa fl=170,fr=241.3,rl=241.3,rr=241.3 --json");
+    let outcome = bench.run(&line);
+    let told: Value = serde_json::from_str(outcome.success()).unwrap();
+    let of = |when: &str, what: &str| told["radius_per_ln_pressure"][when][what].as_f64().unwrap();
+    assert_eq!((of("before", "value"), of("before", "sd")), (0.007, 0.0042));
+    // Tires differ by a tenth in it, and a front passenger makes .3e-3 of the 3.9e-3 that this loss does.
+    let (value, sd) = (of("after", "value"), of("after", "sd"));
+    assert!((value - BETA).abs() < 2.0 * sd.hypot(0.1 * BETA) && sd < 0.002, "{value} {sd}");
+    let file = bench.read("learned.toml");
+    assert!(
+        file.contains(&format!("radius_per_ln_pressure = {value:.6}").trim_end_matches('0').to_owned()),
+        "{file}"
+    );
+    // The same pressures twice teach nothing of it.
+    let alike = bench.run(&format!("{learn} --pressure-kpa 241.3"));
+    assert!(alike.refusal().contains("another pressure"), "{}", alike.stderr);
+}

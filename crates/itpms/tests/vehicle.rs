@@ -178,9 +178,31 @@ fn a_placard_and_a_tire_for_each_axle() {
     for (given, expected) in [
         ("--placard-kpa 230,", "positive, finite number, or two"),
         ("--placard-kpa 230,90", "90 kPa, expected 100 to 900"),
+        ("--placard-kpa 2.4", "2.4 bar is 240 kPa"),
+        ("--placard-kpa 35", "35 psi is 241 kPa"),
     ] {
         let text =
             bench.run(&format!("vehicle init --mass 1600 --front-share 0.5 --tire 225/45R18 {given}")).stderr;
         assert!(text.contains(expected), "{text}");
     }
+}
+
+#[test]
+fn what_is_not_given_is_asked_for_once() {
+    let bench = Bench::new();
+    for (given, expected) in [
+        (
+            "",
+            "expected --tire, --mass and --front-share; for wheel speeds alone --tire, --driven and --wheelbase-m",
+        ),
+        ("--driven front", "expected, too: --tire, --wheelbase-m"),
+        ("--tire 205/55R16 --limited-slip", "expected, too: --driven, --wheelbase-m"),
+        ("--mass 1500", "expected, too: --tire, --front-share"),
+        ("--tire 205/55R16 --mass 1500 --track-rear-m 1.5", "expected, too: --front-share, --driven"),
+    ] {
+        let outcome = bench.run(&format!("vehicle init {given}"));
+        assert!(outcome.refusal().contains(expected), "{given}: {outcome:?}");
+    }
+    // As it was asked for.
+    bench.run("vehicle init --tire 205/55R16 --driven front --wheelbase-m 2.7").success();
 }

@@ -82,6 +82,66 @@ fn a_drive_at_a_known_pressure_teaches_the_file() {
     );
 }
 
+/// The log with the readings of tire sensors once a second, by wheel and time in s.
+fn with_sensors(bench: &Bench, from: &str, to: &str, kpa: impl Fn(usize, f64) -> f64) {
+    let (mut text, mut sent) = (String::new(), -1.0);
+    for (i, line) in bench.read(from).lines().enumerate() {
+        let time_s: Option<f64> = line.split(',').next().unwrap().parse().ok();
+        text += line;
+        match time_s {
+            None if i == 0 => ["fl", "fr", "rl", "rr"].iter().for_each(|c| text += &format!(",{c}_tpms_kpa")),
+            Some(time_s) if time_s >= sent + 1.0 => {
+                sent = time_s;
+                (0..4).for_each(|wheel| text += &format!(",{}", kpa(wheel, time_s)));
+            }
+            _ => text += ",,,,",
+        }
+        text += "\n";
+    }
+    bench.write(to, text);
+}
+
+#[test]
+fn tire_sensors_that_sleep_count_as_missing_and_those_that_contradict_are_refused() {
+    let bench = Bench::new();
+    bench.run(INIT).success();
+    bench.write("own.toml", scenario());
+    bench.run("simulate own.toml --seed 3 -o drive.csv --vehicle car.toml").success();
+    let learn = |log: &str, rest: &str| {
+        bench.run(&format!("vehicle learn {log} --from car.toml -o {log}.toml --json {rest}"))
+    };
+    let given = learn("drive.csv", "--pressure-kpa 240");
+    let corners = |text: &str| serde_json::from_str::<Value>(text).unwrap()["corners"].clone();
+    // Asleep for a third of the drive, at either end of a range, with a stray reading: as if they had been given.
+    for (i, asleep) in [0.0, 637.5, 819.1, 655_350.0].into_iter().enumerate() {
+        let log = format!("sleeping{i}.csv");
+        with_sensors(&bench, "drive.csv", &log, |wheel, time_s| match time_s {
+            _ if time_s < 50.0 => asleep,
+            _ if wheel == 1 && (70.0..71.5).contains(&time_s) => 130.0,
+            _ => 240.0,
+        });
+        let learned = learn(&log, "");
+        assert_eq!(corners(learned.success()), corners(given.success()), "{asleep}");
+        let said = format!("of 150 readings of rl_tpms_kpa are no pressure of this tire ({asleep} kPa");
+        assert!(learned.stderr.contains(&said), "{}", learned.stderr);
+    }
+    let refused = |log: &str, rest: &str, kpa: &dyn Fn(usize, f64) -> f64, said: &str| {
+        with_sensors(&bench, "drive.csv", log, kpa);
+        let outcome = learn(log, rest);
+        assert_eq!(outcome.code, Some(2), "{outcome:?}");
+        assert!(outcome.stderr.contains(said), "{said}: {}", outcome.stderr);
+        assert!(!bench.path(&format!("{log}.toml")).exists());
+    };
+    refused("all.csv", "", &|_, _| 0.0, "expected --pressure-kpa for every wheel");
+    refused("one.csv", "", &|wheel, _| if wheel == 2 { 0.0 } else { 240.0 }, "no pressure is given of rl");
+    refused("wheels.csv", "", &|wheel, _| [240.0, 240.0, 240.0, 180.0][wheel], "contradict each other: rr");
+    refused("time.csv", "", &|_, time_s| 240.0 - 0.6 * time_s, "fl_tpms_kpa goes from");
+    refused("gauge.csv", "--pressure-kpa 200", &|_, _| 240.0, "says 240 kPa and --pressure-kpa 200");
+    // What the sentence says, followed.
+    let followed = learn("wheels.csv", "--pressure-kpa fl=240,fr=240,rl=240,rr=180");
+    followed.success();
+}
+
 /// The README's commands, for cars whose wheelbase is not the 2.8 m that a file without one assumes.
 #[test]
 fn an_assumed_wheelbase_is_learned_before_a_calibration() {
@@ -159,4 +219,65 @@ fn what_cannot_be_learned_from_is_said() {
     assert!(text.contains("--pressure-kpa"), "{text}");
     let text = refused("vehicle learn drive.csv --pressure-kpa 240 --from car.toml -o drive.csv");
     assert!(text.contains("drive.csv: is a drive log itself"), "{text}");
+}
+
+/// What one refuses of a drive the other names.
+#[test]
+fn check_names_what_learn_refuses() {
+    let bench = Bench::new();
+    bench.run(INIT).success();
+    bench.write("own.toml", scenario());
+    bench.run("simulate own.toml --seed 3 -o drive.csv --vehicle car.toml --no-truth").success();
+    let full = bench.read("drive.csv");
+    let check = |log: &str| {
+        let outcome = bench.run(&format!("vehicle check {log} --vehicle car.toml -q"));
+        outcome.success();
+        outcome.stdout
+    };
+    let learn = |log: &str| {
+        bench.run(&format!("vehicle learn {log} --pressure-kpa 240 --from car.toml -o learned.toml -q"))
+    };
+    learn("drive.csv").success();
+    assert!(!check("drive.csv").contains("malfunction"));
+
+    // Front and rear of one side exchanged.
+    let (header, rows) = full.split_once('\n').unwrap();
+    let header_of = header.replace("fl_", "X_").replace("rl_", "fl_").replace("X_", "rl_");
+    bench.write("swapped.csv", format!("{header_of}\n{rows}"));
+    // A wheel's sensor with three quarters of its gain.
+    let wheel = header.split(',').position(|name| name == "fl_wheel_accel_m_s2").unwrap();
+    let weak = |line: &str| {
+        let cells = line.split(',').enumerate();
+        let value = |cell: &str| format!("{}", 0.7 * cell.parse::<f64>().unwrap());
+        let cells = cells.map(|(at, cell)| if at == wheel { value(cell) } else { cell.to_owned() });
+        cells.collect::<Vec<_>>().join(",") + "\n"
+    };
+    bench.write("weak.csv", format!("{header}\n") + &rows.lines().map(weak).collect::<String>());
+    for (log, words) in
+        [("swapped.csv", "front and rear of one side are swapped"), ("weak.csv", "fl wheel sensor reads 0.")]
+    {
+        let refused = learn(log);
+        assert!(refused.refusal().contains("itpms vehicle check shows"), "{refused:?}");
+        let said = check(log);
+        let front_left = said.lines().find(|line| line.starts_with("fl: ")).unwrap();
+        assert!(front_left.contains("not judged: malfunction: ") && front_left.contains(words), "{said}");
+        assert!(!said.lines().any(|line| line.starts_with("fl: ") && line.contains("set ")), "{said}");
+    }
+}
+
+/// A wheelbase that takes an assumption's place from so far off could be a wrong clock.
+#[test]
+fn a_wheelbase_far_from_what_was_assumed_is_said_by_learn_and_by_check() {
+    let bench = Bench::new();
+    bench.run(INIT).success();
+    bench.write("own.toml", scenario());
+    bench.run("simulate own.toml --seed 3 -o drive.csv --vehicle car.toml --no-truth").success();
+    let text = bench.read("car.toml");
+    let key = text.lines().find(|line| line.starts_with("wheelbase_m")).unwrap();
+    bench.write("far.toml", text.replacen(key, "wheelbase_m = 2.1\nwheelbase_sd_m = 0.15", 1));
+    let learned = bench.run("vehicle learn drive.csv --pressure-kpa 240 --from far.toml -o learned.toml -q");
+    learned.success();
+    assert!(learned.stderr.contains("takes the place of the 2.1 m that were assumed"), "{learned:?}");
+    let checked = bench.run("vehicle check drive.csv --vehicle far.toml -q");
+    assert!(checked.stderr.contains("2.1 (assumed; itpms vehicle learn finds it)"), "{checked:?}");
 }

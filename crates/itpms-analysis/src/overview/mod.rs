@@ -7,17 +7,21 @@
 //! |---|---|
 //! | `trace` | a signal over time and its statistics |
 //! | `excerpt` | the two seconds in which a wheel moves most |
+//! | `wheels` | the wheels' speeds and their ratios |
 //! | `words` | what looks wrong |
 //! | `page` | all of it as one HTML page |
 
 mod excerpt;
 mod page;
 mod trace;
+mod wheels;
 mod words;
 
 use excerpt::Excerpt;
 pub use trace::Statistics;
 use trace::Trace;
+use wheels::Wheels;
+pub use wheels::{FoundWheels, WheelSignals};
 
 use crate::transfer::{CrossSpectra, Density, no_suspension_allows};
 
@@ -50,6 +54,7 @@ pub struct Overview {
     span_s: Option<(f64, f64)>,
     steps: Option<Trace>,
     speed: Option<Trace>,
+    wheels: Option<Wheels>,
     corners: [Option<Corner>; 4],
 }
 
@@ -76,6 +81,8 @@ pub struct Found {
     pub speed: Option<Statistics>,
     /// The corners that the log has.
     pub corners: Vec<FoundCorner>,
+    /// The speeds of the wheels; `None` for a log without them.
+    pub wheels: Option<FoundWheels>,
     steps: Vec<(f64, f64)>,
     speeds: Vec<(f64, f64)>,
 }
@@ -122,7 +129,15 @@ impl Overview {
     /// Empty, for rows that usually are `step_s` apart.
     #[must_use]
     pub fn new(step_s: f64) -> Self {
-        Self { step_s, rows: 0, span_s: None, steps: None, speed: None, corners: [const { None }; 4] }
+        Self {
+            step_s,
+            rows: 0,
+            span_s: None,
+            steps: None,
+            speed: None,
+            wheels: None,
+            corners: [const { None }; 4],
+        }
     }
 
     /// Takes the next row. A corner that the first row does not have is not looked at.
@@ -155,6 +170,11 @@ impl Overview {
         }
     }
 
+    /// Takes the wheels' speeds of the last row.
+    pub fn push_wheels(&mut self, time_s: f64, signals: &WheelSignals) {
+        self.wheels.get_or_insert_with(|| Wheels::new(time_s, self.step_s)).push(time_s, signals);
+    }
+
     /// What was found; `None` without a row.
     #[must_use]
     pub fn finish(self) -> Option<Found> {
@@ -165,6 +185,7 @@ impl Overview {
             span_s,
             step_s: self.step_s,
             speed: known(&speed),
+            wheels: self.wheels.and_then(Wheels::found),
             corners: named.filter_map(|(label, corner)| Some(corner?.found(label))).collect(),
             // A stretch within a gap has no row, and so no step.
             steps: steps

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::{Found, FoundCorner, Statistics};
+use super::{Found, FoundCorner, FoundWheels, Statistics};
 use crate::plot::{Axis, Figure, Ink, Panel, Stroke, escape};
 use crate::transfer::{Density, INCOHERENT, named};
 
@@ -34,6 +34,14 @@ impl Found {
             writeln!(body, "<div class=\"card {class}\"><p class=\"card-name\">{verdict}</p>{list}</div>");
         body += &self.table();
         let _ = write!(body, "<h2>Speed and rows</h2>\n<figure>{}</figure>\n", self.drive().html());
+        if let Some(wheels) = &self.wheels {
+            let _ = write!(
+                body,
+                "<h2>Wheel speeds</h2>\n<p>{}</p>\n<figure>{}</figure>\n",
+                escape(&wheels.summary()),
+                wheels.figure().html()
+            );
+        }
         for corner in &self.corners {
             let _ = write!(
                 body,
@@ -65,6 +73,9 @@ impl Found {
         };
         if let Some(speed) = &self.speed {
             row("speed", "m/s", speed);
+        }
+        for (name, unit, statistics) in self.wheels.iter().flat_map(FoundWheels::signals) {
+            row(&name, unit, statistics);
         }
         for corner in &self.corners {
             row(&format!("{}, body acceleration", corner.label), "m/s²", &corner.body);

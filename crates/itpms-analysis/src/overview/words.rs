@@ -19,13 +19,37 @@ impl Found {
     #[must_use]
     pub fn doubts(&self) -> Vec<String> {
         let mut out = Vec::new();
-        if self.speed.is_none() {
+        if self.speed.is_none() && (self.wheels.is_none() || !self.corners.is_empty()) {
             out.push("No speed: neither the axles' common road nor the roughness can be used".to_owned());
         }
         for corner in &self.corners {
             out.extend(corner.doubts());
         }
+        out.extend(self.gravity());
         out
+    }
+
+    /// The sensors that show gravity, in one sentence.
+    fn gravity(&self) -> Option<String> {
+        let sensors = self.corners.iter().flat_map(|corner| {
+            let of = |name, s| (format!("{}, {name}", corner.label), s);
+            [of("body", &corner.body), of("wheel", &corner.wheel)]
+        });
+        let with: Vec<(String, f64)> = sensors
+            .filter(|(_, s)| s.sd != 0.0 && s.samples > 0 && s.mean.abs() > GRAVITY)
+            .map(|(name, s)| (name, s.mean))
+            .collect();
+        // Of a mean that no car has, the size says enough.
+        let size = |mean: f64| if mean.abs() < 1e6 { format!("{mean:.1}") } else { format!("{mean:.1e}") };
+        match &with[..] {
+            [] => None,
+            [(name, mean)] => Some(format!("{name}: its mean is {} m/s², so gravity is in it", size(*mean))),
+            [(first, mean), others @ ..] => Some(format!(
+                "{first}, and {} more: their means are {} m/s² and the like, so gravity is in them",
+                others.len(),
+                size(*mean)
+            )),
+        }
     }
 }
 
@@ -91,11 +115,6 @@ fn signal(name: &str, s: &Statistics) -> Vec<String> {
     if missing > MISSING {
         out.push(format!("{name}: {:.0} % of its values are missing", 100.0 * missing));
     }
-    if s.mean.abs() > GRAVITY {
-        // Of a mean that no car has, the size says enough.
-        let mean = if s.mean.abs() < 1e6 { format!("{:.1}", s.mean) } else { format!("{:.1e}", s.mean) };
-        out.push(format!("{name}: its mean is {mean} m/s², so gravity is in it"));
-    }
     // A coarse signal stays at its limit without being cut off there.
     if s.smallest_step * STEPS_PER_SD > s.sd {
         out.push(format!(
@@ -140,6 +159,13 @@ mod tests {
         expect_words(
             minute(0.2, |_, signals| signals.body_accel_m_s2 += 9.81),
             "fr, body: its mean is 9.8 m/s², so gravity is in it",
+        );
+        expect_words(
+            minute(0.2, |_, signals| {
+                signals.body_accel_m_s2 += 9.81;
+                signals.wheel_accel_m_s2 += 9.81;
+            }),
+            "fr, body, and 1 more: their means are 9.8 m/s² and the like, so gravity is in them",
         );
         expect_words(minute(0.2, |_, signals| signals.body_accel_m_s2 = 1.5), "fr, body: always 1.5");
         expect_words(

@@ -100,6 +100,7 @@ fn line(span: &AlertSpan, unit: PressureUnit) -> Line {
             let why = "one of the tires differs from the others since the calibration, by the wheel speeds; which, is not known";
             ("low", "One differs", why.to_owned())
         }
+        Cause::SlowLeak(leak) => ("low", "Slow leak", leak.to_string()),
         Cause::Malfunction(malfunction) => ("malfunction", "Malfunction", malfunction.to_string()),
         Cause::NoInformation { driven_s } => {
             ("unknown", "No information", format!("nothing learned in {:.0} min of driving", driven_s / 60.0))

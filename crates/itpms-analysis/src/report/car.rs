@@ -1,14 +1,13 @@
 //! The car from above: four tires, states shown by color, sign and word; the pressures are those of the cards around it. Drawn as SVG, so
 //! that it is there without a script and on paper.
 //!
-//! Called by the page's writer where there are several corners.
+//! Called by the page's writer where there are several corners, or wheel speeds alone.
 
 use std::fmt::Write as _;
 
 use itpms_core::model::Corner;
 
-use super::words::{Status, corner_name, sentence};
-use super::{CornerReport, ReportData};
+use super::words::{Status, corner_name};
 use crate::plot::escape;
 
 /// Middle of a tire, and where its word stands: x, y, and which end of the text.
@@ -38,19 +37,24 @@ const BODY: &str = "<path class=\"car-body\" d=\"M78 16 Q120 4 162 16 Q190 26 19
     <path class=\"car-glass\" d=\"M74 364 Q120 376 166 364 L160 347 Q120 355 80 347 Z\"/>\
     <path class=\"car-body\" d=\"M42 168 L28 174 L30 184 L42 184 Z M198 168 L212 174 L210 184 L198 184 Z\"/>";
 
-/// The picture; its words are those of the cards beside it.
-pub(super) fn drawing(data: &ReportData) -> String {
-    let sentences: Vec<String> =
-        data.corners.iter().map(|corner| sentence(corner, data.pressure_unit)).collect();
+/// What is shown of a tire.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Tire {
+    pub(super) status: Status,
+    pub(super) word: &'static str,
+}
+
+/// The picture; its words are those of the cards beside it. `says`: what it shows, without a full stop. Of a wheel without data there is `None`.
+pub(super) fn drawing(says: &str, tires: &[Option<Tire>; 4]) -> String {
     let mut out = format!(
         "<svg class=\"car\" viewBox=\"0 0 240 400\" role=\"img\" aria-label=\"The car from above. {}.\">{BODY}\
          <text class=\"car-front\" x=\"120\" y=\"34\" text-anchor=\"middle\">front</text>",
-        escape(&sentences.join(". "))
+        escape(says)
     );
-    for corner in Corner::ALL {
+    for (corner, shown) in Corner::ALL.into_iter().zip(tires) {
         let seat = seat(corner);
-        match data.corners.iter().find(|report| report.corner == corner) {
-            Some(report) => tire(&mut out, &seat, report),
+        match shown {
+            Some(shown) => tire(&mut out, &seat, corner, shown),
             None => absent(&mut out, &seat, corner),
         }
     }
@@ -58,8 +62,7 @@ pub(super) fn drawing(data: &ReportData) -> String {
     out
 }
 
-fn tire(out: &mut String, seat: &Seat, corner: &CornerReport) {
-    let status = Status::of(corner);
+fn tire(out: &mut String, seat: &Seat, corner: Corner, &Tire { status, word }: &Tire) {
     let ((x, y), (text_x, text_y)) = (seat.tire, seat.text);
     let _ = write!(
         out,
@@ -67,12 +70,11 @@ fn tire(out: &mut String, seat: &Seat, corner: &CornerReport) {
          <g transform=\"translate({x} {y})\">{sign}</g>\
          <text class=\"tire-word\" x=\"{text_x}\" y=\"{text_y}\" text-anchor=\"{anchor}\">{word}</text></g>",
         class = status.class(),
-        title = corner_name(corner.corner),
+        title = corner_name(corner),
         left = x - 17.0,
         top = y - 39.0,
         sign = sign(status),
         anchor = seat.anchor,
-        word = Status::short(corner),
     );
 }
 

@@ -2,7 +2,7 @@
 //!
 //! Called by the report's collector. Exact: nothing here is decimated.
 
-use itpms_core::model::{CornerEstimate, Level, Warning};
+use itpms_core::model::{ColdPressure, CornerEstimate, Level, Warning};
 
 use super::Z_95;
 
@@ -67,6 +67,8 @@ pub struct CornerFigures {
     pub last: Option<Reading>,
     /// And what it rests on.
     pub grounds: Option<Grounds>,
+    /// What the tire would have had cold then, where the temperature of the air was known.
+    pub cold: Option<ColdPressure<f64>>,
     /// The valid reading with the lowest upper end of its 95 % interval: the lowest that is sure.
     pub lowest: Option<Reading>,
     /// When `low` was first warned of, in s.
@@ -106,6 +108,7 @@ impl FigureSums {
             first: None,
             last: None,
             grounds: None,
+            cold: None,
             lowest: None,
             low_since_s: None,
             low_until_s: None,
@@ -141,6 +144,7 @@ impl FigureSums {
         if estimate.validity.is_valid() && known {
             self.valid += 1;
             self.take_valid(reading, settled);
+            self.figures.cold = estimate.cold;
             self.figures.grounds = Some(Grounds {
                 level: estimate.level,
                 change_sd_kpa: estimate.change_sd_kpa,

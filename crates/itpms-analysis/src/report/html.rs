@@ -6,12 +6,14 @@
 use std::fmt::Write as _;
 use std::io;
 
-use itpms_core::model::{Level, PressureUnit, Warning};
+use itpms_core::model::{Corner, Level, PressureUnit, Warning};
 use itpms_files::Date;
 
+use super::car::Tire;
+use super::cold::cold_words;
 use super::title::title;
 use super::words::{Status, clock, corner_name, level, reading, sentence};
-use super::{CornerReport, ReportData, alerts, car, json, parameters, roads, wheels};
+use super::{CornerReport, ReportData, alerts, car, json, parameters, roads, wheel_cards, wheels};
 use crate::page::{PATTERN_SCRIPT, whole_percent};
 use crate::plot::escape;
 
@@ -40,7 +42,7 @@ pub(super) fn page(data: &ReportData) -> io::Result<String> {
         ("subline", subline(data)),
         ("concerns", concerns(data)),
         ("cards", cards(data)),
-        ("arrangement", if data.corners.len() > 1 { "around" } else { "alone" }.into()),
+        ("arrangement", if data.corners.len() == 1 { "alone" } else { "around" }.into()),
         ("alerts", alerts::table(data)),
         ("roads", roads),
         ("figures", figures(data)),
@@ -119,10 +121,22 @@ fn concerns(data: &ReportData) -> String {
 
 /// The corners at a glance, around the car where there are several.
 fn cards(data: &ReportData) -> String {
-    let mut out = if data.corners.len() > 1 { car::drawing(data) } else { String::new() };
+    if let Some(cards) = wheel_cards::cards(data) {
+        return cards;
+    }
+    let mut out = if data.corners.len() > 1 { drawing(data) } else { String::new() };
     let end_s = data.time_s.last().copied().unwrap_or(f64::NAN);
     out.extend(data.corners.iter().map(|corner| card(corner, end_s, data.pressure_unit)));
     out
+}
+
+fn drawing(data: &ReportData) -> String {
+    let says: Vec<String> = data.corners.iter().map(|corner| sentence(corner, data.pressure_unit)).collect();
+    let tires = Corner::ALL.map(|corner| {
+        let report = data.corners.iter().find(|report| report.corner == corner)?;
+        Some(Tire { status: Status::of(report), word: Status::short(report) })
+    });
+    car::drawing(&says.join(". "), &tires)
 }
 
 /// The roads of the tracks side by side; a single corner shows its own.
@@ -163,11 +177,16 @@ fn card(corner: &CornerReport, end_s: f64, unit: PressureUnit) -> String {
             None => format!("<span>valid for {:.0} % of the drive</span>", 100.0 * f.share_valid),
         },
     };
+    let cold = f.cold.map_or_else(String::new, |cold| {
+        let (at, add) = cold_words(&cold, corner.placard_kpa, unit);
+        let add = add.map_or_else(String::new, |add| format!("<span>{add}</span>"));
+        format!("<span class=\"card-foot\"><span>{at}</span>{add}</span>")
+    });
     format!(
         "<a class=\"card {class} at-{id}\" href=\"#{id}\"><span class=\"card-name\">{name}</span>\
          <span class=\"badge {class}\">{label}</span>\
          <span class=\"card-number\">{number}<small>{spread}</small></span>{gauge}\
-         <span class=\"card-foot\"><span>placard {placard} {unit}</span>{foot}</span></a>\n",
+         <span class=\"card-foot\"><span>placard {placard} {unit}</span>{foot}</span>{cold}</a>\n",
         class = status.class(),
         id = corner.corner.label(),
         name = corner_name(corner.corner),
@@ -392,6 +411,7 @@ fn provenance(data: &ReportData) -> String {
         }
     };
     row("Program", p.program.clone());
+    row("Made on", p.made.clone());
     row("Command", p.command.clone());
     row("Date of the drive", date(d.origin_s));
     row("Log", p.source.clone());

@@ -6,6 +6,7 @@
 
 mod alerts;
 mod car;
+mod cold;
 mod collector;
 mod digits;
 mod figures;
@@ -17,10 +18,12 @@ mod roads;
 mod title;
 mod track;
 mod watch;
+mod wheel_cards;
 mod wheels;
 mod witness;
 mod words;
 
+pub use cold::{air_to_add_kpa, cold_words};
 pub use collector::{CornerRow, ReportCollector, ReportOptions};
 pub use figures::{CornerFigures, DriveFigures, Reading, TruthFigures};
 pub use html::{PLOT_LICENSE, PLOT_SCRIPT, PLOT_STYLE};
@@ -43,8 +46,10 @@ pub const Z_95: f64 = 1.959_963_985;
 /// Where the numbers come from, shown at the end of the page as given.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Provenance {
-    /// Program and version.
+    /// Program, version and commit.
     pub program: String,
+    /// The day it was made on, as 2026-03-01 (UTC); empty: not shown.
+    pub made: String,
     /// The log's or scenario's name.
     pub source: String,
     /// The vehicle's name.

@@ -11,7 +11,7 @@ use serde::Serialize;
 use super::digits::{Digits, axis, values};
 use super::track::{Keep, Track};
 use super::words::{clock, corner_name};
-use super::{ReportData, Z_95};
+use super::{AlertSpan, ReportData, Z_95};
 use crate::plot::escape;
 
 /// Buckets of every curve, and the finest of them in s: half a second is a block of the analysis.
@@ -107,7 +107,7 @@ pub fn found(radii: &RadiusReport<f64>) -> String {
         }
         RadiusState::Calibrating => "the calibration is not over".to_owned(),
         RadiusState::Uninformed => {
-            "a tire that has lost a quarter would not be found: too little was driven since the calibration with all four speeds in order, or loads may have changed".to_owned()
+            "a tire that has lost 30 % would not show: too little was driven since the calibration with all four speeds in order, or loads may have changed".to_owned()
         }
         RadiusState::NoneDiffers => "no tire differs from the others since the calibration".to_owned(),
         RadiusState::Low(wheels) if wheels.iter().count() == 4 => {
@@ -146,11 +146,11 @@ pub fn unseen(radii: &RadiusReport<f64>) -> Vec<String> {
     let uninformed: Vec<&str> = Corner::ALL
         .into_iter()
         .zip(&radii.wheels)
-        .filter(|(corner, wheel)| known && !wheel.informed && !named.contains(*corner))
+        .filter(|(corner, wheel)| known && !wheel.informed() && !named.contains(*corner))
         .map(|(corner, _)| corner.label())
         .collect();
     if !uninformed.is_empty() && radii.state != RadiusState::Uninformed {
-        out.push(format!("A loss of a quarter of {} alone would not be found.", uninformed.join(", ")));
+        out.push(format!("A loss of 30 % of {} alone would not show.", uninformed.join(", ")));
     }
     if known && radii.unseen.which_of_a_diagonal {
         out.push(
@@ -165,7 +165,16 @@ pub fn unseen(radii: &RadiusReport<f64>) -> Vec<String> {
         );
     }
     if known && !radii.unseen.hidden_by_torque.is_empty() {
-        out.push(format!("Torque on coupled wheels hides {}.", radii.unseen.hidden_by_torque));
+        out.push(format!(
+            "The wheels {} are coupled, by a limited slip or as under torque: which of the two lost air is not seen.",
+            radii.unseen.hidden_by_torque
+        ));
+    }
+    if known && radii.unseen.slippery {
+        out.push(
+            "The driven wheels slip more than at the calibration, as on snow: a loss is reported after two minutes of usable driving."
+                .to_owned(),
+        );
     }
     out
 }
@@ -177,12 +186,21 @@ pub fn wheel_line(wheel: &WheelRadius<f64>) -> String {
         return "not compared with anything".to_owned();
     }
     format!(
-        "radius {:+.2} ± {:.2} ‰, lost {:.0} ± {:.0} %",
+        "radius {:+.2} ± {:.2} ‰, lost {:.0} ± {:.0} %; {}",
         1e3 * wheel.change,
         1e3 * wheel.change_sd,
         100.0 * wheel.lost_share,
-        100.0 * wheel.lost_share_sd
+        100.0 * wheel.lost_share_sd,
+        would_show(wheel)
     )
+}
+
+/// What would have been found of a wheel that is compared with the others.
+pub(super) fn would_show(wheel: &WheelRadius<f64>) -> String {
+    match (100.0 * wheel.detectable_loss_share).ceil() {
+        percent if percent <= 90.0 => format!("a loss of {percent:.0} % would show"),
+        _ => "no loss would show yet".to_owned(),
+    }
 }
 
 /// The page's title where wheel speeds are all there is: what was warned of, or what is known in the end.
@@ -191,8 +209,12 @@ pub(super) fn title(data: &ReportData, wheels: &WheelSpeedReport) -> String {
         .watch
         .iter()
         .flat_map(|watch| &watch.alerts)
-        .find(|span| matches!(span.alert.cause, Cause::Differs { .. }));
-    let mut text = found(&wheels.last);
+        .find(|span| matches!(span.alert.cause, Cause::Differs { .. } | Cause::SlowLeak(_)));
+    let leaks = |span: &&&AlertSpan| matches!(span.alert.cause, Cause::SlowLeak(_));
+    let mut text = match alert.as_ref().filter(leaks).and_then(|span| span.alert.wheels.iter().next()) {
+        Some(corner) => format!("the {} tire loses air slowly", corner_name(corner).to_lowercase()),
+        None => found(&wheels.last),
+    };
     if let Some(span) = alert {
         text += &format!("; warned of at {}", clock(span.alert.reported_s));
     }
@@ -204,9 +226,9 @@ pub(super) fn section(data: &ReportData) -> String {
     let Some(wheels) = &data.wheel_speeds else { return String::new() };
     let mut out = format!(
         "<section id=\"wheel-speeds\"><h2>Wheel speeds</h2><p class=\"verdict\">By the wheel speeds {}.</p>\
-         <div class=\"panels\" data-wheels></div><div class=\"scroll\"><table class=\"figures\"><thead><tr><th></th>\
+         <div class=\"panels\" data-wheels=\"lost\"></div><div class=\"scroll\"><table class=\"figures\"><thead><tr><th></th>\
          <th scope=\"col\">Radius since the calibration</th><th scope=\"col\">Lost of its pressure</th>\
-         <th scope=\"col\">State</th></tr></thead><tbody>\n",
+         <th scope=\"col\">Would have shown</th><th scope=\"col\">State</th></tr></thead><tbody>\n",
         escape(&found(&wheels.last))
     );
     let last = data.watch.as_ref().filter(|_| data.corners.is_empty()).map(|watch| watch.last);
@@ -216,23 +238,26 @@ pub(super) fn section(data: &ReportData) -> String {
         let state = match last.and_then(|last| last[corner.index()]) {
             Some(WheelState::Low) => "low",
             Some(WheelState::Fine) => "as the others",
-            _ if !known || !wheel.informed => "not known",
+            _ if !known || !wheel.informed() => "not known",
             _ if wheel.low_probability > 0.5 => "in doubt",
             _ => "as the others",
         };
         let _ = writeln!(
             out,
-            "<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{state}</td></tr>",
+            "<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{}</td><td>{state}</td></tr>",
             corner_name(corner),
             cell(format!("{:+.2} ± {:.2} ‰", 1e3 * wheel.change, 1e3 * wheel.change_sd)),
             cell(format!("{:.0} ± {:.0} %", 100.0 * wheel.lost_share, 100.0 * wheel.lost_share_sd)),
+            cell(would_show(wheel)),
         );
     }
     out.push_str("</tbody></table></div>");
     for sentence in unseen(&wheels.last) {
         let _ = write!(out, "<p class=\"note\">{}</p>", escape(&sentence));
     }
-    out.push_str("</section>\n");
+    out.push_str(
+        "<details class=\"inner\"><summary>Radii and their ratios</summary><div class=\"panels\" data-wheels=\"radii\"></div></details></section>\n",
+    );
     out
 }
 

@@ -34,7 +34,7 @@ impl Status {
     }
 
     /// Word for a badge.
-    fn label(self) -> &'static str {
+    pub(super) fn label(self) -> &'static str {
         match self {
             Self::Low => "Low",
             Self::Malfunction => "Malfunction",
@@ -71,6 +71,13 @@ impl Status {
         match Self::of(corner) {
             Self::Low if now != Warning::Low => "was low",
             Self::Malfunction if now != Warning::Malfunction => "was faulty",
+            status => status.word(),
+        }
+    }
+
+    /// The same of what is so now.
+    pub(super) fn word(self) -> &'static str {
+        match self {
             Self::Low => "LOW",
             Self::Malfunction => "FAULT",
             Self::Over => "HIGH",

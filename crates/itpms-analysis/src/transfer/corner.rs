@@ -102,6 +102,8 @@ pub struct CornerCheck {
     pub coherence: f64,
     /// What the estimator says after the whole drive of how body and wheel go together, and what does not, where it ran.
     pub fit: Option<(BodyFit<f64>, Option<Misfit>)>,
+    /// What its monitor reports of a broken sensor: then the others say nothing of damper and spring.
+    pub broken: Option<String>,
     bins: Vec<Bin>,
 }
 
@@ -118,7 +120,7 @@ impl CornerCheck {
         } else {
             compared(&bins, &suspension)
         };
-        Self { label: label.to_owned(), suspension, verdict, coherence, fit: None, bins }
+        Self { label: label.to_owned(), suspension, verdict, coherence, fit: None, broken: None, bins }
     }
 
     /// See [`no_suspension_allows`]. The spring is no witness: it shows little above the body's bounce, and what the corners share there
@@ -157,6 +159,7 @@ impl CornerCheck {
             Verdict::Compared { damping, spring } => {
                 let s = &self.suspension;
                 self.is_against()
+                    || self.broken.is_some()
                     || apart(*damping, s.damping_relative_sd)
                     || apart(*spring, s.spring_relative_sd)
                     || self.misfit().is_some()
@@ -167,6 +170,9 @@ impl CornerCheck {
     fn compared_sentence(&self, damping: (f64, f64), spring: (f64, f64)) -> String {
         if self.is_against() {
             return format!("Damper and spring are not judged: {AGAINST}");
+        }
+        if let Some(broken) = &self.broken {
+            return format!("Damper and spring are not judged: {broken}");
         }
         let s = &self.suspension;
         let part = |name: &str, key: &str, value: f64, sd: f64, (ratio, error): (f64, f64)| {

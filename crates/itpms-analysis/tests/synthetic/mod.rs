@@ -77,6 +77,7 @@ impl Tire {
             change_sd_kpa: sd,
             axle_difference_sd_kpa: None,
             loss: None,
+            cold: None,
             level: Level::Calibration,
             road_m: 0.0,
             road_sd_m: 4e-4,
@@ -132,6 +133,7 @@ pub(crate) fn report(drive: &Drive, name: &str) -> ReportData {
     }
     collector.finish(Provenance {
         program: "itpms 0.1.0".into(),
+        made: "2026-03-01".into(),
         source: "paper-drop.csv".into(),
         vehicle: name.into(),
         estimator: "informed".into(),

@@ -16,6 +16,9 @@ const EXTENDED: u64 = 1 << 31;
 /// Vector's editors keep signals without a message under this identifier.
 const NO_MESSAGE: u64 = 0xC000_0000;
 
+/// Source address that databases of SAE J1939 have where any node may send.
+const NULL_ADDRESS: u32 = 0xFE;
+
 /// Everything found so far.
 #[derive(Debug, Default)]
 pub(super) struct Builder {
@@ -53,14 +56,10 @@ impl Builder {
             }
             Statement::ValueType { id, signal, kind } => self.value_type(line, id, &signal, kind),
             Statement::Labels { id, signal, labels } => {
-                if let Some(signal) = self.quietly(id, &signal) {
-                    signal.labels = labels;
-                }
+                self.quietly(id, &signal, |signal| signal.labels.clone_from(&labels));
             }
             Statement::Comment { id, signal: Some(signal), text } => {
-                if let Some(signal) = self.quietly(id, &signal) {
-                    signal.comment = text;
-                }
+                self.quietly(id, &signal, |signal| signal.comment.clone_from(&text));
             }
             Statement::Comment { id, signal: None, text } => {
                 if let Some(draft) = self.draft(id) {
@@ -88,7 +87,9 @@ impl Builder {
                     && let Some(draft) = self.draft(id)
                     && let Some(place) = draft.signals.get(&signal)
                 {
-                    draft.long_names.insert(*place, value);
+                    for place in draft.of_the_name(*place) {
+                        draft.long_names.insert(place, value.clone());
+                    }
                 }
             }
             Statement::OfTheBus { name, value } => {
@@ -140,10 +141,10 @@ impl Builder {
             2 => Kind::Float64,
             _ => return,
         };
-        if let Some((draft, place)) = self.find(line, "SIG_VALTYPE_", id, signal)
-            && let Some(signal) = draft.message.signals.get_mut(place)
-        {
-            signal.kind = kind;
+        if let Some((draft, place)) = self.find(line, "SIG_VALTYPE_", id, signal) {
+            for place in draft.of_the_name(place) {
+                draft.message.signals.get_mut(place).into_iter().for_each(|signal| signal.kind = kind);
+            }
         }
     }
 
@@ -151,11 +152,13 @@ impl Builder {
         self.places.get(&id).and_then(|place| self.messages.get_mut(*place))
     }
 
-    /// A signal that something not so important is reported of.
-    fn quietly(&mut self, id: u64, signal: &str) -> Option<&mut Signal> {
-        let draft = self.draft(id)?;
-        let place = *draft.signals.get(signal)?;
-        draft.message.signals.get_mut(place)
+    /// What is not so important of a signal, in every layout of its name.
+    fn quietly(&mut self, id: u64, signal: &str, mut set: impl FnMut(&mut Signal)) {
+        let Some(draft) = self.draft(id) else { return };
+        let Some(place) = draft.signals.get(signal) else { return };
+        for place in draft.of_the_name(*place) {
+            draft.message.signals.get_mut(place).into_iter().for_each(&mut set);
+        }
     }
 
     /// A signal that something is reported of which changes its value; if it is not there, that is named.
@@ -194,8 +197,10 @@ impl Builder {
             let format = draft.frame_format.take().or_else(|| self.defaults.get("VFrameFormat").cloned());
             let format = format.map(|format| frame_format(&format, self.enumerations.get("VFrameFormat")));
             draft.message.fd |= format == Some(FrameFormat::Fd);
-            // A file without formats says it of the whole bus.
-            let on_j1939 = || self.protocol.as_deref().is_some_and(|protocol| protocol.contains("J1939"));
+            // A file without formats says it of the whole bus, or by identifiers with the null address, which sends no message.
+            let from_null = draft.message.id.value() & 0xFF == NULL_ADDRESS;
+            let on_j1939 =
+                || from_null || self.protocol.as_deref().is_some_and(|protocol| protocol.contains("J1939"));
             draft.message.j1939 = draft.message.id.is_extended()
                 && format.map_or_else(on_j1939, |format| format == FrameFormat::J1939);
             messages.push(draft.finish(&mut comparisons, &mut self.problems));

@@ -2,10 +2,11 @@
 //!
 //! Called by the builder. What comes out of [`Draft::finish`] can be decoded without further questions.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use super::bits::{ByteOrder, Layout};
 use super::message::{Kind, Message, Selector, Signal};
+use super::missing::Missing;
 use super::problem::{Fault, Problems};
 use super::statement::{Multiplexing, RawSignal};
 use crate::CanId;
@@ -24,6 +25,8 @@ pub(super) struct Draft {
     pub(super) message: Message,
     /// By name: place among the signals.
     pub(super) signals: HashMap<String, usize>,
+    /// Further layouts of a name, which other values of a multiplexer select: by the place of the first, in the order of the file.
+    layouts: HashMap<usize, Vec<usize>>,
     multiplexing: Vec<Multiplexing>,
     /// By place: who selects it and by which values (`SG_MUL_VAL_`).
     pub(super) extended: HashMap<usize, (String, Vec<(u64, u64)>)>,
@@ -53,6 +56,7 @@ impl Draft {
         Self {
             message,
             signals: HashMap::new(),
+            layouts: HashMap::new(),
             multiplexing: Vec::new(),
             extended: HashMap::new(),
             frame_format: None,
@@ -69,8 +73,12 @@ impl Draft {
         if self.full {
             return Ok(());
         }
-        if let Some(first) = self.signals.get(&signal).and_then(|place| self.message.signals.get(*place)) {
-            return Err(Fault::SignalTwice { message, signal, first_line: first.line });
+        let first = self.signals.get(&signal).copied();
+        if let Some(first) = first
+            && !self.is_another_layout(first, raw.multiplexing)
+        {
+            let first_line = self.message.signals.get(first).map_or(0, |first| first.line);
+            return Err(Fault::SignalTwice { message, signal, first_line });
         }
         if self.message.signals.len() == MOST_SIGNALS {
             self.full = true;
@@ -87,7 +95,10 @@ impl Draft {
         let Some(layout) = Layout::new(order, raw.start, raw.bits, bytes) else {
             return Err(Fault::Outside { message, signal, start: raw.start, bits: raw.bits, bytes });
         };
-        self.signals.insert(signal, self.message.signals.len());
+        match first {
+            None => drop(self.signals.insert(signal, self.message.signals.len())),
+            Some(first) => self.layouts.entry(first).or_default().push(self.message.signals.len()),
+        }
         self.multiplexing.push(raw.multiplexing);
         self.message.signals.push(Signal {
             name: raw.name,
@@ -103,8 +114,25 @@ impl Draft {
             labels: Vec::new(),
             selector: None,
             line,
+            missing: Missing::default(),
+            is_another_layout: false,
         });
         Ok(())
+    }
+
+    /// The places of a signal of which the first is this, one for each of its layouts.
+    pub(super) fn of_the_name(&self, first: usize) -> Vec<usize> {
+        let others = self.layouts.get(&first).into_iter().flatten().copied();
+        [first].into_iter().chain(others).collect()
+    }
+
+    /// Whether a signal of a name that is there is the same at another place, under another value of the multiplexer.
+    fn is_another_layout(&self, first: usize, multiplexing: Multiplexing) -> bool {
+        let other = |place: &usize| match (self.multiplexing[*place].selected_by, multiplexing.selected_by) {
+            (Some(one), Some(other)) => one != other,
+            _ => false,
+        };
+        self.of_the_name(first).iter().all(other)
     }
 
     /// The message with the signals that make sense. `comparisons`: how many pairs of signals may still be held against
@@ -123,6 +151,12 @@ impl Draft {
         let mut message = compacted(self.message, &kept);
         let new_place = new_places(&kept);
         message.order = order.into_iter().filter_map(|place| new_place[place]).collect();
+        let (id, j1939) = (message.id, message.j1939);
+        let mut names = HashSet::new();
+        for signal in &mut message.signals {
+            signal.missing = Missing::of(signal, id, j1939);
+            signal.is_another_layout = !names.insert((signal.name.clone(), signal.unit.clone()));
+        }
         overlaps(&message, comparisons, problems);
         message
     }
@@ -160,15 +194,22 @@ impl Draft {
     /// Finds a signal's multiplexer: the one that `SG_MUL_VAL_` names, else the only one there is.
     fn select(&mut self, place: usize) -> Result<(), Fault> {
         let (message, signal) = (&self.message.name, &self.message.signals[place].name);
-        let (switch, ranges) = match (self.extended.get(&place), self.multiplexing[place].selected_by) {
-            (Some((name, ranges)), _) => {
+        let layouts = self.layouts.iter().find(|(_, others)| others.contains(&place));
+        let first = layouts.map_or(place, |(first, _)| *first);
+        let (switch, ranges) = match (self.extended.get(&first), self.multiplexing[place].selected_by) {
+            (Some((name, ranges)), by) => {
+                // The ranges of a name with several layouts are those of all of them together.
+                let ranges = match by.filter(|_| self.layouts.contains_key(&first)) {
+                    Some(value) => vec![(value, value)],
+                    None => ranges.clone(),
+                };
                 let switch = self.signals.get(name).copied().filter(|switch| *switch != place);
                 let missing = || Fault::NoSwitch {
                     message: message.clone(),
                     signal: signal.clone(),
                     switch: Some(name.clone()),
                 };
-                (switch.ok_or_else(missing)?, ranges.clone())
+                (switch.ok_or_else(missing)?, ranges)
             }
             (None, Some(value)) => {
                 let plain = |m: &Multiplexing| m.switch && m.selected_by.is_none();

@@ -6,6 +6,7 @@
 use thiserror::Error;
 
 use super::bits::Layout;
+use super::missing::{Missing, NoValue};
 use crate::{CanId, Payload};
 
 /// A message of a DBC file.
@@ -66,6 +67,9 @@ pub struct Signal {
     pub selector: Option<Selector>,
     /// Line of the file.
     pub line: u64,
+    pub(super) missing: Missing,
+    /// Whether a signal of the same name and unit stands before it, which another value of a multiplexer selects.
+    pub(super) is_another_layout: bool,
 }
 
 /// What bits mean.
@@ -102,19 +106,6 @@ pub struct EncodeError {
     pub signal: String,
 }
 
-/// Names of raw values that say that there is no value.
-const NOT_AVAILABLE: [&str; 9] = [
-    "sna",
-    "signal not available",
-    "signalnotavailable",
-    "not available",
-    "notavailable",
-    "not valid",
-    "invalid",
-    "n/a",
-    "error",
-];
-
 impl Signal {
     /// The raw bits; `None` if the data end before them. Whether a multiplexer selects it is not looked at.
     #[must_use]
@@ -134,28 +125,27 @@ impl Signal {
         number * self.factor + self.offset
     }
 
-    /// Whether these bits are labeled as no value: `SNA`, `invalid` and the like.
+    /// Whether these bits are no value.
     #[must_use]
     pub fn is_not_available(&self, raw: u64) -> bool {
-        self.not_available().any(|label| label == raw)
+        self.no_value(raw).is_some()
     }
 
-    fn not_available(&self) -> impl Iterator<Item = u64> {
-        let mask = self.layout.mask();
-        let says_so = |label: &str| {
-            let plain = label.trim().replace('_', " ").to_lowercase();
-            NOT_AVAILABLE.contains(&plain.as_str())
-        };
-        self.labels.iter().filter(move |(_, label)| says_so(label)).map(move |(raw, _)| *raw as u64 & mask)
+    /// Why these bits are no value, if they are none: a label such as `SNA` or `invalid`, SAE J1939, or an end of the raw numbers beyond the
+    /// stated range.
+    #[must_use]
+    #[inline]
+    pub fn no_value(&self, raw: u64) -> Option<NoValue> {
+        self.missing.why(raw)
     }
 
     /// The raw bits nearest to a physical value, kept within the signal's range. NaN is sent as the raw value labeled
-    /// as no value; `None` if there is none and it is no float.
+    /// as no value, on SAE J1939 as all ones; `None` if there is none and it is no float.
     #[must_use]
     pub fn bits_of(&self, physical: f64) -> Option<u64> {
         let float = matches!(self.kind, Kind::Float32 | Kind::Float64);
         if physical.is_nan() && !float {
-            return self.not_available().next();
+            return self.missing.code(self.layout.mask());
         }
         let within = if self.min < self.max { physical.clamp(self.min, self.max) } else { physical };
         let number = (within - self.offset) / self.factor;
@@ -177,14 +167,37 @@ impl Signal {
 }
 
 impl Message {
-    /// Hands the physical value of every signal that is in these data to `found`, with the signal's place. Signals
-    /// beyond the end of a short frame, and those that a multiplexer does not select, are not in it.
+    /// Hands the physical value of every signal that is in these data to `found`, with the signal's place, NaN
+    /// where the bits say that there is none. Signals beyond the end of a short frame, and those that a multiplexer does not select, are not in it.
     pub fn decode(&self, data: &[u8], mut found: impl FnMut(usize, f64)) {
         for (place, signal) in self.signals.iter().enumerate() {
             if let Some(raw) = self.raw(place, data) {
-                found(place, signal.physical(raw));
+                let value = if signal.is_not_available(raw) { f64::NAN } else { signal.physical(raw) };
+                found(place, value);
             }
         }
+    }
+
+    /// The signals, each in its first layout: their places.
+    pub fn first_layouts(&self) -> impl Iterator<Item = usize> {
+        let first = |(_, signal): &(usize, &Signal)| !signal.is_another_layout;
+        self.signals.iter().enumerate().filter(first).map(|(place, _)| place)
+    }
+
+    /// All layouts of the signal whose first one is at this place: those of its name and unit.
+    pub fn layouts_of(&self, first: usize) -> impl Iterator<Item = usize> {
+        let wanted = self.signals.get(first);
+        let same = move |place: usize, other: &Signal| {
+            place == first
+                || wanted.is_some_and(|wanted| {
+                    other.is_another_layout && wanted.name == other.name && wanted.unit == other.unit
+                })
+        };
+        self.signals
+            .iter()
+            .enumerate()
+            .filter(move |(place, other)| same(*place, other))
+            .map(|(place, _)| place)
     }
 
     /// The raw bits of one signal, if it is in these data.

@@ -11,13 +11,16 @@
 //! | `build`, `draft` | statements to messages |
 //! | `bits` | where a signal's bits are |
 //! | `message` | bytes to physical values and back |
+//! | `missing` | which raw values are none |
 //! | `problem` | what can be wrong |
 
 mod bits;
 mod build;
 mod cursor;
 mod draft;
+mod find_missing;
 mod message;
+mod missing;
 pub(crate) mod problem;
 mod statement;
 
@@ -26,6 +29,7 @@ use std::path::Path;
 
 pub use bits::{ByteOrder, Layout};
 pub use message::{EncodeError, Kind, Message, Selector, Signal};
+pub use missing::NoValue;
 pub use problem::{DbcError, DbcProblem, Fault};
 
 use itpms_files::input;

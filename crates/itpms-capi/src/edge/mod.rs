@@ -86,6 +86,9 @@ unsafe fn init<H: Handle>(
     handle: *mut *mut H,
     problem: *mut itpms_problem,
 ) -> itpms_status {
+    if !problem.is_aligned() {
+        return itpms_status::Misaligned;
+    }
     // SAFETY: the caller's promise.
     let refusal = match unsafe { make(memory, size, config, handle) } {
         Ok(()) => return itpms_status::Ok,

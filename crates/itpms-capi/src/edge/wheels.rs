@@ -182,7 +182,7 @@ pub unsafe extern "C" fn itpms_wheels_save_calibration(
 
 /// Begins a drive with a stored calibration, before the first sample.
 ///
-/// Errors: NULL_POINTER, MISALIGNED, NOT_A_CAR, DAMAGED, OTHER_FORMAT, IMPLAUSIBLE.
+/// Errors: NULL_POINTER, MISALIGNED, NOT_A_CAR, DAMAGED, OTHER_FORMAT, IMPLAUSIBLE, TOO_LATE.
 ///
 /// # Safety
 /// Every pointer is null or points to what its type says, `memory` to `size` bytes.

@@ -91,6 +91,7 @@ static void configurations(void)
     GIVES(itpms_car_init(&first, sizeof first, &config, NULL, NULL), NULL_POINTER);
     GIVES(itpms_car_init(first.bytes + 1, sizeof first - 1, &config, &car, NULL), MISALIGNED);
     GIVES(itpms_car_init(&first, itpms_car_size() - 1, &config, &car, NULL), TOO_SMALL);
+    GIVES(itpms_car_init(&first, sizeof first, &config, &car, (itpms_problem *)(void *)(second.bytes + 1)), MISALIGNED);
     config.struct_size--;
     GIVES(itpms_car_init(&first, sizeof first, &config, &car, NULL), WRONG_SIZE);
     config.struct_size++;
@@ -100,6 +101,11 @@ static void configurations(void)
 
     config.sample_rate_hz = NAN, refused(&config, "sample_rate_hz", 4, ITPMS_STATUS_BAD_PARAMETER);
     config.sample_rate_hz = 0.0, refused(&config, "sample_rate_hz", 4, ITPMS_STATUS_BAD_PARAMETER);
+    config.sample_rate_hz = 25.0, refused(&config, "sample_rate_hz", 4, ITPMS_STATUS_BAD_PARAMETER);
+    config.sample_rate_hz = 90.0, refused(&config, "sample_rate_hz", 4, ITPMS_STATUS_BAD_PARAMETER);
+    config.sample_rate_hz = 2500.0, refused(&config, "sample_rate_hz", 4, ITPMS_STATUS_BAD_PARAMETER);
+    config.corners[0].sprung_mass_kg = (itpms_real)1e38, refused(&config, "sprung_mass_kg", 0, ITPMS_STATUS_BAD_PARAMETER);
+    config.wheelbase_m = (itpms_real)1e38, refused(&config, "wheelbase_m", 4, ITPMS_STATUS_BAD_PARAMETER);
     config.wheelbase_m = -1, refused(&config, "wheelbase_m", 4, ITPMS_STATUS_BAD_PARAMETER);
     config.corners[2].sprung_mass_kg = nan, refused(&config, "sprung_mass_kg", 2, ITPMS_STATUS_BAD_PARAMETER);
     config.corners[0].unsprung_mass_kg = 0, refused(&config, "unsprung_mass_kg", 0, ITPMS_STATUS_BAD_PARAMETER);
@@ -319,6 +325,7 @@ static void wheel_speeds(void)
     HOLDS(fabs((double)estimate.wheels[3].radius_lost_share - 0.6) < (double)estimate.wheels[3].radius_lost_share_sd);
     HOLDS(isnan(estimate.wheels[3].pressure_kpa));
     GIVES(itpms_car_alerts(car, &alert, 1, &count), OK);
+    GIVES(itpms_car_load_calibration(car, stored, written), TOO_LATE);
     HOLDS(count == 1 && alert.cause == ITPMS_CAUSE_DIFFERS && alert.wheels == 8u && alert.wheels_are_known == 1);
 }
 

@@ -191,8 +191,8 @@ static void calibrations(void)
     GIVES(itpms_wheels_save_calibration(wheels, stored, 20, &written), TOO_SMALL);
     GIVES(itpms_wheels_save_calibration(wheels, stored, sizeof stored, NULL), NULL_POINTER);
     GIVES(itpms_wheels_save_calibration(wheels, stored, sizeof stored, &written), OK);
-    /* A header of 16 bytes, six numbers, their covariance, four radii, whether the yaw rate is left out. */
-    HOLDS(written == 16 + (6 + 36 + 4) * sizeof(itpms_real) + 1);
+    /* A header of 16 bytes, eight numbers, their covariance, four radii, whether the yaw rate is left out. */
+    HOLDS(written == 16 + (8 + 64 + 4) * sizeof(itpms_real) + 1);
     GIVES(itpms_wheels_reset(wheels), OK);
     stored[30] ^= 1u;
     GIVES(itpms_wheels_load_calibration(wheels, stored, written), DAMAGED);

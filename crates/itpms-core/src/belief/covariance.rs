@@ -128,6 +128,12 @@ impl<T: Real> Covariance<T> {
         }
     }
 
+    /// One quantity becomes this share of itself.
+    pub(crate) fn shrink_one(&mut self, at: usize, share: T) {
+        (0..SIZE).for_each(|other| self[(at, other)] *= share);
+        self[(at, at)] *= share;
+    }
+
     /// Each quantity becomes this share of itself.
     pub(crate) fn shrink(&mut self, share: &State<T>) {
         self.change(SIZE, [share, share], |entry, row, column| *entry *= row * column);

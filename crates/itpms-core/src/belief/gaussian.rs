@@ -9,8 +9,10 @@ use super::state::{
 use crate::memory::Blank;
 use crate::model::Corner;
 use crate::real::Real;
-use crate::suspension::MEMORY_S;
 
+/// Seconds within which dampings and springs become what friction that is not known makes of them. Friction is constant in newtons; what it makes of
+/// a strut changes with the road.
+const FRICTION_S: f64 = 600.0;
 /// Mean and sd in 1/s of the rate at which a compliance begins to grow: 0.08/s is a tire that loses some 26 kPa/s.
 const RATE_MEAN: f64 = 0.08;
 const RATE_SD: f64 = 0.08;
@@ -121,7 +123,7 @@ pub(crate) struct Wandering<T: Real> {
 }
 
 impl<T: Real> Wandering<T> {
-    /// Dampings and springs may besides be others by what friction makes of them, and become so within [`MEMORY_S`] (Ornstein-Uhlenbeck
+    /// Dampings and springs may besides be others by what friction makes of them, and become so within [`FRICTION_S`] (Ornstein-Uhlenbeck
     /// processes).
     pub(crate) fn over(seconds: T, circumstances: &Circumstances<T>) -> Self {
         let (sd, prior_sd) = (wander_sd::<T>(), prior_sd(&circumstances.mass_sd));
@@ -129,7 +131,7 @@ impl<T: Real> Wandering<T> {
         let mut gained = sd.component_mul(&sd);
         for (i, error) in circumstances.friction_error.iter().enumerate() {
             for (at, besides) in [(DAMPING + i, error.damping), (SPRING + i, error.spring)] {
-                gained[at] += besides * T::lit(2.0 / MEMORY_S);
+                gained[at] += besides * T::lit(2.0 / FRICTION_S);
                 rate[at] = T::lit(0.5) * gained[at] / (end_sd[at] * end_sd[at] + besides);
             }
         }

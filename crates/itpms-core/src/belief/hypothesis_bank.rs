@@ -7,6 +7,7 @@ use super::gaussian::{Circumstances, Hypothesis, Wandering};
 use super::hypotheses::{
     CONSTANT, HYPOTHESES, Hypotheses, RANDOM_WALK, SIDE, both, changing, has_rate, single,
 };
+use super::instruments::Instruments;
 use super::measurement::{AxleResidual, SideMeasurement, UpdateRecord};
 use super::state::{MASS, RATE, SIZE, State, TIRE};
 use super::tires::Tires;
@@ -41,6 +42,7 @@ pub(super) struct HypothesisBank<T: Real> {
     pub(super) transition: Transition<T>,
     pub(super) circumstances: Circumstances<T>,
     update: FrameUpdate<T>,
+    instruments: Instruments<T>,
     /// Whether anything of the hypotheses has changed since what is believed of the tires was last asked for.
     has_changed: bool,
 }
@@ -76,6 +78,7 @@ impl<T: Real> HypothesisBank<T> {
     pub(super) fn start(&mut self, tires: &[T; 4]) {
         self.transition.clear();
         self.update = FrameUpdate::BLANK;
+        self.instruments.restart();
         let [constant, others @ ..] = &mut self.hypotheses;
         constant.start(tires, &self.circumstances.mass_sd);
         for (index, hypothesis) in (1..).zip(others) {
@@ -96,8 +99,8 @@ impl<T: Real> HypothesisBank<T> {
     }
 
     /// Begins to move on by `seconds`; see [`Transition::begin`].
-    pub(super) fn begin_prediction(&mut self, seconds: T, [moves, wanders]: [bool; 2], onset_rates: &[T; 4]) {
-        self.transition.begin(seconds, [moves, wanders], onset_rates);
+    pub(super) fn begin_prediction(&mut self, seconds: T, may: [bool; 3], onset_rates: &[T; 4]) {
+        self.transition.begin(seconds, may, onset_rates);
     }
 
     /// Does a part of the prediction.
@@ -134,8 +137,9 @@ impl<T: Real> HypothesisBank<T> {
         }
     }
 
-    /// Begins to update with a frame.
-    pub(super) fn begin_update(&mut self) {
+    /// Begins to update with a frame of a side that counts `weight`.
+    pub(super) fn begin_update(&mut self, side: Side, weight: T) {
+        self.instruments.learn(side, weight, &mut self.hypotheses);
         self.update.best = self.most_likely();
         self.update.record.clear();
         self.update.frames = self.update.frames.wrapping_add(1);
@@ -163,7 +167,7 @@ impl<T: Real> HypothesisBank<T> {
         }
         let prefit = linearize(&hypothesis.mean);
         let mut own = OwnCovariance::new(&hypothesis.covariance, *side);
-        let Some(likelihood) = Likelihood::new(&own, &prefit, expected) else {
+        let Some(likelihood) = Likelihood::new(&own, &prefit, instrument, expected) else {
             *log_weight = T::lit(IMPOSSIBLE);
             return true;
         };

@@ -52,6 +52,8 @@ pub(crate) struct AxleResidual<T: Real> {
 pub(crate) struct Expectation<T: Real> {
     /// Power of the residual, per bin.
     pub(crate) power: [T; BINS],
+    /// Road power, per bin, as the state reads it that the frame is held against.
+    pub(crate) road_power: [T; BINS],
     /// Information about the side's quantities: the lower triangular `G` with `G G'`.
     pub(crate) information_root: Gram<T>,
 }

@@ -13,6 +13,7 @@
 //! | `covariance` | a symmetric matrix in half its memory |
 //! | `gaussian` | one Gaussian, and two merged into one |
 //! | `hypothesis_bank`, `transition` | eight of them, and how one hypothesis becomes another |
+//! | `instruments` | what a side reads too much while its instruments are not learned |
 //! | `update` | Bayes' rule for a frame with instruments |
 //! | `checkpoint` | going back to what was believed before a sensor failed |
 //! | `calibration` | tires set to their placard pressures, and what that teaches |
@@ -28,6 +29,7 @@ mod floor;
 mod gaussian;
 mod hypotheses;
 mod hypothesis_bank;
+mod instruments;
 mod losses;
 pub(crate) mod measurement;
 pub(crate) mod state;
@@ -164,7 +166,9 @@ impl<T: Real> Belief<T> {
         let begins = self.expects_onsets();
         let rates = if begins { onset.rates } else { [T::zero(); 4] };
         // Tires that only lose air while they roll do not wander.
-        self.bank.begin_prediction(T::lit(seconds), [begins, begins && !self.only_lose()], &rates);
+        // Of tires that somebody has set one may be punctured; several together are a car that is not known yet.
+        let together = begins && !self.is_calibrating();
+        self.bank.begin_prediction(T::lit(seconds), [begins, together, begins && !self.only_lose()], &rates);
     }
 
     /// Does one part of a prediction.
@@ -178,7 +182,7 @@ impl<T: Real> Belief<T> {
         for corner in [measurement.side.front(), measurement.side.rear()] {
             self.inflate_tire(corner, measurement.incoherent_s);
         }
-        self.bank.begin_update();
+        self.bank.begin_update(measurement.side, measurement.weight);
     }
 
     /// Updates one hypothesis with the frame, which `linearize` linearizes at a state; false if that one is left out.

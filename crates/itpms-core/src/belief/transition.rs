@@ -56,16 +56,20 @@ impl<T: Real> Transition<T> {
         self.still.weight = T::zero();
     }
 
-    /// Begins to move on by `seconds`; wheels may begin to move, and all to wander; `onset_rates` are chances per second that each wheel does that somebody else has reason to believe in.
-    pub(super) fn begin(&mut self, seconds: T, [moves, wanders]: [bool; 2], onset_rates: &[T; 4]) {
+    /// Begins to move on by `seconds`; wheels may begin to move, several together, and all to wander; `onset_rates` are chances per second that each wheel does that somebody else has reason to believe in.
+    pub(super) fn begin(&mut self, seconds: T, [moves, together, wanders]: [bool; 3], onset_rates: &[T; 4]) {
         let factor = |may: bool| if may { seconds } else { T::zero() };
         self.seconds = seconds;
         self.end = T::one() - (-T::lit(END) * seconds).exp();
-        self.join = T::lit(JOIN) * factor(moves);
+        self.join = T::lit(JOIN) * factor(together);
         self.stay = T::one();
         for (hypothesis, begin) in self.begin.iter_mut().enumerate().skip(1) {
-            *begin =
-                T::lit(BEGIN[hypothesis]) * factor(if hypothesis == RANDOM_WALK { wanders } else { moves });
+            let may = match hypothesis {
+                RANDOM_WALK => wanders,
+                SIDE.. => together,
+                _ => moves,
+            };
+            *begin = T::lit(BEGIN[hypothesis]) * factor(may);
             if let Some(&rate) = onset_rates.get(hypothesis - 1) {
                 *begin += (rate * seconds).min(T::lit(LARGEST_CHANCE));
             }

@@ -1,7 +1,7 @@
 //! What a frame says to one Gaussian of the belief: how likely it was, and where its quantities should go (docs/math/shared-road.md,
 //! eq. 11-13). Used by every hypothesis in turn; knows nothing of the others.
 
-use nalgebra::SMatrix;
+use nalgebra::{SMatrix, SVector};
 
 use super::covariance::{Covariance, product};
 use super::gaussian::Hypothesis;
@@ -13,6 +13,10 @@ use crate::real::Real;
 
 /// Degrees of freedom of the residual's distribution: how heavy its tails are.
 const TAILS: f64 = 8.0;
+/// Chance that a frame is none that any hypothesis foretells, as where the axles' roads part.
+const STRAY: f64 = 1e-3;
+/// Least power of a road in a bin, in m²/s².
+const LEAST_POWER: f64 = 1e-12;
 
 /// The part of a belief that a side's residual depends on.
 pub(crate) struct OwnCovariance<T: Real> {
@@ -48,10 +52,10 @@ impl<T: Real> OwnCovariance<T> {
 
     /// Covariance of a residual that is due to what is not known of the side.
     #[inline(never)]
-    fn spread(&self, found: &AxleResidual<T>) -> SMatrix<T, ROWS, ROWS> {
+    fn spread(&self, slope: &Slope<T>) -> SMatrix<T, ROWS, ROWS> {
         let mut by = Slope::zeros();
-        found.slope.mul_to(&self.own, &mut by);
-        let sum = |i, j| (0..SIDE_SIZE).fold(T::zero(), |sum, k| sum + by[(i, k)] * found.slope[(j, k)]);
+        slope.mul_to(&self.own, &mut by);
+        let sum = |i, j| (0..SIDE_SIZE).fold(T::zero(), |sum, k| sum + by[(i, k)] * slope[(j, k)]);
         SMatrix::from_fn(sum)
     }
 
@@ -139,13 +143,22 @@ pub(crate) struct Likelihood<T: Real> {
 }
 
 impl<T: Real> Likelihood<T> {
+    /// Residuals are shares of the road that the hypothesis itself reads, and what is not known of the side spreads them by the instruments: derivatives
+    /// by what was measured hold the residual's own noise, which would favor who reads less of a road, or knows less (docs/math/shared-road.md, eq. 10a).
     #[inline(never)]
     pub(crate) fn new(
         own: &OwnCovariance<T>,
         found: &AxleResidual<T>,
+        instrument: &Slope<T>,
         expected: &Expectation<T>,
     ) -> Option<Self> {
-        let known = own.spread(found);
+        let road_power = expected.road_power.iter().zip(&found.road_power);
+        let mut relative = [T::one(); BINS];
+        for (relative, (&reference, &own)) in relative.iter_mut().zip(road_power) {
+            *relative = ((reference + T::lit(LEAST_POWER)) / (own + T::lit(LEAST_POWER))).sqrt();
+        }
+        let rows: SVector<T, ROWS> = SVector::from_fn(|row, _| found.rows[row] * relative[row % BINS]);
+        let known = own.spread(instrument);
         // Half of a bin's power in each of its two numbers; frames that overlap say half of everything twice.
         let share = T::lit(0.5 / OVERLAP);
         let total = |scale: T| {
@@ -156,21 +169,32 @@ impl<T: Real> Likelihood<T> {
         let plain = total(T::one()).cholesky()?;
         let diagonal = plain.l_dirty().diagonal();
         let log_determinant = diagonal.iter().fold(T::zero(), |sum, x| sum + T::lit(2.0) * x.ln_fast());
-        let mahalanobis_sq = found.rows.dot(&plain.solve(&found.rows));
+        let mahalanobis_sq = rows.dot(&plain.solve(&rows));
         // A residual far larger than expected says little: Student's t with few degrees of freedom.
-        let (tails, rows) = (T::lit(TAILS), T::lit(ROWS as f64));
-        let scale = ((tails + mahalanobis_sq) / (tails + rows)).max(T::one());
+        let (tails, degrees) = (T::lit(TAILS), T::lit(ROWS as f64));
+        let scale = ((tails + mahalanobis_sq) / (tails + degrees)).max(T::one());
         let inverse = if scale > T::one() { total(scale).cholesky()? } else { plain }.inverse();
-        let weighted = inverse * found.rows;
+        let weighted = inverse * rows;
         let mut ratio = [T::zero(); BINS];
         for (bin, ratio) in ratio.iter_mut().enumerate() {
             for row in [bin, BINS + bin] {
                 *ratio += share * scale * weighted[row] * weighted[row] / inverse[(row, row)];
             }
         }
-        let log =
-            T::lit(-0.5) * (log_determinant + (tails + rows) * (T::one() + mahalanobis_sq / tails).ln_fast());
-        Some(Self { log, mahalanobis_sq: found.rows.dot(&weighted), scale, ratio })
+        let density = |log_determinant: T, mahalanobis_sq: T| {
+            let beyond = (T::one() + mahalanobis_sq / tails).ln_fast();
+            T::lit(-0.5) * (log_determinant + (tails + degrees) * beyond)
+        };
+        // A stray frame is as likely as one whose residual is as large as its noise.
+        let noise = expected
+            .power
+            .iter()
+            .fold(T::zero(), |sum, &power| sum + T::lit(2.0) * (power * share).ln_fast());
+        let stray = density(noise, T::lit(OVERLAP) * degrees) + T::lit(STRAY).ln_fast();
+        let own = density(log_determinant, mahalanobis_sq);
+        let most = own.max(stray);
+        let log = most + ((own - most).exp_fast() + (stray - most).exp_fast()).ln_fast();
+        Some(Self { log, mahalanobis_sq: rows.dot(&weighted), scale, ratio })
     }
 }
 

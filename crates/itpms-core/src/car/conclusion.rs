@@ -16,6 +16,7 @@ use crate::real::Real;
 pub(super) struct Concluded<T: Real> {
     pub(super) corners: [Placed<CornerConclusion<T>>; 4],
     pub(super) correlation: [[T; 4]; 4],
+    pub(super) loss_correlation: [[T; 4]; 4],
     pub(super) tracks: [TrackState<T>; 2],
 }
 
@@ -81,17 +82,18 @@ impl<T: Real> CarEstimator<T> {
         let of_sample = |corner: Corner| sample.corners[corner].and(self.concluded.corners[corner].as_ref());
         let corners = Corner::ALL.map(of_sample);
         let (correlation, tracks) = (self.correlation(&corners, fused), self.tracks());
-        let losses = fused.and_then(|fused| Some(self.considered.losses(fused.losses.as_ref()?)));
         let sds = corners.map(|corner| Some(corner?.pressure_sd_kpa));
+        let losses = fused.and_then(|fused| Some(self.considered.losses(fused.losses.as_ref()?, &sds)));
         for wheel in Corner::ALL.into_iter().filter(|&wheel| sample.corners[wheel].is_some()) {
             let Some(corner) = self.concluded.corners[wheel].as_mut() else { continue };
             let (axle, correlation) =
                 (sds[wheel].zip(sds[wheel.same_axle()]), correlation[wheel][wheel.same_axle()]);
             corner.axle_difference_sd_kpa =
                 axle.map(|(a, b)| (a * a + b * b - T::lit(2.0) * correlation * a * b).max(T::zero()).sqrt());
-            corner.loss = losses.map(|losses| losses[wheel]);
+            corner.loss = losses.as_ref().map(|(losses, _)| losses[wheel]);
         }
         (self.concluded.correlation, self.concluded.tracks) = (correlation, tracks);
+        self.concluded.loss_correlation = losses.map_or(correlation, |(_, errors)| coefficients(&errors));
     }
 
     /// Fuses what the corners find with the shared road; gives the fused estimate and what the vehicle file leaves open of it, if it

@@ -8,14 +8,24 @@ use crate::memory::Blank;
 use crate::model::{CarConfig, Corner, CornerConfig};
 use crate::real::Real;
 
-/// What a calibration leaves of a tire's level, as a share of its stiffness: tires are set to 3 kPa, and a car that differs from its
-/// file in more than this factor reads one road otherwise than another.
-pub(super) const CALIBRATED_SD: f64 = 0.012;
+/// What a calibration leaves of the tires' levels, as shares of their stiffness, by the shapes in which errors come (all alike, left against right, front
+/// against rear, diagonals): tires are set to 3 kPa, and a car that differs from its file in more than one factor reads one road
+/// otherwise than another, mostly all tires alike and those of a side.
+const CALIBRATED_SDS: [f64; 4] = [0.015, 0.004, 0.0015, 0.002];
+/// What a car may change besides between a calibration and a later day: load, speed and road, warmth and wear of tires and dampers.
+const BETWEEN_DAYS_SDS: [f64; 4] = [0.03, 0.016, 0.008, 0.0045];
 
-/// What a car may change between a calibration and a later day, as shares of a tire's stiffness: what all four wheels have in common
-/// (load, speed and road, warmth and wear of tires and dampers), and each on its own.
-const BETWEEN_DAYS_COMMON_SD: f64 = 0.03;
-const BETWEEN_DAYS_OWN_SD: f64 = 0.02;
+/// Covariance of two tires' errors that come in these shapes.
+fn covariance_of_shapes<T: Real>(sds: &[f64; 4], i: usize, j: usize) -> T {
+    let (same_side, same_axle) = (i % 2 == j % 2, i / 2 == j / 2);
+    let signs = [true, same_side, same_axle, same_side == same_axle];
+    T::lit(sds.iter().zip(signs).map(|(sd, same)| if same { sd * sd } else { -sd * sd }).sum())
+}
+
+/// What another road may make of each pair of tires, as shares of their stiffnesses.
+pub(super) fn calibrated_covariance<T: Real>(i: usize, j: usize) -> T {
+    covariance_of_shapes(&CALIBRATED_SDS, i, j)
+}
 
 /// Covariance of the factors of the four corners, and the stiffnesses at placard pressure. See the [module](self).
 #[derive(Debug, Clone, PartialEq, Blank)]
@@ -83,10 +93,9 @@ impl<T: Real> Considered<T> {
     /// The same once a calibration has set them: a factor is an error of the change since then, not of the level.
     pub(super) fn calibrated(&self, stiffness_n_per_m: &SVector<T, 4>) -> SMatrix<T, 4, 4> {
         let change = stiffness_n_per_m - self.placard_n_per_m;
-        let left = stiffness_n_per_m * T::lit(CALIBRATED_SD);
+        let k = stiffness_n_per_m;
         SMatrix::from_fn(|i, j| {
-            let own = if i == j { left[i] * left[i] } else { T::zero() };
-            self.relative[(i, j)] * change[i] * change[j] + own
+            self.relative[(i, j)] * change[i] * change[j] + calibrated_covariance::<T>(i, j) * k[i] * k[j]
         })
     }
 
@@ -94,11 +103,9 @@ impl<T: Real> Considered<T> {
     pub(super) fn stored(&self, stiffness_n_per_m: &SVector<T, 4>) -> SMatrix<T, 4, 4> {
         let k = stiffness_n_per_m;
         let by_file = self.uncalibrated(k);
-        let [common, own] = [BETWEEN_DAYS_COMMON_SD, BETWEEN_DAYS_OWN_SD].map(|sd| T::lit(sd * sd));
         let calibrated = self.calibrated(k);
         let stored: SMatrix<T, 4, 4> = SMatrix::from_fn(|i, j| {
-            let between = if i == j { common + own } else { common };
-            calibrated[(i, j)] + between * k[i] * k[j]
+            calibrated[(i, j)] + covariance_of_shapes::<T>(&BETWEEN_DAYS_SDS, i, j) * k[i] * k[j]
         });
         let total = |of: &SMatrix<T, 4, 4>| (0..4).fold(T::zero(), |sum, i| sum + of[(i, i)]);
         if total(&by_file) < total(&stored) { by_file } else { stored }
@@ -159,17 +166,20 @@ mod tests {
         assert!((covariance[(0, 3)] / covariance[(0, 0)] - common).abs() < 1e-9);
     }
 
-    /// 1.2 % of a calibration, 3 % in common and 2 % of each by itself since then; where the file knows more, it counts.
+    /// Of each tire the root of all squares; of two that stand diagonally the mean and the diagonals' less sides and axles; where the file knows more, it counts.
     #[test]
     fn a_stored_level_is_as_sure_as_another_day_allows() {
         let placard = 713.91 * 241.3 + 60_880.0;
         let stiffness = SVector::repeat(placard);
         let covariance = typical().stored(&stiffness) / (placard * placard);
-        assert!(
-            (covariance[(2, 2)].sqrt() - (0.012f64.powi(2) + 0.03f64.powi(2) + 0.02f64.powi(2)).sqrt()).abs()
-                < 1e-12
-        );
-        assert!((covariance[(0, 3)].sqrt() - 0.03).abs() < 1e-12);
+        let [mean, side, axle, warp] = [(0.015, 0.03), (0.004, 0.016), (0.0015, 0.008), (0.002, 0.0045)]
+            .map(|(a, b): (f64, f64)| a * a + b * b);
+        assert!((covariance[(2, 2)] - (mean + side + axle + warp)).abs() < 1e-12);
+        assert!((covariance[(0, 3)] - (mean - side - axle + warp)).abs() < 1e-12);
+        assert!((covariance[(0, 2)] - (mean + side - axle - warp)).abs() < 1e-12);
+        // Left against right by the side alone.
+        let sides = SVector::<f64, 4>::new(0.25, -0.25, 0.25, -0.25);
+        assert!((sides.dot(&(covariance * sides)) - side).abs() < 1e-12);
         let measured = ParameterUncertainty::of(Confidence::Measured);
         let corner = CornerConfig { uncertainty: measured, ..CornerConfig::<f64>::paper() };
         let config = CarConfig { corners: [Some(corner); 4], wheelbase_m: Some(2.7) };
@@ -185,10 +195,11 @@ mod tests {
         let mut stiffness = SVector::repeat(placard);
         let considered = typical();
         let level = considered.calibrated(&stiffness)[(1, 1)].sqrt();
-        assert!((level / placard - CALIBRATED_SD).abs() < 1e-12);
+        let left = (0.015f64.powi(2) + 0.004f64.powi(2) + 0.0015f64.powi(2) + 0.002f64.powi(2)).sqrt();
+        assert!((level / placard - left).abs() < 1e-12);
         // 48 kPa down: 5.83 % of them.
         stiffness[1] -= 48.0 * 713.91;
-        let lost = considered.calibrated(&stiffness)[(1, 1)] - (CALIBRATED_SD * stiffness[1]).powi(2);
+        let lost = considered.calibrated(&stiffness)[(1, 1)] - (left * stiffness[1]).powi(2);
         assert!((lost.sqrt() / 713.91 - 48.0 * 0.058_31).abs() < 0.01);
     }
 }

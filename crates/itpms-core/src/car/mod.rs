@@ -13,12 +13,12 @@ mod radii;
 use self::conclusion::Concluded;
 use self::considered::Considered;
 use self::fusion::Fusion;
-use crate::conditioning::{Moment, SampleClock};
+use crate::conditioning::{Moment, SampleClock, estimators_rate};
 use crate::estimator::{CornerEstimator, OutsideStiffness, Pace};
 use crate::memory::{Blank, Placed};
 use crate::model::{
     BodyFit, CalibrationError, CarConfig, CarEstimate, CarSample, Corner, Inflation, Misfit, ParameterError,
-    QuarterCar, RadiusDifferences, StrutReading, VehicleCalibration,
+    QuarterCar, RadiusDifferences, StrutReading, VehicleCalibration, positive,
 };
 use crate::real::Real;
 use crate::suspension::{BodyEquation, Learning};
@@ -80,7 +80,7 @@ impl<T: Real> CarEstimator<T> {
     /// [configures](Self::configure) it in a `static`.
     ///
     /// # Errors
-    /// The rate must be positive and finite; parameters of a corner that the filters refuse are named.
+    /// The rate must be 100 to 2000 Hz, a wheelbase positive; parameters of a corner that the filters refuse are named.
     pub fn new(config: &CarConfig<T>, sample_rate_hz: f64) -> Result<Self, ParameterError> {
         let mut estimator = Self::unconfigured();
         estimator.configure(config, sample_rate_hz)?;
@@ -127,13 +127,14 @@ impl<T: Real> CarEstimator<T> {
         config: &CarConfig<T>,
         sample_rate_hz: f64,
     ) -> Result<(), ParameterError> {
+        self.clock = SampleClock::new(estimators_rate(sample_rate_hz)?)?;
+        config.wheelbase_m.map(|wheelbase_m| positive("wheelbase_m", wheelbase_m)).transpose()?;
         for (place, corner) in self.corners.iter_mut().zip(Corner::ALL) {
             place.clear();
             if let Some(config) = &config.corners[corner] {
                 place.try_place(|corner| corner.configure(config, sample_rate_hz))?;
             }
         }
-        self.clock = SampleClock::new(sample_rate_hz)?;
         Ok(())
     }
 
@@ -285,8 +286,8 @@ impl<T: Real> CarEstimator<T> {
         }
         self.conclude_in = self.conclude_in.saturating_sub(1);
         let corners = Corner::ALL.map(|corner| self.estimate(corner, at.now_s, sample));
-        let Concluded { correlation, tracks, .. } = self.concluded;
-        CarEstimate { time_s: sample.time_s, corners, correlation, tracks }
+        let Concluded { correlation, loss_correlation, tracks, .. } = self.concluded;
+        CarEstimate { time_s: sample.time_s, corners, correlation, loss_correlation, tracks }
     }
 
     /// Gives a sample's values to the corners and to the road they share.

@@ -10,10 +10,19 @@ use crate::memory::Blank;
 pub(crate) const CLOSEST: f64 = 0.05;
 /// Longest distance of stamps that follow one another, in periods: two samples in a row may be missing.
 pub(crate) const LONGEST_BRIDGE: f64 = 3.5;
+/// Parts of a period to which stamps count, from the first one on: neither where a clock begins nor how its stamps are rounded decides anything.
+const PARTS: f64 = 1024.0;
+/// What is added and taken off again to round to a whole number: only those are there from here on.
+const WHOLE: f64 = 6_755_399_441_055_744.0;
 /// Steps, one after the other, after which stamps that are out of line are believed: where they lie in the past, and so
 /// could be old ones that come late, and where they lie ahead.
 const SET_BACK: u32 = 16;
 const LEAPT: u32 = 1;
+
+/// The stamp in s of a steady time that is so much ahead of the stamps, to a microsecond.
+pub(crate) fn stamp_s(steady_s: f64, ahead_s: f64) -> f64 {
+    ((steady_s - ahead_s) * 1e6 + WHOLE - WHOLE) / 1e6
+}
 
 /// The time in s before which a stamp's own rounding is smaller than the least distance of two; nor are infinite and NaN ones resolved.
 fn latest_resolved_s(period_s: f64) -> f64 {
@@ -59,7 +68,7 @@ pub(crate) struct SteadyClock {
     latest_s: f64,
     /// The last stamp that was believed; minus infinity before the first.
     stamp_s: f64,
-    /// What the steady time is ahead of the stamps.
+    /// What the steady time is ahead of the stamps: it begins at zero.
     ahead_s: f64,
     stray: Stray,
 }
@@ -98,15 +107,18 @@ impl SteadyClock {
                 let lost_s = time_s - self.stray.first_s + self.period_s;
                 self.ahead_s += lost_s - step_s;
             }
+        } else if self.stamp_s == f64::NEG_INFINITY {
+            self.ahead_s = -time_s;
         }
         self.stray = Stray::NONE;
         self.stamp_s = time_s;
-        Some(time_s + self.ahead_s)
+        Some(self.now_s())
     }
 
     /// The steady time of the last stamp that was believed; minus infinity before the first.
     pub(crate) fn now_s(&self) -> f64 {
-        self.stamp_s + self.ahead_s
+        let part_s = self.period_s / PARTS;
+        ((self.stamp_s + self.ahead_s) / part_s + WHOLE - WHOLE) * part_s
     }
 
     /// The steady time at a stamp that may not have been believed, if it is right; infinite if unknown.
@@ -115,7 +127,7 @@ impl SteadyClock {
         if ahead { time_s + self.ahead_s } else { f64::INFINITY }
     }
 
-    /// What the steady time is ahead of the stamps now, in s: zero until a clock was set back.
+    /// What the steady time is ahead of the stamps now, in s.
     pub(crate) fn ahead_s(&self) -> f64 {
         self.ahead_s
     }
@@ -162,7 +174,7 @@ mod tests {
     fn a_pause_is_believed_with_its_second_stamp() {
         let (_, times) = steady((0..400).map(|k| stamp(k) + if k < 200 { 0.0 } else { 3600.0 }));
         assert_eq!(times[200], None);
-        assert_eq!(times[201], Some(stamp(201) + 3600.0));
+        assert!((times[201].unwrap() - stamp(201) - 3600.0).abs() < 1e-9);
     }
 
     #[test]
@@ -171,7 +183,7 @@ mod tests {
         let (clock, times) =
             steady((0..400).map(|k| if k < 200 { stamp(k) } else { 3600.0 + stamp(12 * k) }));
         assert!(times[200].is_none() && times[201..].iter().all(Option::is_some), "{:?}", times[201]);
-        assert_eq!(clock.now_s(), 3600.0 + stamp(12 * 399));
+        assert!((clock.now_s() - 3600.0 - stamp(12 * 399)).abs() < 1e-9);
     }
 
     #[test]
@@ -202,6 +214,17 @@ mod tests {
         let (_, times) = steady((0..400).map(|k| if k == 0 { 1e5 } else { stamp(k) }));
         let late = times.iter().flatten().count();
         assert_eq!(late, 400 - 16);
-        assert!(times[17].is_some_and(|time| (time - 1e5 - stamp(17)).abs() < 1e-6), "{:?}", times[17]);
+        assert!(times[17].is_some_and(|time| (time - stamp(17)).abs() < 1e-6), "{:?}", times[17]);
+    }
+
+    #[test]
+    fn neither_where_a_clock_begins_nor_how_it_is_rounded_changes_a_time() {
+        let rounded = |k: usize| (1e6 * stamp(k)).round() / 1e6;
+        let (_, times) = steady((0..400).map(stamp));
+        for origin_s in [-30.0, -1e-3, 1.0 / 3.0, 86_400.0, 1.7e9] {
+            let (clock, moved) = steady((0..400).map(|k| origin_s + rounded(k)));
+            assert_eq!(moved, times, "{origin_s}");
+            assert!((stamp_s(clock.now_s(), clock.ahead_s()) - origin_s - stamp(399)).abs() < 1e-6);
+        }
     }
 }

@@ -9,7 +9,8 @@ mod speed;
 pub(crate) mod wheel_lift;
 
 pub use self::resampler::{GridSample, Resampler, SampleCounts};
-pub use self::sample_clock::{Moment, SampleClock};
+pub(crate) use self::sample_clock::estimators_rate;
+pub use self::sample_clock::{Moment, SAMPLE_RATES_HZ, SampleClock};
 pub(crate) use self::speed::STANDING_M_S;
 pub use self::speed::{SpeedHold, is_a_cars};
 

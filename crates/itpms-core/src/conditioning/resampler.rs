@@ -18,6 +18,9 @@ const ON_SAMPLE: f64 = 1e-5;
 /// Sampling periods by which a point of the grid may lie before a sample and still be taken for it, as stamps are rounded: else it would depend on
 /// their last digit with which of two samples a step of the grid comes.
 const ROUNDED: f64 = 0.01;
+/// Mean distance of samples, in periods, from which on they do not come at the stated rate, and over how many it is taken.
+const TOO_SELDOM: f64 = 1.75;
+const MEAN_OF: f64 = 128.0;
 /// Equal values in a row, at the largest magnitude seen, that count as saturation.
 const FLAT_TOP: u32 = 3;
 /// Equal values in a row, at any magnitude, that are no signal: their steps are marked like saturated ones.
@@ -155,6 +158,8 @@ pub struct Resampler<T> {
     /// Stamps refused in a row.
     refused: u32,
     stuck_now: bool,
+    /// Mean distance of the samples in s.
+    apart_s: T,
     counts: SampleCounts,
 }
 
@@ -178,22 +183,23 @@ impl<T: Real> Resampler<T> {
                 on_sample_s: T::lit(ON_SAMPLE * sample_s),
                 rounded_s: T::lit(ROUNDED * sample_s),
             },
-            before_s: [T::zero(); POINTS],
-            body: [T::zero(); POINTS],
-            wheel: [T::zero(); POINTS],
-            filled: 0,
-            signal_steps: 0,
-            next_before_s: T::zero(),
             last_grid_s: f64::NAN,
             after_gap: true,
             body_watch: FlatWatch::new(),
             wheel_watch: FlatWatch::new(),
             last_raw_s: f64::NEG_INFINITY,
             last_accepted_s: f64::NEG_INFINITY,
+            before_s: [T::zero(); POINTS],
+            body: [T::zero(); POINTS],
+            wheel: [T::zero(); POINTS],
+            filled: 0,
+            signal_steps: 0,
+            next_before_s: T::zero(),
             last_was_accepted: false,
             refused: 0,
             stuck_now: false,
             counts: SampleCounts::default(),
+            apart_s: T::zero(),
         }
     }
 
@@ -214,11 +220,13 @@ impl<T: Real> Resampler<T> {
         self.filled = 0;
     }
 
-    /// True while the signal cannot be used: nothing accepted for half a second, or a sensor or the clock is stuck.
+    /// True while the signal cannot be used: nothing accepted for half a second, a sensor or the clock is stuck, or samples do not come at
+    /// the stated rate.
     #[must_use]
     pub fn is_bad(&self) -> bool {
         let clock_stuck = self.refused > 0 && f64::from(self.refused) * self.periods.sample_s > MISSING_S;
-        self.stuck_now || clock_stuck || !(self.last_raw_s - self.last_accepted_s <= MISSING_S)
+        let seldom = self.apart_s.to_f64() > TOO_SELDOM * self.periods.sample_s;
+        self.stuck_now || clock_stuck || seldom || !(self.last_raw_s - self.last_accepted_s <= MISSING_S)
     }
 
     /// Takes one raw sample (NaN: missing) and hands every grid step it completes to `sink`. A step comes four samples
@@ -244,6 +252,7 @@ impl<T: Real> Resampler<T> {
             self.last_accepted_s = time_s;
         }
         self.last_raw_s = time_s;
+        self.apart_s += (since_raw_s.min(self.periods.longest_s) - self.apart_s) * T::lit(1.0 / MEAN_OF);
         let follows = core::mem::replace(&mut self.last_was_accepted, false);
         if !(body_accel_m_s2.is_finite() && wheel_accel_m_s2.is_finite()) {
             self.counts.missing += 1;

@@ -6,6 +6,10 @@ use crate::memory::Blank;
 use crate::model::{ParameterError, positive};
 use crate::real::Real;
 
+/// Rates in Hz of samples that an estimator is for, 100 Hz to 2 kHz by a clock that is wrong by a twentieth: slower ones do not show how a
+/// wheel hops.
+pub const SAMPLE_RATES_HZ: core::ops::RangeInclusive<f64> = 95.0..=2100.0;
+
 /// Makes of the samples' stamps a time that only goes forward, and of their speeds one to go by.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -17,16 +21,26 @@ pub struct SampleClock<T> {
 /// Time and speed of a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moment<T> {
-    /// Steady time in s; `None`: the stamp is not to be used.
+    /// Steady time in s, from the first stamp on; `None`: the stamp is not to be used.
     pub time_s: Option<f64>,
     /// Steady time in s of the last sample whose stamp was believed; minus infinity before the first.
     pub now_s: f64,
     /// The latest that the steady time may be, in s, whether the stamp was believed or not; infinite if unknown.
     pub latest_s: f64,
-    /// What the steady time is ahead of the stamps, in s: zero until a clock was set back.
+    /// What the steady time is ahead of the stamps, in s.
     pub ahead_s: f64,
     /// Speed to go by in m/s: a missing one is the last one, for half a second ([`SpeedHold`]); NaN: unknown.
     pub speed_m_s: T,
+}
+
+/// A rate of samples that an estimator is for: one of [`SAMPLE_RATES_HZ`].
+pub(crate) fn estimators_rate(sample_rate_hz: f64) -> Result<f64, ParameterError> {
+    match SAMPLE_RATES_HZ.contains(&sample_rate_hz) {
+        true => Ok(sample_rate_hz),
+        false => {
+            Err(ParameterError { name: "sample_rate_hz", value: sample_rate_hz, expected: "100 to 2000 Hz" })
+        }
+    }
 }
 
 impl<T: Real> SampleClock<T> {

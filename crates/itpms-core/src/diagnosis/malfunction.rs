@@ -125,7 +125,9 @@ impl<T: Real> fmt::Display for Malfunction<T> {
             Malfunction::Spikes(sensor) => write!(f, "{sensor} has spikes"),
             Malfunction::Noise(sensor) => write!(f, "{sensor} is too noisy"),
             Malfunction::Gain { sensor, gain } => {
-                write!(f, "{sensor} reads {:.2} times what it should", gain.to_f64())
+                write!(f, "{sensor} reads {:.2} times what it should", gain.to_f64())?;
+                let other = " (a flat tire, a tire of another size, another signal?)";
+                f.write_str(if sensor.place == Place::WheelSpeed { other } else { "" })
             }
             Malfunction::Swapped(a, b) => write!(f, "{a} and {b} are swapped"),
             Malfunction::SwappedSides => f.write_str("left and right of one axle are swapped"),

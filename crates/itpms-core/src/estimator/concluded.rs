@@ -38,6 +38,7 @@ impl<T: Real> CornerConclusion<T> {
             level: self.level,
             axle_difference_sd_kpa: self.axle_difference_sd_kpa,
             loss: self.loss,
+            cold: None,
             road_m: T::lit(f64::NAN),
             road_sd_m: T::lit(f64::NAN),
             validity: self.validity,

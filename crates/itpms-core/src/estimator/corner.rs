@@ -63,7 +63,6 @@ impl<T: Real> CornerEstimator<T> {
         config: &CornerConfig<T>,
         sample_rate_hz: f64,
     ) -> Result<(), ParameterError> {
-        let sample_rate_hz = positive("sample_rate_hz", sample_rate_hz)?;
         positive("accel_noise_m_s2", config.accel_noise_or_usual_m_s2())?;
         self.config = *config;
         self.resampler = Resampler::new(sample_rate_hz, LEAST_GRID_HZ);

@@ -10,7 +10,7 @@ pub(crate) use self::concluded::CornerConclusion;
 pub(crate) use self::corner::CornerEstimator;
 pub(crate) use self::fused_stiffness::FusedStiffness;
 use self::pulses::PulseLevel;
-use crate::conditioning::{SampleClock, SampleCounts};
+use crate::conditioning::{SampleClock, SampleCounts, estimators_rate};
 use crate::memory::Blank;
 use crate::model::{Corner, CornerConfig, CornerEstimate, CornerSample, ParameterError, QuarterCar};
 use crate::real::Real;
@@ -35,7 +35,7 @@ impl<T: Real> Estimator<T> {
     /// controller [configures](Self::configure) it in a `static`.
     ///
     /// # Errors
-    /// The rate must be positive and finite; parameters of the corner that the filters refuse are named.
+    /// The rate must be 100 to 2000 Hz; parameters of the corner that the filters refuse are named.
     pub fn new(config: &CornerConfig<T>, sample_rate_hz: f64) -> Result<Self, ParameterError> {
         let mut estimator = Self::unconfigured();
         estimator.configure(config, sample_rate_hz)?;
@@ -55,7 +55,7 @@ impl<T: Real> Estimator<T> {
     /// As for [`new`](Self::new); the estimator is unconfigured then.
     pub fn configure(&mut self, config: &CornerConfig<T>, sample_rate_hz: f64) -> Result<(), ParameterError> {
         (self.clock, self.pulses) = (SampleClock::BLANK, PulseLevel::BLANK);
-        let clock = SampleClock::new(sample_rate_hz)?;
+        let clock = SampleClock::new(estimators_rate(sample_rate_hz)?)?;
         self.corner.configure(config, sample_rate_hz)?;
         self.body_equation.configure(&[Some(*config), None, None, None], sample_rate_hz);
         self.clock = clock;

@@ -181,8 +181,10 @@ pub struct CornerEstimate<T> {
     /// Standard deviation in kPa of what it differs by from the pressure of its axle's other tire: errors of the level are common to
     /// both. `None` without another one.
     pub axle_difference_sd_kpa: Option<T>,
-    /// What the tire has lost in this drive; `None` as long as that is not counted.
+    /// What the tire has lost since losses are counted; `None` as long as they are not. For show: [`lost_kpa`](Self::lost_kpa).
     pub loss: Option<Loss<T>>,
+    /// What it would have cold; `None` where the temperature of the air is not known.
+    pub cold: Option<ColdPressure<T>>,
     /// Road height under the wheel in m, causal and without drift; NaN where no filter of the road has set it.
     pub road_m: T,
     /// Its standard deviation in m.
@@ -195,12 +197,24 @@ pub struct CornerEstimate<T> {
     pub diagnostics: Diagnostics<T>,
 }
 
-/// What a tire has lost in this drive, in kPa: its level is wrong by the same before and after, so a loss is known far better.
+impl<T: Real> CornerEstimate<T> {
+    /// What the tire has lost in this drive and its standard deviation, in kPa; NaN as long as that is not counted, and where it may have lost
+    /// air before that.
+    pub fn lost_kpa(&self) -> [T; 2] {
+        let whole = self.loss.filter(|loss| loss.is_whole == 1);
+        whole.map_or([T::lit(f64::NAN); 2], |loss| [loss.lost_kpa, loss.lost_sd_kpa])
+    }
+}
+
+/// What a tire has lost since losses are counted, in kPa: its level is wrong by the same before and after, so a loss is known far better.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Loss<T> {
     /// Pressure when the loss began to be counted.
     pub level_kpa: T,
+    /// One if that is all it has lost in this drive, since it was not low when the loss began to be counted; else zero. No `bool`: its unused
+    /// values would be what `None` is made of, and memory that has not been configured would not be zeros.
+    pub is_whole: u8,
     /// What was lost since then; below zero where the tire became warmer.
     pub lost_kpa: T,
     /// Its standard deviation, with what the vehicle file leaves open.
@@ -212,6 +226,19 @@ pub struct Loss<T> {
     pub excess_kpa: T,
     /// See [`excess_kpa`](Self::excess_kpa).
     pub excess_sd_kpa: T,
+}
+
+/// The pressure that a tire would have once it had cooled down to the temperature of the air around the car, where tires are filled
+/// (docs/math/cold-pressure.md, eq. 1).
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct ColdPressure<T> {
+    /// Gauge pressure in kPa.
+    pub pressure_kpa: T,
+    /// Its standard deviation in kPa: that of the pressure, and what is not known of the tire's temperature and of the air.
+    pub sd_kpa: T,
+    /// Ambient temperature in degrees Celsius that it holds for.
+    pub ambient_temperature_c: T,
 }
 
 /// How an estimate came about.

@@ -1,5 +1,6 @@
 //! The car and its signals: parameters, samples, estimates, calibration. Knows no estimator.
 
+mod air;
 mod body_fit;
 mod calibration;
 mod car;
@@ -15,12 +16,16 @@ mod uncertainty;
 mod wheel_hop;
 mod wheels;
 
+pub(crate) use self::air::SEA_LEVEL_KPA;
+pub use self::air::{Air, standard_atmosphere_kpa};
 pub use self::body_fit::{BodyFit, Misfit};
 pub(crate) use self::calibration::UNCALIBRATED_BIAS_SD;
 pub use self::calibration::{CalibrationError, CornerCalibration, Learned, VehicleCalibration};
 pub use self::car::{CarConfig, Inflation};
 pub use self::car_estimate::{CarEstimate, TrackState};
-pub use self::estimate::{CornerConfig, CornerEstimate, Diagnostics, Level, Loss, Validity, Warning};
+pub use self::estimate::{
+    ColdPressure, CornerConfig, CornerEstimate, Diagnostics, Level, Loss, Validity, Warning,
+};
 pub use self::pressure_unit::PressureUnit;
 pub use self::quarter_car::{ParameterError, QuarterCar, positive};
 pub(crate) use self::radius_differences::{RadiusDifferences, SEEN};

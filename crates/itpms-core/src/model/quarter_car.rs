@@ -20,15 +20,18 @@ pub struct ParameterError {
     pub expected: &'static str,
 }
 
-/// `value` if it is finite and positive (NaN is neither).
+/// A value from here on, in any of our units, is none of a car: what is made of it would be infinite.
+const LARGEST: f64 = 1e9;
+
+/// `value` if it is positive and below 1e9 (NaN is neither).
 ///
 /// # Errors
 /// It is not; the error calls it `name`.
 pub fn positive<T: Real>(name: &'static str, value: T) -> Result<T, ParameterError> {
-    if value > T::zero() && value.is_finite() {
+    if value > T::zero() && value < T::lit(LARGEST) {
         Ok(value)
     } else {
-        Err(ParameterError { name, value: value.to_f64(), expected: "a positive, finite number" })
+        Err(ParameterError { name, value: value.to_f64(), expected: "a positive number below 1e9" })
     }
 }
 
@@ -47,7 +50,7 @@ impl<T: Real> QuarterCar<T> {
     /// `k_s` (N/m).
     ///
     /// # Errors
-    /// Names the first parameter that is not a positive, finite number.
+    /// Names the first parameter that is not a positive number below 1e9.
     pub fn new(
         sprung_mass_kg: T,
         unsprung_mass_kg: T,

@@ -2,7 +2,7 @@
 
 use crate::car::EstimatorOptions;
 use crate::memory::Blank;
-use crate::model::{CarConfig, ParameterError, positive};
+use crate::model::{CarConfig, ParameterError, SEA_LEVEL_KPA, positive};
 use crate::real::Real;
 use crate::warning::{Limits, Regulation};
 
@@ -16,6 +16,8 @@ pub struct MonitorConfig<T> {
     pub limits: Limits<T>,
     /// What each pressure is held against, in kPa; `None`: the placard's. A warm reference goes here.
     pub reference_kpa: [Option<T>; 4],
+    /// Pressure of the air in kPa where the tires are filled, which gauges count from: 101.325 at sea level.
+    pub home_kpa: T,
     /// How the car's estimator is used.
     pub options: EstimatorOptions,
 }
@@ -27,6 +29,7 @@ impl<T: Real> MonitorConfig<T> {
             car: *car,
             limits: Regulation::default().into(),
             reference_kpa: [None; 4],
+            home_kpa: T::lit(SEA_LEVEL_KPA),
             options: EstimatorOptions::default(),
         }
     }
@@ -34,6 +37,7 @@ impl<T: Real> MonitorConfig<T> {
     /// Whether a monitor can go by it.
     pub(super) fn check(&self) -> Result<(), ParameterError> {
         self.limits.check()?;
+        positive("home_kpa", self.home_kpa)?;
         for reference in self.reference_kpa.into_iter().flatten() {
             positive("reference_kpa", reference)?;
         }

@@ -20,8 +20,11 @@ mod wheels;
 pub use self::config::MonitorConfig;
 pub use self::monitored::MonitoredCar;
 pub use self::wheels::MonitoredWheels;
+use crate::cold_pressure::ColdTires;
 use crate::conditioning::Moment;
+use crate::conditioning::clock::stamp_s;
 use crate::conditioning::pauses::MISSING_S;
+use crate::decision::{Probabilities, SURELY_LOW, Shares, Since};
 use crate::diagnosis::debounce::Debouncer;
 use crate::diagnosis::decorrelation::DecorrelationDetector;
 use crate::diagnosis::standstill::Standstill;
@@ -29,16 +32,16 @@ use crate::diagnosis::{Diagnosis, Fault};
 use crate::memory::{Blank, Placed};
 use crate::model::CarEstimate;
 use crate::model::{
-    CarSample, Corner, CornerEstimate, CornerSample, ONE_SIDED_95, ParameterError, Side, Validity, Warning,
+    Air, CarSample, Corner, CornerEstimate, CornerSample, Level, ParameterError, Side, Validity, Warning,
     Wheels, positive,
 };
 use crate::real::Real;
 use crate::warning::all_low::AllLow;
 use crate::warning::leak::{Height, LeakWatch};
-use crate::warning::low::{ALONE, Around, WheelWatch, is_learning, reading};
+use crate::warning::low::{Around, WheelWatch, is_learning, reading};
 use crate::warning::reference_pressure::ReferencePressure;
 use crate::warning::report::{ALL_LOW_SLOT, COMMON_SHIFT_SLOT, Slot};
-use crate::warning::{Alert, Cause, Doubt, MonitorReport, WheelReport, WheelState};
+use crate::warning::{Alert, Cause, Doubt, Limits, MonitorReport, WheelReport, WheelState};
 
 /// Seconds between two decisions on pressures.
 const DECIDE_S: f64 = 0.1;
@@ -55,6 +58,8 @@ pub struct Monitor<T: Real> {
     config: MonitorConfig<T>,
     configured_kpa: [T; 4],
     reference: ReferencePressure<T>,
+    /// How warm the tires are.
+    cold: ColdTires<T>,
     /// What each tire should have now.
     reference_kpa: [T; 4],
     diagnosis: Diagnosis<T>,
@@ -70,6 +75,7 @@ pub struct Monitor<T: Real> {
     decorrelation: [DecorrelationDetector<T>; 2],
     leaks: LeakWatch<T>,
     all_low: AllLow<T>,
+    low: Probabilities<T>,
     standstill: Standstill<T>,
     /// The speed to go by.
     speed_m_s: T,
@@ -106,6 +112,7 @@ impl<T: Real> Monitor<T> {
         self.config = *config;
         self.configured_kpa = Corner::ALL.map(|i| config.reference_kpa[i].unwrap_or(placard(i)));
         self.reference = ReferencePressure::new();
+        self.cold = ColdTires::new(config.home_kpa);
         self.reference_kpa = self.configured_kpa;
         self.diagnosis.configure(&config.car, sample_rate_hz);
         self.faults.iter_mut().for_each(Placed::clear);
@@ -117,6 +124,7 @@ impl<T: Real> Monitor<T> {
         self.decorrelation = [DecorrelationDetector::new(); 2];
         self.leaks = LeakWatch::new();
         self.all_low = AllLow::new();
+        self.low = Probabilities::of_nothing();
         self.standstill = Standstill::new();
         self.speed_m_s = T::lit(f64::NAN);
         (self.decided_s, self.ahead_s) = (f64::NEG_INFINITY, 0.0);
@@ -139,6 +147,12 @@ impl<T: Real> Monitor<T> {
     /// Ends the calibration that is under way.
     pub fn end_calibration(&mut self) {
         self.reference.end_calibration();
+    }
+
+    /// Takes the air around the car, as often as it is measured; the last value holds for half an hour. Where the temperature
+    /// is known, cold pressures are given and the reference follows the tires' temperature.
+    pub fn follow_air(&mut self, air: &Air<T>) {
+        self.cold.take(air);
     }
 
     /// Whether the speed says that the car stands while its wheels roll. It is taken as unknown for as long.
@@ -212,6 +226,7 @@ impl<T: Real> Monitor<T> {
         let step_s = time_s - self.decided_s;
         if at.time_s.is_some() && step_s >= DECIDE_S - 1e-9 {
             self.decided_s = time_s;
+            self.cold.advance(step_s, self.speed_m_s);
             self.ahead_s = at.ahead_s;
             self.decide(&steadied(estimate, time_s), step_s.min(MISSING_S));
         }
@@ -221,6 +236,7 @@ impl<T: Real> Monitor<T> {
             let of_both = (&mut estimate.corners[i], &mut self.report.wheels[i]);
             let (Some(estimate), Some(wheel)) = of_both else { continue };
             estimate.warning = wheel.warning;
+            estimate.cold = self.cold.cold(estimate.pressure_kpa, estimate.pressure_sd_kpa);
             let watch = &self.wheels[i];
             // A rim has no pressure.
             let rim = watch.flat.is_active() || watch.side_is_off;
@@ -232,7 +248,9 @@ impl<T: Real> Monitor<T> {
                 // Since the last decision it may have become so.
                 if wheel.state == WheelState::Fine && !estimate.validity.is_valid() {
                     wheel.validity = estimate.validity;
-                    wheel.state = watch.quiet_state(estimate, self.reference_kpa[i], &self.config.limits);
+                    let low = self.low.low(i);
+                    wheel.state =
+                        watch.quiet_state(estimate, self.reference_kpa[i], low, &self.config.limits);
                 }
                 continue;
             };
@@ -254,13 +272,23 @@ impl<T: Real> Monitor<T> {
     #[inline(never)]
     fn decide(&mut self, estimate: &CarEstimate<T>, step_s: f64) {
         let limits = self.config.limits;
-        self.reference_kpa =
-            self.reference.update(estimate, self.speed_m_s, self.configured_kpa, limits.reference_span);
+        self.reference_kpa = self.reference.update(
+            estimate,
+            self.speed_m_s,
+            self.configured_kpa,
+            limits.reference_span,
+            &self.cold,
+        );
         let pending_fault = self.diagnosis.pending_fault();
         let doubted = Side::ALL.map(|side| {
             let parting = self.decorrelation[side].update(step_s, estimate.tracks[side].incoherence);
             parting || pending_fault.iter().any(|corner| corner.side() == side)
         });
+        // In a calibration no tire is held against the pressure that is stated.
+        self.low = match self.reference.is_calibrating() {
+            true => Probabilities::of_nothing(),
+            false => low_tires(estimate, self.reference_kpa, &limits),
+        };
         let mut around = Corner::ALL.map(|corner| self.around(estimate, corner, doubted[corner.side()]));
         // Beside a tire that is as hard as a rim another one of the car may look soft.
         let hard = Corner::ALL.map(|i| around[i].is_hard(&limits) || self.wheels[i].flat.is_active());
@@ -273,7 +301,7 @@ impl<T: Real> Monitor<T> {
         let heights = Corner::ALL.map(|corner| self.height(estimate, corner, &around[corner]));
         let least = limits.fast_leak_kpa_per_min;
         self.leaks.update(estimate.time_s, step_s, &heights, self.reference_kpa, least);
-        self.all_low.update(step_s, estimate, self.reference_kpa, &limits);
+        self.all_low.update(step_s, estimate, self.reference_kpa, &self.low, &limits);
         self.write(estimate);
     }
 
@@ -286,8 +314,8 @@ impl<T: Real> Monitor<T> {
             let loss = learned.loss.map_or([unknown; 2], |loss| [-loss.lost_kpa, loss.change_sd_kpa]);
             [[learned.pressure_kpa, learned.change_sd_kpa], loss].map(with_variance)
         });
-        let has_lost = around.lost.is_some_and(|[lost, _]| lost > T::one() - self.config.limits.low_share);
-        Height { kpa, is_short: around.share < T::one() || has_lost, is_doubted: around.doubted }
+        let is_short = around.share < T::one() || around.low > T::lit(SURELY_LOW);
+        Height { kpa, is_short, is_doubted: around.doubted }
     }
 
     /// What else is known when a wheel is looked at.
@@ -296,35 +324,18 @@ impl<T: Real> Monitor<T> {
         let own = estimate.corners[corner].as_ref();
         let other = estimate.corners[rear].as_ref();
         let valid = other.filter(|corner| corner.validity.is_valid());
-        let silent = |corner: &CornerEstimate<T>| {
+        let is_silent = |corner: &CornerEstimate<T>| {
             matches!(corner.validity, Validity::BadSignal | Validity::Diverged | Validity::Starting)
         };
-        let loss = |corner: &CornerEstimate<T>| {
-            let loss = corner.loss.filter(|_| corner.validity.is_valid())?;
-            Some([loss.excess_kpa / loss.level_kpa, loss.excess_sd_kpa / loss.level_kpa])
-        };
-        let lost = own.and_then(loss);
-        let lost_alone = lost.is_some_and(|[own, sd]| {
-            own - T::lit(ONE_SIDED_95) * sd > T::one() - self.config.limits.low_share
-                && other.and_then(loss).is_none_or(|[other, _]| own - other > T::lit(ALONE))
-        });
-        let third = T::lit(1.0 / 3.0);
-        let others = Corner::ALL.map(|other| if other == corner { T::one() } else { -third });
-        let less = |other: Corner| {
-            let mut weights = [T::zero(); 4];
-            (weights[corner], weights[other]) = (T::one(), -T::one());
-            weighted(estimate, weights, self.reference_kpa)
-        };
+        let mut weights = [T::zero(); 4];
+        (weights[corner], weights[partner]) = (T::one(), -T::one());
         Around {
             speed_m_s: self.speed_m_s,
             share: own.map_or(T::lit(f64::NAN), |own| own.pressure_kpa / self.reference_kpa[corner]),
             other_share: valid.map(|corner| corner.pressure_kpa / self.reference_kpa[rear]),
-            other_is_silent: other.is_some_and(silent),
-            above_others: weighted(estimate, others, self.reference_kpa),
-            above_side: less(rear),
-            above_partner: less(partner),
-            lost,
-            lost_alone,
+            other_is_silent: other.is_some_and(is_silent),
+            above_partner: weighted(estimate, weights, self.reference_kpa),
+            low: self.low.low(corner),
             doubted,
         }
     }
@@ -387,7 +398,8 @@ impl<T: Real> Monitor<T> {
 
     fn wheel_report(&self, corner: Corner, estimate: &CornerEstimate<T>) -> WheelReport<T> {
         let (reference, watch) = (self.reference_kpa[corner], &self.wheels[corner]);
-        let mut state = watch.quiet_state(estimate, reference, &self.config.limits);
+        let low = self.low.low(corner);
+        let mut state = watch.quiet_state(estimate, reference, low, &self.config.limits);
         // The gravest is looked at last.
         for alert in self.report.alerts_of(corner) {
             state = match (&alert.cause, state) {
@@ -411,7 +423,7 @@ impl<T: Real> Monitor<T> {
             pressure_kpa: estimate.pressure_kpa,
             pressure_sd_kpa: estimate.pressure_sd_kpa,
             reference_kpa: reference,
-            informed_s: watch.informed_s - self.ahead_s,
+            informed_s: stamp_s(watch.informed_s, self.ahead_s),
         }
     }
 
@@ -425,6 +437,31 @@ impl<T: Real> Monitor<T> {
 fn steadied<T: Real>(estimate: &CarEstimate<T>, time_s: f64) -> CarEstimate<T> {
     let corners = estimate.corners.map(|corner| corner.map(|corner| CornerEstimate { time_s, ..corner }));
     CarEstimate { time_s, corners, ..*estimate }
+}
+
+/// Which tires are low, by their levels and by their losses in this drive, whichever gives any low tire the larger probability. What a level is wrong
+/// by is no part of a loss, and of what was low before nothing is lost.
+fn low_tires<T: Real>(
+    estimate: &CarEstimate<T>,
+    reference_kpa: [T; 4],
+    limits: &Limits<T>,
+) -> Probabilities<T> {
+    let valid = |i: Corner| estimate.corners[i].as_ref().filter(|corner| corner.validity.is_valid());
+    let share = |i: Corner, [kpa, sd_kpa]: [T; 2]| [kpa / reference_kpa[i], sd_kpa / reference_kpa[i]];
+    let levels = Corner::ALL
+        .map(|i| valid(i).map(|tire| share(i, [reference_kpa[i] - tire.pressure_kpa, tire.pressure_sd_kpa])));
+    let losses = Corner::ALL.map(|i| valid(i)?.loss.map(|loss| share(i, [loss.lost_kpa, loss.lost_sd_kpa])));
+    let is_stored = |i: Corner| valid(i).is_some_and(|tire| tire.level == Level::StoredCalibration);
+    let since = if Corner::ALL.into_iter().any(is_stored) { Since::EarlierDay } else { Since::Ever };
+    let evidence =
+        [(levels, &estimate.correlation, since), (losses, &estimate.loss_correlation, Since::Beginning)];
+    let found = evidence.into_iter().filter(|(lacking, ..)| lacking.iter().any(Option::is_some));
+    found
+        .filter_map(|(lacking, correlation, since)| {
+            Shares::new(&lacking, correlation).probabilities(limits.loss_share(), since)
+        })
+        .reduce(|one, other| if other.any_low() > one.any_low() { other } else { one })
+        .unwrap_or(Probabilities::of_nothing())
 }
 
 /// A weighted sum of the tires' shares of their references, and its sd; weights that sum to zero leave out what all are wrong by

@@ -4,7 +4,9 @@
 use crate::car::CarEstimator;
 use crate::estimator::OutsideStiffness;
 use crate::memory::Blank;
-use crate::model::{CalibrationError, CarEstimate, CarSample, Corner, ParameterError, VehicleCalibration};
+use crate::model::{
+    Air, CalibrationError, CarEstimate, CarSample, Corner, ParameterError, VehicleCalibration,
+};
 use crate::monitor::{Monitor, MonitorConfig, MonitoredWheels};
 use crate::real::Real;
 use crate::warning::MonitorReport;
@@ -22,7 +24,7 @@ impl<T: Real> MonitoredCar<T> {
     /// that until it is where it stays. A controller [configures](Self::configure) it in a `static`.
     ///
     /// # Errors
-    /// The rate must be positive and finite, limits and references numbers in order; parameters of a corner that the filters
+    /// The rate must be 100 to 2000 Hz, limits and references numbers in order; parameters of a corner that the filters
     /// refuse are named.
     pub fn new(config: &MonitorConfig<T>, sample_rate_hz: f64) -> Result<Self, ParameterError> {
         let mut car = Self::unconfigured();
@@ -102,6 +104,11 @@ impl<T: Real> MonitoredCar<T> {
         if wheels.has_news() {
             self.estimator.follow_radii(wheels.differences());
         }
+    }
+
+    /// Takes the air around the car as measured ([`Monitor::follow_air`]), before the sample of the same time.
+    pub fn follow_air(&mut self, air: &Air<T>) {
+        self.monitor.follow_air(air);
     }
 
     /// The estimator.

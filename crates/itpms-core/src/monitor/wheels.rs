@@ -10,22 +10,31 @@ use crate::memory::{Blank, Placed};
 use crate::model::{Corner, ParameterError, RadiusDifferences, Validity, Warning, Wheels};
 use crate::real::Real;
 use crate::torsion::CarTorsion;
-use crate::warning::{Alert, Cause, Doubt, MonitorReport, WheelReport, WheelState};
+use crate::warning::{Alert, Cause, Doubt, LeakOverDays, MonitorReport, WheelReport, WheelState};
 use crate::wheel_speed::{
-    RadiusCalibration, RadiusMonitor, RadiusReport, RadiusState, WheelSpeedConfig, WheelSpeedSample,
+    RadiusCalibration, RadiusDay, RadiusDays, RadiusMonitor, RadiusReport, RadiusState, SlowLeak,
+    WheelRadius, WheelSpeedConfig, WheelSpeedSample,
 };
 
 /// Usable driving in s after which what is more probable than .99 is reported, and after which a report that does not hold any more
 /// is taken back.
 const LASTING_S: f64 = 60.0;
-/// Seconds without usable driving after which no tire is known to be fine any more.
-const FORGOTTEN_S: f64 = 600.0;
+/// Seconds of driving that was not usable after which no tire is known to be fine any more: a loss in them would not have shown.
+const FORGOTTEN_S: f64 = 60.0;
 /// What an hour of steps is off by at most when they are added up, in s.
 const ROUNDING_S: f64 = 1e-6;
+/// Probability of being low above which no tire is fine.
+const FINE_BELOW: f64 = 0.05;
+/// Share of its pressure that a tire which is fine has not lost by its reading, where that is known to less.
+const LOW_READING: f64 = 0.08;
+/// Probability above which days name a tire that leaks slowly.
+const SLOW_LEAK_SURE: f64 = 0.99;
+/// The same of one that is named.
+const SLOW_LEAK_HOLDS: f64 = 0.9;
 /// Probability of the contrary below which it is reported at once: a tenth of what has to last.
 const BEYOND_DOUBT: f64 = 1e-3;
 
-/// A radius analysis under its monitor; less than 4 kB in `f32`.
+/// A radius analysis under its monitor; less than 5 kB in `f32`.
 #[derive(Debug, Clone, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MonitoredWheels<T: Real> {
@@ -108,6 +117,52 @@ impl<T: Real> MonitoredWheels<T> {
         self.radii.load_calibration(calibration)
     }
 
+    /// Whether the last calibration taught nothing because the driven wheels slipped as they do on snow.
+    #[must_use]
+    pub fn refused_snow(&self) -> bool {
+        self.radii.refused_snow()
+    }
+
+    /// The tires have rolled so many km since the [calibration that was loaded](Self::load_calibration): each has worn by itself, so that
+    /// their radii are known less well.
+    pub fn age_calibration(&mut self, km: T) {
+        self.radii.age(km);
+    }
+
+    /// Goes on with what the days since the [calibration that was loaded](Self::load_calibration) have shown; whether a car can have it.
+    #[must_use]
+    pub fn load_days(&mut self, days: &RadiusDays<T>) -> bool {
+        let is_one = days.is_sane();
+        if is_one {
+            self.radii.load_days(days);
+        }
+        is_one
+    }
+
+    /// Takes in what another day has shown, the newest one of its [days](Self::days); whether it counts: it is of the last day or later.
+    pub fn add_day(&mut self, day: &RadiusDay<T>) -> bool {
+        let counts = self.radii.add_day(day);
+        self.judge();
+        counts
+    }
+
+    /// What the days since the calibration have shown, this one included: to be stored with it. Only days with dates count.
+    #[must_use]
+    pub fn days(&self) -> &RadiusDays<T> {
+        self.radii.days()
+    }
+
+    /// What they say of a slow leak.
+    #[must_use]
+    pub fn slow_leak(&self) -> &SlowLeak<T> {
+        self.radii.slow_leak()
+    }
+
+    /// The samples' times count from here, in s since 1970; without it they are dates from 1e8 s on.
+    pub fn clock_began(&mut self, unix_s: f64) {
+        self.radii.clock_began(unix_s);
+    }
+
     /// Whether [`differences`](Self::differences) may be others after the last sample.
     #[must_use]
     pub(crate) fn has_news(&self) -> bool {
@@ -171,6 +226,22 @@ impl<T: Real> MonitoredWheels<T> {
         self.calibration_left_s > 0.0
     }
 
+    /// What is wrong with the wheels' sensors, and with which.
+    fn malfunction(&self) -> Option<(Wheels, Malfunction<T>)> {
+        let sensor = |corner: Corner| Sensor { corner, place: Place::WheelSpeed };
+        let (missing, stuck) = (self.radii.missing(), self.radii.stuck());
+        if let Some(corner) = missing.iter().next() {
+            return Some((missing, Malfunction::Dropout(sensor(corner))));
+        }
+        if let Some(corner) = stuck.iter().next() {
+            return Some((stuck, Malfunction::Stuck(sensor(corner))));
+        }
+        if let Some((corner, gain)) = self.radii.odd() {
+            return Some((corner.into(), Malfunction::Gain { sensor: sensor(corner), gain }));
+        }
+        self.radii.does_not_follow()
+    }
+
     /// Raises an alert, or takes one back.
     fn judge(&mut self) {
         let report = self.radii.report();
@@ -178,14 +249,11 @@ impl<T: Real> MonitoredWheels<T> {
         if report.state != self.state {
             (self.state, self.since_s) = (report.state, now_s - report.lasted_s.to_f64());
         }
-        let stuck = self.radii.stuck();
-        if let Some(corner) = stuck.iter().next() {
-            let is_new =
-                |alert: &Alert<T>| alert.wheels != stuck || !matches!(alert.cause, Cause::Malfunction(_));
-            if self.alert.as_ref().is_none_or(is_new) {
-                let cause =
-                    Cause::Malfunction(Malfunction::Stuck(Sensor { corner, place: Place::WheelSpeed }));
-                self.alert.set(Some(Alert { wheels: stuck, since_s: now_s, reported_s: now_s, cause }));
+        if let Some((wheels, malfunction)) = self.malfunction() {
+            let stands = |alert: &Alert<T>| matches!(alert.cause, Cause::Malfunction(known) if alert.wheels == wheels && known.is_same_as(&malfunction));
+            if !self.alert.as_ref().is_some_and(stands) {
+                let cause = Cause::Malfunction(malfunction);
+                self.alert.set(Some(Alert { wheels, since_s: now_s, reported_s: now_s, cause }));
             }
             return;
         }
@@ -200,13 +268,23 @@ impl<T: Real> MonitoredWheels<T> {
             }
             RadiusState::OneOf(wheels) => (wheels, false, report.any_low_probability),
             _ => {
-                if lasts || self.radii.calibration().is_none() {
-                    self.alert.clear();
+                let leaks = self.slow_leak_alert(now_s);
+                let standing = self
+                    .alert
+                    .get()
+                    .filter(|alert| leaks.is_some_and(|new| alert.wheels == new.wheels && is_slow(alert)));
+                match (leaks, standing) {
+                    // It goes on, with what is known by now.
+                    (Some(new), Some(alert)) => self.alert.set(Some(Alert { cause: new.cause, ..alert })),
+                    _ if lasts || self.radii.calibration().is_none() || self.alert.as_ref().is_none() => {
+                        self.alert.set(leaks)
+                    }
+                    _ => {}
                 }
                 return;
             }
         };
-        let same = |alert: &Alert<T>| alert.wheels == wheels && knows(alert) == is_known;
+        let same = |alert: &Alert<T>| alert.wheels == wheels && knows(alert) == is_known && !is_slow(alert);
         let doubt = T::one() - probability;
         if self.alert.as_ref().is_some_and(same) || !(lasts || doubt < T::lit(BEYOND_DOUBT)) {
             return;
@@ -222,6 +300,30 @@ impl<T: Real> MonitoredWheels<T> {
             reported_s: now_s,
             cause: Cause::Differs { lost_share, lost_sd_share, is_known },
         }));
+    }
+
+    /// What the days since the calibration report, if they do.
+    fn slow_leak_alert(&self, now_s: f64) -> Option<Alert<T>> {
+        let leak = self.radii.slow_leak();
+        let (wheel, probability) = leak.likeliest();
+        let named = |alert: &Alert<T>| is_slow(alert) && alert.wheels == wheel.into();
+        let stands = self.alert.as_ref().is_some_and(named);
+        if !(probability > T::lit(if stands { SLOW_LEAK_HOLDS } else { SLOW_LEAK_SURE })) {
+            return None;
+        }
+        let (beta, beta_sd) = self.radii.radius_per_ln_pressure();
+        let ln_per_day = leak.rate_per_day / beta;
+        let sd = (leak.rate_sd_per_day / beta).hypot(ln_per_day * beta_sd);
+        let left = (ln_per_day * leak.day).exp_fast();
+        let cause = Cause::SlowLeak(LeakOverDays {
+            probability,
+            lost_share_per_day: -ln_per_day,
+            lost_sd_share_per_day: sd,
+            lost_share: T::one() - left,
+            lost_sd_share: left * sd * leak.day,
+            days: leak.days,
+        });
+        Some(Alert { wheels: wheel.into(), since_s: now_s, reported_s: now_s, cause })
     }
 
     /// Writes what is reported of the tires into the report of another monitor of the same car.
@@ -270,7 +372,7 @@ impl<T: Real> MonitoredWheels<T> {
     #[must_use]
     pub fn state_of(&self, corner: Corner) -> WheelState {
         let radii = self.radii.report();
-        if self.radii.stuck().contains(corner) {
+        if self.malfunction().is_some_and(|(wheels, _)| wheels.contains(corner)) {
             return WheelState::Malfunction;
         }
         let suspected = match radii.state {
@@ -286,10 +388,13 @@ impl<T: Real> MonitoredWheels<T> {
             None if suspected.contains(corner) => return WheelState::Unknown(Doubt::Uncertain),
             None => {}
         }
-        let is_known = radii.time_s - radii.informed_s < FORGOTTEN_S;
-        match is_known && radii.wheels.get(corner.index()).is_some_and(|wheel| wheel.informed) {
-            true => WheelState::Fine,
-            false => WheelState::Unknown(Doubt::NoInformation),
+        let is_known = radii.unseen_s.get(corner.axle()).is_some_and(|s| *s < T::lit(FORGOTTEN_S));
+        match radii.wheels.get(corner.index()).filter(|wheel| is_known && wheel.informed()) {
+            Some(wheel) if wheel.low_probability < T::lit(FINE_BELOW) && !reads_low(wheel) => {
+                WheelState::Fine
+            }
+            Some(_) => WheelState::Unknown(Doubt::Uncertain),
+            None => WheelState::Unknown(Doubt::NoInformation),
         }
     }
 }
@@ -298,7 +403,16 @@ fn low_probability<T: Real>(report: &RadiusReport<T>, corner: Corner) -> T {
     report.wheels.get(corner.index()).map_or(T::zero(), |wheel| wheel.low_probability)
 }
 
+/// Whether a tire's reading is of one that has lost air, though that is not probable: pulses of all four that read low.
+fn reads_low<T: Real>(wheel: &WheelRadius<T>) -> bool {
+    wheel.lost_share > T::lit(LOW_READING) && wheel.lost_share > wheel.lost_share_sd
+}
+
 /// Whether an alert knows which wheels it is about.
 fn knows<T>(alert: &Alert<T>) -> bool {
-    matches!(alert.cause, Cause::Differs { is_known: true, .. })
+    matches!(alert.cause, Cause::Differs { is_known: true, .. } | Cause::SlowLeak(_))
+}
+
+fn is_slow<T>(alert: &Alert<T>) -> bool {
+    matches!(alert.cause, Cause::SlowLeak(_))
 }

@@ -141,3 +141,13 @@ fn over<T: Real>(speed_m_s: T) -> Vector3<T> {
     let x = (speed_m_s - T::lit(20.0)) * T::lit(0.1);
     Vector3::new(T::one(), x, x * x)
 }
+
+impl<T: Real> TorsionCalibration<T> {
+    /// The resonance's standard deviation in Hz at the speed from 8 to 40 m/s at which it is known best.
+    #[must_use]
+    pub fn resonance_sd_hz(&self) -> T {
+        let learned = Reference::of(self);
+        let at = |speed: u32| learned.resonance(T::whole(speed)).1;
+        (8..=40).map(at).fold(T::lit(1e6), T::at_most).sqrt()
+    }
+}

@@ -70,6 +70,8 @@ pub enum Cause<T> {
         /// Whether all of them do; else it is one of them or more, and which is not known.
         is_known: bool,
     },
+    /// This wheel has lost air slowly since the calibration, over days none of which shows it by itself: by wheel speeds.
+    SlowLeak(LeakOverDays<T>),
     /// Nothing could be learned for too long a time of driving.
     NoInformation {
         /// That time in s.
@@ -95,6 +97,38 @@ pub struct Reading<T> {
     pub reference_kpa: T,
     /// What it was held against.
     pub basis: Basis,
+}
+
+/// A leak that days show together: a wheel loses air slowly since the calibration.
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct LeakOverDays<T> {
+    /// How probable it is.
+    pub probability: T,
+    /// Share of its pressure that the tire loses a day.
+    pub lost_share_per_day: T,
+    /// Its standard deviation, with that of the radius over pressure.
+    pub lost_sd_share_per_day: T,
+    /// Share of its pressure that it has lost in all.
+    pub lost_share: T,
+    /// Its standard deviation.
+    pub lost_sd_share: T,
+    /// Days that count.
+    pub days: u32,
+}
+
+/// What a person reads after the wheel's name.
+impl<T: Real> fmt::Display for LeakOverDays<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [rate, rate_sd, lost, sd] =
+            [self.lost_share_per_day, self.lost_sd_share_per_day, self.lost_share, self.lost_sd_share]
+                .map(|share| 100.0 * share.to_f64());
+        write!(
+            f,
+            "loses {rate:.1} % (sd {rate_sd:.1}) of its pressure a day, {lost:.0} % (sd {sd:.0}) since the calibration, by the wheel speeds of {} days",
+            self.days
+        )
+    }
 }
 
 /// What a pressure was held against.
@@ -153,6 +187,7 @@ impl<T> Cause<T> {
                 | Cause::AllLow { .. }
                 | Cause::Flat(_)
                 | Cause::Differs { .. }
+                | Cause::SlowLeak(_)
         )
     }
 
@@ -161,7 +196,7 @@ impl<T> Cause<T> {
         !matches!(self, Cause::Malfunction(_) | Cause::NoInformation { .. })
     }
 
-    /// One word: `under-inflated`, `fast-leak`, `all-low`, `common-shift`, `over-inflated`, `flat`, `differs`, `malfunction` or `no-information`.
+    /// One word: `under-inflated`, `fast-leak`, `all-low`, `common-shift`, `over-inflated`, `flat`, `differs`, `slow-leak`, `malfunction` or `no-information`.
     #[must_use]
     pub fn label(&self) -> &'static str {
         match self {
@@ -172,6 +207,7 @@ impl<T> Cause<T> {
             Cause::OverInflated(_) => "over-inflated",
             Cause::Flat(_) => "flat",
             Cause::Differs { .. } => "differs",
+            Cause::SlowLeak(_) => "slow-leak",
             Cause::Malfunction(_) => "malfunction",
             Cause::NoInformation { .. } => "no-information",
         }
@@ -294,6 +330,7 @@ impl<T: Real> fmt::Display for AlertIn<'_, T> {
                 }
                 write!(f, ", by the wheel speeds")?;
             }
+            Cause::SlowLeak(leak) => write!(f, "{wheels} slow leak: {leak}")?,
             Cause::Malfunction(malfunction) => write!(f, "malfunction: {malfunction}")?,
             Cause::NoInformation { driven_s } => {
                 write!(f, "{wheels}: nothing learned in {:.0} min of driving", driven_s / 60.0)?;

@@ -1,20 +1,18 @@
 //! All wheels together: a slow loss of all four is more certain in their mean than in any one of them. Against a calibration of an earlier
 //! day it may as well be the car that has changed, as a whole or by axle, which is reported as what it is.
 
+use crate::decision::{Probabilities, SURELY_LOW};
 use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
 use crate::memory::Blank;
 use crate::model::{CarEstimate, Corner, Level, ONE_SIDED_95, Wheels};
 use crate::real::Real;
 use crate::warning::low::is_learning;
-use crate::warning::{Cause, Limits, NOT_HEALTHY};
+use crate::warning::{Cause, Limits};
 
-/// No wheel may be above this share: else it is not all of them.
-const NONE_ABOVE: f64 = 0.95;
 /// The mean is fine again this much above its limit.
 const FINE_ABOVE: f64 = 0.03;
-/// Minutes, not seconds: the level of all four is what an estimator is most easily wrong in, and no one loses four tires at
-/// once.
-const ALL_LOW: DebounceTimes = DebounceTimes { set_s: 150.0, clear_s: 20.0 };
+/// Seconds in which something was learned of all, for and against.
+const ALL_LOW: DebounceTimes = DebounceTimes { set_s: 2.0, clear_s: 20.0 };
 
 const SHIFTED: DebounceTimes = DebounceTimes { set_s: 60.0, clear_s: 20.0 };
 
@@ -70,6 +68,7 @@ impl<T: Real> AllLow<T> {
         step_s: f64,
         estimate: &CarEstimate<T>,
         reference_kpa: [T; 4],
+        low: &Probabilities<T>,
         limits: &Limits<T>,
     ) {
         let Some(shares) = Shares::of(estimate, reference_kpa) else { return };
@@ -81,11 +80,7 @@ impl<T: Real> AllLow<T> {
             return;
         }
         (self.mean_share, self.sd_share) = (shares.mean, shares.sd);
-        // Against an earlier day it is as likely the car.
-        let low = !shares.stored
-            && shares.mean + T::lit(ONE_SIDED_95) * shares.sd < limits.all_low_share
-            && (!shares.by_file || shares.mean + T::lit(NOT_HEALTHY) * shares.sd < T::one());
-        let evidence = if low && shares.highest < T::lit(NONE_ABOVE) {
+        let evidence = if low.all_low() > T::lit(SURELY_LOW) {
             Evidence::Prefailed
         } else if fine {
             Evidence::Prepassed
@@ -128,8 +123,7 @@ struct Shares<T> {
     highest: T,
     /// Whether these are all four.
     complete: bool,
-    /// Whether their level rests on the vehicle file alone, and whether on a calibration of an earlier day.
-    by_file: bool,
+    /// Whether their level rests on a calibration of an earlier day.
     stored: bool,
 }
 
@@ -166,7 +160,6 @@ impl<T: Real> Shares<T> {
             lowest,
             highest,
             complete: share.iter().all(Option::is_some),
-            by_file: any(Level::VehicleFile),
             stored: any(Level::StoredCalibration),
         })
     }

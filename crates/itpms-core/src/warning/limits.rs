@@ -1,5 +1,6 @@
 //! The limits that a regulation or an engineer sets.
 
+use crate::decision::DECISIVE;
 use crate::memory::Blank;
 use crate::model::{ParameterError, positive};
 use crate::real::Real;
@@ -112,12 +113,17 @@ impl<T: Real> Limits<T> {
         Ok(())
     }
 
+    /// The loss that has to be warned of.
+    pub(crate) fn loss_share(&self) -> T {
+        (T::one() - self.low_share) / T::lit(DECISIVE)
+    }
+
     /// Six tenths of the loss decide: 0.88 for a fifth.
     fn scaled_to(loss: T, [least, largest]: [f64; 2]) -> Self {
         Self {
-            low_share: T::one() - T::lit(0.6) * loss,
+            low_share: T::one() - T::lit(DECISIVE) * loss,
             low_clears_share: T::one() - T::lit(0.4) * loss,
-            all_low_share: T::one() - T::lit(0.6) * loss,
+            all_low_share: T::one() - T::lit(DECISIVE) * loss,
             over_share: T::lit(1.25),
             over_clears_share: T::lit(1.2),
             fast_leak_kpa_per_min: T::lit(3.0),

@@ -1,25 +1,23 @@
 //! One wheel's pressure against its limits, and how long ago something was learned of it.
 
+use crate::decision::{HARDLY_LOW, SURELY_LOW, SURELY_NOT_LOW};
 use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
 use crate::memory::Blank;
 use crate::model::{CornerEstimate, Level, ONE_SIDED_95, Validity};
 use crate::real::Real;
 use crate::warning::report::{Doubt, WheelState};
-use crate::warning::{Basis, Limits, NOT_HEALTHY, Reading};
+use crate::warning::{Basis, Limits, Reading};
 
-/// So many sds count double: a pressure that is far past its limit need not be waited for as long.
-const VERY_CERTAIN: f64 = 3.0;
+/// From this probability on a second counts twice.
+const VERY_SURELY_LOW: f64 = 0.999;
 /// Seconds in which something was learned, for and against.
 const LOW: DebounceTimes = DebounceTimes { set_s: 2.0, clear_s: 10.0 };
 const OVER: DebounceTimes = DebounceTimes { set_s: 60.0, clear_s: 10.0 };
 const FLAT: DebounceTimes = DebounceTimes { set_s: 5.0, clear_s: 10.0 };
 /// No one inflates one tire of an axle by so much of its reference more than the other; a tire on its rim is harder than that.
 const NOBODY_INFLATES: f64 = 0.5;
-/// A tire that is lower than the other one of its side by less than this share of the reference goes with it, and then a
-/// second counts for that much less: two tires hardly lose pressure alike within minutes, but the level of a side is what
-/// an estimator is most easily wrong in. The same of two that seem hard as rims.
-pub(crate) const ALONE: f64 = 0.06;
-/// By how much less a second counts then.
+/// By how much less a second counts of a tire that nothing is held against as the other one of its side is silent, and where both seem hard as
+/// rims: then the side's level is off.
 const TOGETHER: f64 = 75.0;
 /// Reported of a wheel of which nothing is known although the car drives.
 const UNINFORMED: DebounceTimes = DebounceTimes { set_s: 0.0, clear_s: 1.0 };
@@ -34,6 +32,10 @@ const FITTED_S: f64 = 20.0;
 /// Seconds of learning after which what had been forgotten, as after a night, is known anew: not by its first frame.
 const ANEW_S: f64 = 2.0;
 
+/// A pressure whose level rests on the vehicle file alone may be a healthy tire's unless it is below its reference by so many sds: then it is the
+/// others that say it.
+const NOT_HEALTHY: f64 = 4.0;
+
 /// What else is known when a wheel is looked at.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Around<T> {
@@ -44,16 +46,10 @@ pub(crate) struct Around<T> {
     pub(crate) other_share: Option<T>,
     /// Whether there is another tire on the side whose sensors say nothing, so that nothing is held against this one.
     pub(crate) other_is_silent: bool,
-    /// By how much the tire's share of its reference is above that of the side's other tire, and the sd of that, if both are known.
-    pub(crate) above_side: Option<[T; 2]>,
-    /// By how much the tire's share of its reference is above the mean of the others', and the sd of that, if all are known.
-    pub(crate) above_others: Option<[T; 2]>,
-    /// The same above the other tire of its axle.
+    /// By how much the tire's share of its reference is above that of the other tire of its axle, and the sd of that, if both are known.
     pub(crate) above_partner: Option<[T; 2]>,
-    /// What it has lost in this drive more than the others, as a share of its level, and the sd of that.
-    pub(crate) lost: Option<[T; 2]>,
-    /// Whether it has surely lost too much, and the other tire of its side less.
-    pub(crate) lost_alone: bool,
+    /// Probability that it has too little air.
+    pub(crate) low: T,
     /// Whether what front and rear of the side disagree by may be the road's or a sensor's.
     pub(crate) doubted: bool,
 }
@@ -66,13 +62,6 @@ impl<T: Real> Around<T> {
             above > T::lit(NOBODY_INFLATES)
                 && above - T::lit(ONE_SIDED_95) * sd > limits.over_share - T::one()
         })
-    }
-
-    /// Whether the tire is surely lower than the other one of its side, or has none.
-    fn is_low_alone(&self) -> bool {
-        !self.other_is_silent
-            && self.other_share.is_none_or(|other| other - self.share > T::lit(ALONE))
-            && self.above_side.is_none_or(|[above, sd]| above + T::lit(ONE_SIDED_95) * sd < T::zero())
     }
 
     /// Whether the side's other tire reads as overfull, too: its level is off and not two rims are on the road.
@@ -157,24 +146,16 @@ impl WheelWatch {
             return;
         }
         let (p, sd) = (estimate.pressure_kpa, estimate.pressure_sd_kpa);
-        let low_kpa = limits.low_share * reference_kpa;
-        let alone = around.is_low_alone() || around.lost_alone;
-        let deficits = deficits(estimate, reference_kpa, around, limits);
-        let short = |sds: f64| {
-            let limit = T::one() - limits.low_share;
-            deficits.iter().flatten().any(|[less, sd]| *less - T::lit(sds) * *sd > limit)
-        };
-        let low = if short(ONE_SIDED_95) {
+        let low = if around.low > T::lit(SURELY_LOW) {
             if around.doubted { Evidence::NoData } else { Evidence::Prefailed }
-        } else if p - T::lit(ONE_SIDED_95) * sd > low_kpa || p > limits.low_clears_share * reference_kpa {
+        } else if around.low < T::lit(HARDLY_LOW) {
             Evidence::Prepassed
         } else {
             Evidence::Undecided
         };
-        let certainty = if short(VERY_CERTAIN) { 2.0 } else { 1.0 };
         let weight = match low {
-            Evidence::Prefailed if alone => certainty,
-            Evidence::Prefailed => certainty / TOGETHER,
+            Evidence::Prefailed if around.other_is_silent => 1.0 / TOGETHER,
+            Evidence::Prefailed if around.low > T::lit(VERY_SURELY_LOW) => 2.0,
             _ => 1.0,
         };
         self.low.update(time_s, weight * step_s, low, LOW);
@@ -206,11 +187,12 @@ impl WheelWatch {
         if self.stood_s < STANDING_S { Doubt::NoInformation } else { Doubt::Standing }
     }
 
-    /// The wheel's state if nothing is to be reported of it: fine, or why that is not known.
+    /// The wheel's state if nothing is to be reported of it: fine, or why that is not known; `low`: the probability that it has too little air.
     pub(crate) fn quiet_state<T: Real>(
         &self,
         estimate: &CornerEstimate<T>,
         reference_kpa: T,
+        low: T,
         limits: &Limits<T>,
     ) -> WheelState {
         let reaches = estimate.pressure_kpa - T::lit(ONE_SIDED_95) * estimate.pressure_sd_kpa;
@@ -222,7 +204,9 @@ impl WheelWatch {
             Validity::Valid if !(estimate.time_s < self.known_until_s) => {
                 WheelState::Unknown(self.forgotten())
             }
-            Validity::Valid if reaches > limits.low_share * reference_kpa => WheelState::Fine,
+            Validity::Valid if reaches > limits.low_share * reference_kpa && low < T::lit(SURELY_NOT_LOW) => {
+                WheelState::Fine
+            }
             Validity::Valid => WheelState::Unknown(Doubt::Uncertain),
         }
     }
@@ -233,42 +217,14 @@ pub(crate) fn is_learning<T: Real>(estimate: &CornerEstimate<T>) -> bool {
     estimate.validity.is_valid() && estimate.diagnostics.gate > T::lit(LEARNING)
 }
 
-/// Whether a level that rests on the vehicle file may be that of a healthy tire all the same.
-fn may_be_healthy<T: Real>(estimate: &CornerEstimate<T>, reference_kpa: T) -> bool {
-    let reaches_kpa = estimate.pressure_kpa + T::lit(NOT_HEALTHY) * estimate.pressure_sd_kpa;
-    estimate.level == Level::VehicleFile && !(reaches_kpa < reference_kpa)
-}
-
-/// By how much a tire has less than it should, as a share of that, and the sd of it, for each thing that it can be held against: its level,
-/// the others, its axle's other tire, itself earlier in this drive. What all tires are wrong by alike cancels in the second, what an axle's
-/// are in the third, and whatever is constant in the last. A car changes between two days as a whole or by axle (tires, wheels, dampers,
-/// load), so against a calibration of an earlier day only the last two say that it is the tire.
-fn deficits<T: Real>(
-    estimate: &CornerEstimate<T>,
-    reference_kpa: T,
-    around: &Around<T>,
-    limits: &Limits<T>,
-) -> [Option<[T; 2]>; 4] {
-    let share = estimate.pressure_kpa / reference_kpa;
-    let may_have_changed = estimate.level == Level::StoredCalibration && around.above_partner.is_some();
-    let level_decides = !may_have_changed && !may_be_healthy(estimate, reference_kpa);
-    let level = [T::one() - share, estimate.pressure_sd_kpa / reference_kpa];
-    let level = level_decides.then_some(level);
-    // A side of which both are lower than the other one is not.
-    let lower = |above: Option<[T; 2]>| {
-        let [above, sd] = above.filter(|_| around.is_low_alone() && share < limits.low_share)?;
-        Some([-above, sd])
-    };
-    let others = around.above_others.filter(|_| !may_have_changed);
-    [level, lower(others), lower(around.above_partner), around.lost]
-}
-
 /// The estimate against a limit.
 pub(crate) fn reading<T: Real>(estimate: &CornerEstimate<T>, limit_share: T, reference_kpa: T) -> Reading<T> {
     let limit_kpa = limit_share * reference_kpa;
     // Where its own level does not say so, it was the others that did.
     let far = (estimate.pressure_kpa - limit_kpa).abs() > T::lit(ONE_SIDED_95) * estimate.pressure_sd_kpa;
-    let far = far && !(estimate.pressure_kpa < limit_kpa && may_be_healthy(estimate, reference_kpa));
+    let reaches_kpa = estimate.pressure_kpa + T::lit(NOT_HEALTHY) * estimate.pressure_sd_kpa;
+    let by_file = estimate.level == Level::VehicleFile;
+    let far = far && !(by_file && estimate.pressure_kpa < limit_kpa && !(reaches_kpa < reference_kpa));
     Reading {
         pressure_kpa: estimate.pressure_kpa,
         sd_kpa: estimate.pressure_sd_kpa,

@@ -1,10 +1,12 @@
 //! What a tire should have now: the pressure that was given, and what a warm tire had more at the end of the last calibration,
 //! for as long as it can be taken to be as warm again.
 //!
-//! Called by the monitor. Knows no temperature, only for how long the car has been driven and has stood; wherever it
+//! Called by the monitor. Where the temperature of the air is known, the reference follows the tires' temperature. Else it knows only for how long
+//! the car has been driven and has stood; wherever it
 //! has to guess, it takes the tire to be cold, because a reference that is too low warns later and never wrongly.
-//! Derivation and limits: docs/math/monitor.md, section 1; docs/reset.md.
+//! Derivation and limits: docs/math/monitor.md, section 1; docs/math/cold-pressure.md, section 4; docs/reset.md.
 
+use crate::cold_pressure::ColdTires;
 use crate::memory::Blank;
 use crate::model::CarEstimate;
 use crate::model::{ParameterError, positive};
@@ -33,6 +35,9 @@ struct Taken<T> {
     seconds: f64,
     pressure_kpa: T,
     warmth: T,
+    /// Seconds of these in which the temperature of the air was known, and the mean cold pressure in kPa in them.
+    cold_seconds: f64,
+    cold_kpa: T,
 }
 
 /// What all tires should have.
@@ -76,14 +81,21 @@ impl<T: Real> ReferencePressure<T> {
         self.ends_s = self.ends_s.min(self.time_s);
     }
 
+    /// Whether a calibration is to begin or under way.
+    pub(crate) fn is_calibrating(&self) -> bool {
+        self.calibration_s.is_some() || self.time_s < self.ends_s
+    }
+
     /// Takes what was estimated; gives what the tires should have, in kPa, from what was given of each and the least and
-    /// largest share of it that a calibration may make of it.
+    /// largest share of it that a calibration may make of it, and from how warm they are. A rule that leaves a warm tire nothing counts from
+    /// the placard, whatever the temperature.
     pub(crate) fn update(
         &mut self,
         estimate: &CarEstimate<T>,
         speed_m_s: T,
         configured_kpa: [T; 4],
         span: [T; 2],
+        tires: &ColdTires<T>,
     ) -> [T; 4] {
         let time_s = estimate.time_s;
         let step_s = time_s - self.time_s;
@@ -97,11 +109,17 @@ impl<T: Real> ReferencePressure<T> {
         }
         if time_s < self.ends_s {
             if time_s >= self.takes_from_s && step_s > 0.0 {
-                self.take(estimate, step_s.min(LONGEST_STEP_S), configured_kpa, span);
+                self.take(estimate, step_s.min(LONGEST_STEP_S), configured_kpa, span, tires);
             }
             return configured_kpa;
         }
-        core::array::from_fn(|i| self.taken[i].reference(configured_kpa[i], self.warmth, span))
+        let follows = tires.is_known() && span[1] > T::one();
+        core::array::from_fn(|i| {
+            let taken = &self.taken[i];
+            let by_temperature =
+                follows.then(|| tires.expected_kpa(taken.cold_reference(configured_kpa[i], span)));
+            by_temperature.flatten().unwrap_or_else(|| taken.reference(configured_kpa[i], self.warmth, span))
+        })
     }
 
     /// The tires warm up or cool down for a while. To first order in the step, which errs towards cold in a long one.
@@ -112,7 +130,14 @@ impl<T: Real> ReferencePressure<T> {
         self.warmth += T::lit((step_s / in_s).min(1.0)) * (goal - self.warmth);
     }
 
-    fn take(&mut self, estimate: &CarEstimate<T>, step_s: f64, configured_kpa: [T; 4], span: [T; 2]) {
+    fn take(
+        &mut self,
+        estimate: &CarEstimate<T>,
+        step_s: f64,
+        configured_kpa: [T; 4],
+        span: [T; 2],
+        tires: &ColdTires<T>,
+    ) {
         for (i, taken) in self.taken.iter_mut().enumerate() {
             let Some(corner) = estimate.corners[i].as_ref().filter(|corner| is_learning(corner)) else {
                 continue;
@@ -124,13 +149,30 @@ impl<T: Real> ReferencePressure<T> {
             let share = T::lit(step_s / taken.seconds);
             taken.pressure_kpa += share * (pressure - taken.pressure_kpa);
             taken.warmth += share * (self.warmth - taken.warmth);
+            if let Some(cold) = tires.cold(pressure, T::zero()) {
+                taken.cold_seconds += step_s;
+                taken.cold_kpa += T::lit(step_s / taken.cold_seconds) * (cold.pressure_kpa - taken.cold_kpa);
+            }
         }
     }
 }
 
 impl<T: Real> Taken<T> {
     fn nothing() -> Self {
-        Self { seconds: 0.0, pressure_kpa: T::zero(), warmth: T::zero() }
+        let zero = T::zero();
+        Self { seconds: 0.0, pressure_kpa: zero, warmth: zero, cold_seconds: 0.0, cold_kpa: zero }
+    }
+
+    /// What the tire should have when it is cold: no more than was given.
+    fn cold_reference(&self, configured_kpa: T, span: [T; 2]) -> T {
+        let taken_kpa = if self.cold_seconds >= LEAST_S {
+            self.cold_kpa
+        } else if self.seconds >= LEAST_S {
+            self.pressure_kpa
+        } else {
+            configured_kpa
+        };
+        taken_kpa.max(span[0] * configured_kpa).min(configured_kpa)
     }
 
     /// What the tire should have at a warmth. What it had more at the calibration is scaled down while it is colder than then

@@ -2,6 +2,7 @@
 //!
 //! Made by the monitor; read by displays, files and studies. Holds no logic beyond reading it.
 
+use crate::conditioning::clock::stamp_s;
 use crate::memory::{Blank, Placed};
 use crate::model::{Corner, Validity, Warning};
 use crate::real::Real;
@@ -113,7 +114,7 @@ pub struct MonitorReport<T: Real> {
     /// The wheels, in the order of [`Corner::ALL`]; those that are monitored.
     pub wheels: [Option<WheelReport<T>>; 4],
     slots: [Placed<Alert<T>>; SLOTS],
-    /// By how much that clock was set back so far, in s.
+    /// By how much the steady time is ahead of that clock, in s.
     set_back_s: f64,
 }
 
@@ -124,9 +125,9 @@ impl<T: Real> MonitorReport<T> {
         Self { time_s: f64::NEG_INFINITY, wheels: [None; 4], slots: [Placed::BLANK; SLOTS], set_back_s: 0.0 }
     }
 
-    /// Begins to write anew: at a steady time, of a clock that was set back by so many seconds.
+    /// Begins to write anew: at a steady time, so much ahead of the stamps.
     pub(crate) fn begin(&mut self, steady_s: f64, set_back_s: f64) {
-        self.time_s = steady_s - set_back_s;
+        self.time_s = stamp_s(steady_s, set_back_s);
         self.set_back_s = set_back_s;
     }
 
@@ -134,8 +135,8 @@ impl<T: Real> MonitorReport<T> {
     pub(crate) fn put(&mut self, slot: usize, alert: Option<Alert<T>>) {
         let set_back_s = self.set_back_s;
         let alert = alert.map(|alert| Alert {
-            since_s: alert.since_s - set_back_s,
-            reported_s: alert.reported_s - set_back_s,
+            since_s: stamp_s(alert.since_s, set_back_s),
+            reported_s: stamp_s(alert.reported_s, set_back_s),
             ..alert
         });
         // An alert keeps the figures that decided it.

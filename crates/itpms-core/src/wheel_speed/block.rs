@@ -2,7 +2,7 @@
 
 use super::config::{DrivenAxle, WheelSpeedConfig};
 use super::sample::WheelSpeedSample;
-use super::{AXLE, FRONT, REAR, SCALE};
+use super::state::{AXLE, FRONT, REAR, SCALE};
 use crate::memory::Blank;
 use crate::real::Real;
 
@@ -24,10 +24,12 @@ const MOST_FORCE_M_S2: f64 = 2.5;
 const COUPLED_M_S2: f64 = 0.3;
 /// Force above which a car with two coupled axles does not coast, in m/s².
 const COASTING_M_S2: f64 = 0.15;
+/// By how much left and right of a driven axle may slip unequally on a slippery road where their ratio is used, in thousandths.
+const MOST_UNEQUAL: f64 = 1.0;
 /// Least variance of a block's ratio, in 1e-6: what its speeds' steps leave has to be less.
 pub(super) const LEAST_NOISE: f64 = 0.0025;
 /// Log ratio of two wheels that is none of radii, in thousandths.
-const ABSURD_RATIO: f64 = 30.0;
+pub(super) const ABSURD_RATIO: f64 = 30.0;
 
 /// A block that was driven well.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
@@ -47,10 +49,14 @@ pub(super) struct Block<T> {
     pub yaw_rate_rad_s: Option<T>,
     /// Force of the driven wheels per mass, in m/s².
     pub force_m_s2: T,
+    /// By how much the speed rises, in m/s².
+    pub slope_m_s2: T,
     /// Whether the force is an accelerometer's, which sees a grade.
     pub grade_seen: bool,
     /// Lateral acceleration in m/s², without sign.
     pub lateral_m_s2: T,
+    /// Whether the brakes are on, which wheels of an axle follow unequally.
+    pub braking: bool,
     /// Whether it may be used at all.
     pub good: bool,
 }
@@ -73,6 +79,31 @@ pub(super) struct BlockSums<T> {
     accel_x: [T; 2],
     accel_y: [T; 2],
     braked: bool,
+}
+
+impl<T: Real> Block<T> {
+    /// Leaves out the ratios that a slippery road hides under this force, and those that a differential hides: those of axles whose wheels were found to turn alike in wide bends, and those of a
+    /// limited-slip axle under torque, or as long as it is not known to turn freely without.
+    pub(super) fn hide(
+        &mut self,
+        config: &WheelSpeedConfig<T>,
+        [free, coupled]: [[bool; 2]; 2],
+        slip_1e3: [T; 2],
+    ) {
+        let driven = match config.driven {
+            DrivenAxle::Front => [true, false],
+            DrivenAxle::Rear => [false, true],
+            DrivenAxle::Both => [true; 2],
+        };
+        for (i, (hidden, used)) in self.hidden.iter_mut().zip(&mut self.used).enumerate() {
+            *hidden |= coupled[i] || config.limited_slip && driven[i] && !free[i];
+            *used &= !*hidden && slip_1e3[i] < T::lit(MOST_UNEQUAL);
+        }
+        // Without a yaw rate only the other axle tells a bend from a tire.
+        if self.yaw_rate_rad_s.is_none() && self.hidden != [false; 2] {
+            self.used = [false; 3];
+        }
+    }
 }
 
 impl<T: Real> BlockSums<T> {
@@ -156,13 +187,14 @@ impl<T: Real> BlockSums<T> {
         block.speed_m_s = v;
         block.yaw_rate_rad_s = yaw;
         block.force_m_s2 = force;
+        block.slope_m_s2 = slope;
         block.grade_seen = accel_x.is_some();
         block.lateral_m_s2 = lateral.abs().at_least(by_yaw.abs());
+        block.braking = braking || self.braked;
         block.good = v > T::lit(LEAST_SPEED_M_S)
             && block.lateral_m_s2 < T::lit(MOST_LATERAL_M_S2)
             && force < T::lit(MOST_FORCE_M_S2)
-            && !braking
-            && !self.braked;
+            && !block.braking;
         let calm = accel < T::lit(COUPLED_M_S2);
         let coasting = force < T::lit(COASTING_M_S2);
         block.hidden = match (config.limited_slip, config.driven) {
@@ -177,13 +209,12 @@ impl<T: Real> BlockSums<T> {
             block.ratio[i].abs() < T::lit(ABSURD_RATIO)
                 && rounded(block.spread[i], step_1e3) < T::lit(LEAST_NOISE)
         };
-        let [front, rear] = block.hidden;
-        block.used = [!front && sane(FRONT), !rear && sane(REAR), sane(AXLE)];
+        block.used = [sane(FRONT), sane(REAR), sane(AXLE)];
         block
     }
 }
 
-/// Variance of a ratio's mean, in 1e-6, by the steps `u` in which its speeds are sent (docs/math/wheel-speed.md, eq. 7b): noise of spread `h`
+/// Variance of a ratio's mean, in 1e-6, by the steps `u` in which its speeds are sent (docs/math/wheel-speed.md, eq. 7c): noise of spread `h`
 /// that is larger averages them out.
 fn rounded<T: Real>(spread_1e3: T, step_1e3: T) -> T {
     let square = step_1e3 * step_1e3;

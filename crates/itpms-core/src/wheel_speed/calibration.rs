@@ -1,18 +1,18 @@
 //! What a calibration teaches: how the tires' radii differ, and how the driven axle slips.
 
-use super::{OFFSET, SLIP, UNEQUAL_SLIP};
+use super::state::{BEND, OFFSET, SLIP, UNEQUAL_SLIP};
 use crate::memory::Blank;
 use crate::real::Real;
 
 /// Numbers that a calibration teaches.
-const NUMBERS: usize = 6;
+pub(super) const NUMBERS: usize = 8;
 /// The states it holds: three offsets, the slip that is learned with the last one, and those learned with the first two.
 pub(super) const LEARNED: [usize; NUMBERS] =
-    [OFFSET, OFFSET + 1, OFFSET + 2, SLIP, UNEQUAL_SLIP, UNEQUAL_SLIP + 1];
+    [OFFSET, OFFSET + 1, OFFSET + 2, SLIP, UNEQUAL_SLIP, UNEQUAL_SLIP + 1, BEND, BEND + 1];
 
 /// What to store after a calibration and load at the next start. In thousandths: the log ratios of the tires' radii front left over
-/// right, rear left over right, front over rear, the slip of the driven axle per m/s², and what of it the left wheel in front, and the
-/// left one at the rear, has more than the right one.
+/// right, rear left over right, front over rear, the slip of the driven axle per m/s², what of it the left wheel in front, and the
+/// left one at the rear, has more than the right one, and what the load of a bend does to the first two, per m/s² to the left.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RadiusCalibration<T> {
@@ -26,7 +26,22 @@ pub struct RadiusCalibration<T> {
     pub leaves_out_yaw_rate: bool,
 }
 
+/// What the load of a bend does to the ratio of each axle, in thousandths per m/s² to the left, and its sd, before anything was learned.
+pub(super) const BEND_MEAN: f64 = -0.5;
+pub(super) const BEND_SD: f64 = 0.5;
+
 impl<T: Real> RadiusCalibration<T> {
+    /// That of no car, to be filled in: of a bend's load it says what is known before any drive.
+    #[must_use]
+    pub fn nothing() -> Self {
+        let mut nothing = Self::BLANK;
+        for (i, _) in LEARNED.into_iter().enumerate().filter(|(_, state)| *state >= BEND) {
+            (nothing.mean_1e3[i], nothing.covariance_1e6[i][i]) =
+                (T::lit(BEND_MEAN), T::lit(BEND_SD * BEND_SD));
+        }
+        nothing
+    }
+
     /// Whether it can be of a car: finite, offsets below a fifth, variances that are some, correlations below one.
     #[must_use]
     pub fn is_sane(&self) -> bool {

@@ -1,24 +1,25 @@
 //! What is believed of offsets, radii and disturbances under one hypothesis: a Gaussian whose covariance is kept once, not twice.
 
-use super::STATES;
+use super::state::STATES;
 use crate::memory::Blank;
 use crate::real::Real;
 
-/// Numbers of a symmetric matrix, as rows of so many states: what is saved knows no longer arrays.
-const ROWS: usize = STATES.div_ceil(2);
+/// Numbers of a symmetric matrix of an even number of states, as rows of half of it: what is saved knows no longer arrays.
+const ROW: usize = STATES / 2;
+const ROWS: usize = STATES + 1;
 
 /// Mean and lower triangle of the covariance, row by row without gaps.
 #[derive(Debug, Clone, Copy, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Gaussian<T> {
     pub mean: [T; STATES],
-    covariance: [[T; STATES]; ROWS],
+    covariance: [[T; ROW]; ROWS],
 }
 
 impl<T: Real> Gaussian<T> {
     /// Independent states.
     pub(super) fn independent(mean: [T; STATES], sd: [T; STATES]) -> Self {
-        let mut belief = Self { mean, covariance: [[T::zero(); STATES]; ROWS] };
+        let mut belief = Self { mean, covariance: [[T::zero(); ROW]; ROWS] };
         for (i, sd) in sd.into_iter().enumerate() {
             belief.set(i, i, sd * sd);
         }
@@ -37,10 +38,41 @@ impl<T: Real> Gaussian<T> {
         }
     }
 
+    /// Adds a state to another, and forgets it: it is zero from here on.
+    pub(super) fn absorb(&mut self, into: usize, from: usize) {
+        let of_both = self.get(into, into) + T::lit(2.0) * self.get(into, from) + self.get(from, from);
+        for other in (0..STATES).filter(|other| *other != into) {
+            let sum = self.get(into, other) + self.get(from, other);
+            self.set(into, other, sum);
+        }
+        self.set(into, into, of_both);
+        for other in 0..STATES {
+            self.set(from, other, T::zero());
+        }
+        let taken = self.mean.get(from).copied().unwrap_or(T::ZERO);
+        if let Some(mean) = self.mean.get_mut(into) {
+            *mean += taken;
+        }
+        if let Some(mean) = self.mean.get_mut(from) {
+            *mean = T::zero();
+        }
+    }
+
     /// Widens a state by a variance.
     pub(super) fn widen(&mut self, i: usize, variance: T) {
         if let Some(entry) = self.covariance.as_flattened_mut().get_mut(place(i, i)) {
             *entry += variance;
+        }
+    }
+
+    /// Widens states from `first` on along a direction, by a variance.
+    pub(super) fn widen_along<const N: usize>(&mut self, first: usize, direction: &[f64; N], variance: T) {
+        for (i, a) in direction.iter().enumerate() {
+            for (j, b) in direction.iter().enumerate().take(i + 1) {
+                if let Some(entry) = self.covariance.as_flattened_mut().get_mut(place(first + i, first + j)) {
+                    *entry += T::lit(a * b) * variance;
+                }
+            }
         }
     }
 
@@ -86,7 +118,7 @@ impl<T: Real> Gaussian<T> {
     where
         T: 'a,
     {
-        let mut merged = Self { mean: [T::zero(); STATES], covariance: [[T::zero(); STATES]; ROWS] };
+        let mut merged = Self { mean: [T::zero(); STATES], covariance: [[T::zero(); ROW]; ROWS] };
         for (weight, part) in parts.clone() {
             for (sum, mean) in merged.mean.iter_mut().zip(&part.mean) {
                 *sum += weight * *mean;

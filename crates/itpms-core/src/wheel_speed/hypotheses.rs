@@ -8,13 +8,22 @@ use crate::torsion::TorsionEvidence;
 
 /// Which tires are low.
 const HYPOTHESES: usize = 16;
-/// How far radii of tires that are not low move by themselves, in thousandths.
-const FINE_SD: f64 = 0.2;
+/// How far radii of tires that are not low move by themselves, in thousandths: from one drive to another, and while the car is driven.
+pub(super) const FINE_SD: f64 = 0.2;
+pub(super) const FINE_DRIVING_SD: f64 = 0.1;
 /// What is expected of a low tire, and its sd, in losses of a fifth.
 const LOW_MEAN: f64 = -1.25;
 const LOW_SD: f64 = 0.5;
+/// The same of a tire that is nearly flat, or whose radius follows the pressure more than another's; and its prior over that of one wheel.
+const FLAT_MEAN: f64 = -3.0;
+const FLAT_SD: f64 = 1.5;
+const FLAT: f64 = 0.5;
+/// What none of these explains (snow, a coupling, another tire) may do to the three ratios, as sds in thousandths, and its prior over that
+/// of one wheel.
+const UNEXPLAINED_SD: [f64; 3] = [4.0, 4.0, 10.0];
+pub(super) const UNEXPLAINED: f64 = 0.005;
 /// Prior of one wheel against none.
-const ONE_LOW: f64 = 1e-3;
+pub(super) const ONE_LOW: f64 = 1e-3;
 /// And of two tires of an axle or a side, of all four, and of any others, over that of one.
 const PAIR_LOW: f64 = 0.3;
 const ALL_LOW: f64 = 0.5;
@@ -22,6 +31,8 @@ const OTHERS_LOW: f64 = 0.05;
 const AXLES_AND_SIDES: [usize; 4] = [0b0011, 0b1100, 0b0101, 0b1010];
 /// `ln (1 / ONE_LOW) + ln 99`: what has to speak for a wheel until its probability is 0.99.
 const TO_BE_FOUND: f64 = 11.5;
+/// The loss that pulses are asked for, as `-ln` of what it leaves.
+const PULSES_LN: f64 = 0.278;
 /// Radius per load, in thousandths: -6.4e-4 of it for a tenth more.
 const RADIUS_PER_LOAD: f64 = -6.4;
 /// What a front passenger does to the three ratios, in thousandths.
@@ -33,55 +44,63 @@ pub(super) type Triangle<T> = [T; 6];
 /// How probable each hypothesis is, and what follows for each wheel.
 #[derive(Debug, Clone, Copy, Blank)]
 pub(super) struct Decision<T> {
-    /// Bit `i` of the index: wheel `i` is low.
+    /// Bit `i` of the index: wheel `i` is low. Of what none of them explains is the rest.
     pub probability: [T; HYPOTHESES],
+    /// Probability that what is seen is no loss and not nothing either.
+    pub unexplained: T,
     /// Change of each radius in thousandths, its sd.
     pub change: [T; 4],
     pub change_sd: [T; 4],
-    /// Whether a loss of a quarter of each wheel would be found.
-    pub informed: [bool; 4],
 }
 
 impl<T: Real> Decision<T> {
-    /// The changes of the three ratios of radii with their covariance, in thousandths, and that of the offsets which a calibration taught;
-    /// `fifth`: by what a loss of a fifth changes a radius; what tooth pulses say, by themselves.
+    /// The changes of the three ratios of radii with their covariance, in thousandths; how far radii move by themselves; `fifth`: by what a
+    /// loss of a fifth changes one; what tooth pulses say, by themselves.
     pub(super) fn of(
         change: &[T; 3],
         covariance: &Triangle<T>,
-        offsets: &Triangle<T>,
+        fine_sd: f64,
         fifth: T,
         torsion: &TorsionEvidence<T>,
     ) -> Self {
-        let mut decision = Self { probability: [T::zero(); HYPOTHESES], ..crate::memory::Blank::BLANK };
-        let mut posterior = [([T::zero(); 4], [T::zero(); 4]); HYPOTHESES];
-        let mut best = T::lit(-1e30);
-        for (number, (log, posterior)) in decision.probability.iter_mut().zip(&mut posterior).enumerate() {
-            let (likelihood, mean, variance) = Hypothesis::of(number, fifth).against(change, covariance);
-            *log = likelihood + torsion.log_likelihood(number) + prior(number);
-            *posterior = (mean, variance);
+        let unexplained = unexplained(change, covariance) + torsion.log_likelihood(0);
+        let mut all = [(T::zero(), [T::zero(); 4], [T::zero(); 4]); 2 * HYPOTHESES - 1];
+        let mut best = unexplained;
+        for (number, (log, mean, variance)) in all.iter_mut().enumerate() {
+            let (set, hypothesis) = Hypothesis::numbered(number, fine_sd, fifth);
+            let likelihood;
+            (likelihood, *mean, *variance) = hypothesis.against(change, covariance);
+            *log = likelihood + torsion.log_likelihood(set) + prior(set);
+            if number != set {
+                *log += T::lit(FLAT).ln_fast();
+            }
             best = best.at_least(*log);
         }
-        let mut total = T::zero();
-        for log in &mut decision.probability {
+        let mut decision =
+            Self { unexplained: (unexplained - best).exp_fast(), ..crate::memory::Blank::BLANK };
+        let mut total = decision.unexplained;
+        for (log, ..) in &mut all {
             *log = (*log - best).exp_fast();
             total += *log;
         }
-        for (probability, (mean, _)) in decision.probability.iter_mut().zip(&posterior) {
+        decision.unexplained /= total;
+        for (number, (probability, mean, _)) in all.iter_mut().enumerate() {
             *probability /= total;
+            let (set, _) = Hypothesis::<T>::numbered(number, fine_sd, fifth);
+            if let Some(sum) = decision.probability.get_mut(set) {
+                *sum += *probability;
+            }
             for (change, mean) in decision.change.iter_mut().zip(mean) {
                 *change += *probability * *mean;
             }
         }
-        for i in 0..4 {
-            let spread = |(p, (mean, variance)): (&T, &([T; 4], [T; 4]))| {
-                *p * (variance[i] + (mean[i] - decision.change[i]) * (mean[i] - decision.change[i]))
+        for (i, (center, sd)) in decision.change.iter().zip(&mut decision.change_sd).enumerate() {
+            let spread = |(p, mean, variance): &(T, [T; 4], [T; 4])| {
+                *p * (variance[i] + (mean[i] - *center) * (mean[i] - *center))
             };
-            let variance =
-                decision.probability.iter().zip(&posterior).map(spread).fold(T::zero(), |sum, v| sum + v);
-            decision.change_sd[i] = variance.at_least(T::zero()).sqrt();
-            // That radii have not moved is believed without any sample; what moves one stands out from how well its offset is known.
-            decision.informed[i] =
-                [covariance, offsets].iter().all(|known| found_if_low(i, known, fifth, torsion));
+            // What nobody explains may have been done by this wheel, too.
+            let by_none = decision.unexplained * T::lit(UNEXPLAINED_SD[0] * UNEXPLAINED_SD[0]);
+            *sd = all.iter().map(spread).fold(by_none, |sum, v| sum + v).at_least(T::zero()).sqrt();
         }
         decision
     }
@@ -89,6 +108,11 @@ impl<T: Real> Decision<T> {
     /// Probability that this wheel is low.
     pub(super) fn low(&self, wheel: usize) -> T {
         self.sum(|number| number & (1 << wheel) != 0)
+    }
+
+    /// Probability that some are low.
+    pub(super) fn any_low(&self) -> T {
+        self.sum(|number| number != 0)
     }
 
     /// Probability that some are low, and all of them among these.
@@ -111,12 +135,20 @@ struct Hypothesis<T> {
 }
 
 impl<T: Real> Hypothesis<T> {
-    fn of(number: usize, fifth: T) -> Self {
-        let low = |i: usize| number & (1 << i) != 0;
-        let sd = T::lit(LOW_SD) * fifth;
+    /// The sixteen sets of low tires by their bits, then each nearly flat; with the set that it belongs to.
+    fn numbered(number: usize, fine_sd: f64, fifth: T) -> (usize, Self) {
+        match number.checked_sub(HYPOTHESES) {
+            None => (number, Self::of(number, fine_sd, (LOW_MEAN, LOW_SD), fifth)),
+            Some(before) => (before + 1, Self::of(before + 1, fine_sd, (FLAT_MEAN, FLAT_SD), fifth)),
+        }
+    }
+
+    fn of(set: usize, fine_sd: f64, (mean, sd): (f64, f64), fifth: T) -> Self {
+        let low = |i: usize| set & (1 << i) != 0;
+        let sd = T::lit(sd) * fifth;
         Self {
-            mean: core::array::from_fn(|i| if low(i) { T::lit(LOW_MEAN) * fifth } else { T::zero() }),
-            variance: core::array::from_fn(|i| if low(i) { sd * sd } else { T::lit(FINE_SD * FINE_SD) }),
+            mean: core::array::from_fn(|i| if low(i) { T::lit(mean) * fifth } else { T::zero() }),
+            variance: core::array::from_fn(|i| if low(i) { sd * sd } else { T::lit(fine_sd * fine_sd) }),
         }
     }
 
@@ -146,21 +178,33 @@ impl<T: Real> Hypothesis<T> {
     }
 }
 
-/// Whether a loss of a quarter of this wheel alone would be found: it stands out by more than the prior and the threshold ask for.
-fn found_if_low<T: Real>(
+/// Log likelihood without constants, and prior, of ratios that no set of losses leaves.
+fn unexplained<T: Real>(change: &[T; 3], covariance: &Triangle<T>) -> T {
+    let [front, rear, axles] = UNEXPLAINED_SD.map(|sd| T::lit(sd * sd));
+    let mut expected = *covariance;
+    for (entry, variance) in expected.iter_mut().zip([front, T::zero(), rear, T::zero(), T::zero(), axles]) {
+        *entry += variance;
+    }
+    let Some((inverse, determinant)) = inverse(&expected) else { return T::lit(-1e30) };
+    let square = dot(change, &times(&inverse, change));
+    T::lit(-0.5) * (square + determinant.ln_fast()) + T::lit(UNEXPLAINED * ONE_LOW).ln_fast()
+}
+
+/// The smallest loss of this wheel alone that would be found, as `-ln` of the share of the pressure that it leaves: its squared distance
+/// from no loss is what prior and threshold ask for. `per_ln`: thousandths of a radius per `ln` of its pressure.
+pub(super) fn least_found<T: Real>(
     wheel: usize,
     covariance: &Triangle<T>,
-    fifth: T,
+    fine_sd: f64,
+    per_ln: T,
     torsion: &TorsionEvidence<T>,
-) -> bool {
+) -> T {
     let mut noise = *covariance;
-    for seen in SEEN {
-        add_square(&mut noise, &seen.map(T::lit), T::lit(FINE_SD * FINE_SD));
-    }
-    let step = SEEN.get(wheel).map_or([T::zero(); 3], |seen| seen.map(|x| T::lit(x * LOW_MEAN) * fifth));
-    inverse(&noise).is_some_and(|(inverse, _)| {
-        dot(&step, &times(&inverse, &step)) + torsion.distance(1 << wheel) > T::lit(2.0 * TO_BE_FOUND)
-    })
+    add_radii(&mut noise, fine_sd);
+    let step = SEEN.get(wheel).map_or([T::zero(); 3], |seen| seen.map(|x| T::lit(x) * per_ln));
+    let radii = inverse(&noise).map_or(T::zero(), |(inverse, _)| dot(&step, &times(&inverse, &step)));
+    let pulses = torsion.distance(1 << wheel) * T::lit(1.0 / (PULSES_LN * PULSES_LN));
+    (T::lit(2.0 * TO_BE_FOUND) / (radii + pulses)).sqrt()
 }
 
 /// Whether a loss of all four alike would be found: radii say nothing of it, and its prior is half of one wheel's.
@@ -181,57 +225,43 @@ fn prior<T: Real>(number: usize) -> T {
     T::lit(share * ONE_LOW).ln_fast()
 }
 
-/// Adds what loads may have done to the three ratios since the calibration.
-pub(super) fn add_load<T: Real>(covariance: &mut Triangle<T>, load: &LoadUncertainty<T>) {
+/// Adds what each radius does by itself to the three ratios.
+pub(super) fn add_radii<T: Real>(covariance: &mut Triangle<T>, sd: f64) {
+    for seen in SEEN {
+        add_square(covariance, &seen.map(T::lit), T::lit(sd * sd));
+    }
+}
+
+/// Adds this part of what loads may have done to the three ratios since the calibration.
+pub(super) fn add_load<T: Real>(covariance: &mut Triangle<T>, load: &LoadUncertainty<T>, part: f64) {
     let per_load = T::lit(RADIUS_PER_LOAD);
     let rear_axle = [T::zero(), T::zero(), -per_load * load.rear_axle];
     let rear_left_right = [T::zero(), T::lit(2.0) * per_load * load.rear_left_right, T::zero()];
     let passengers = PASSENGER.map(|x| T::lit(x) * load.front_passengers);
     for shape in [rear_axle, rear_left_right, passengers] {
-        add_square(covariance, &shape, T::one());
+        add_square(covariance, &shape, T::lit(part));
     }
-}
-
-/// What the three ratios see of four radii: their change and its covariance.
-pub(super) fn seen<T: Real>(
-    radius: &[T; 4],
-    covariance: impl Fn(usize, usize) -> T,
-) -> ([T; 3], Triangle<T>) {
-    let mut change = [T::zero(); 3];
-    let mut triangle = [T::zero(); 6];
-    for (i, (a, radius)) in SEEN.iter().zip(radius).enumerate() {
-        for (change, a) in change.iter_mut().zip(a) {
-            *change += T::lit(*a) * *radius;
-        }
-        for (j, b) in SEEN.iter().enumerate() {
-            let shared = covariance(i, j);
-            for (entry, (row, column)) in triangle.iter_mut().zip(PLACES) {
-                *entry += T::lit(a[row] * b[column]) * shared;
-            }
-        }
-    }
-    (change, triangle)
 }
 
 /// Rows and columns of its numbers.
 pub(super) const PLACES: [(usize, usize); 6] = [(0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2)];
 
-fn add_square<T: Real>(triangle: &mut Triangle<T>, x: &[T; 3], variance: T) {
+pub(super) fn add_square<T: Real>(triangle: &mut Triangle<T>, x: &[T; 3], variance: T) {
     for (entry, (row, column)) in triangle.iter_mut().zip(PLACES) {
         *entry += variance * x[row] * x[column];
     }
 }
 
-fn dot<T: Real>(x: &[T; 3], y: &[T; 3]) -> T {
+pub(super) fn dot<T: Real>(x: &[T; 3], y: &[T; 3]) -> T {
     x[0] * y[0] + x[1] * y[1] + x[2] * y[2]
 }
 
-fn times<T: Real>([a, b, c, d, e, f]: &Triangle<T>, x: &[T; 3]) -> [T; 3] {
+pub(super) fn times<T: Real>([a, b, c, d, e, f]: &Triangle<T>, x: &[T; 3]) -> [T; 3] {
     [dot(&[*a, *b, *d], x), dot(&[*b, *c, *e], x), dot(&[*d, *e, *f], x)]
 }
 
 /// Inverse and determinant, of a positive matrix.
-fn inverse<T: Real>(&[a, b, c, d, e, f]: &Triangle<T>) -> Option<(Triangle<T>, T)> {
+pub(super) fn inverse<T: Real>(&[a, b, c, d, e, f]: &Triangle<T>) -> Option<(Triangle<T>, T)> {
     let (aa, ba, da) = (c * f - e * e, d * e - b * f, b * e - c * d);
     let determinant = a * aa + b * ba + d * da;
     if !(determinant > T::zero() && determinant.is_finite()) {
@@ -250,6 +280,11 @@ mod tests {
     /// Known to a ten-thousandth.
     const SHARP: Triangle<f64> = [0.01, 0.0, 0.01, 0.0, 0.0, 0.01];
 
+    /// The ratios of these radii.
+    fn seen(radius: [f64; 4]) -> [f64; 3] {
+        core::array::from_fn(|ratio| radius.iter().zip(SEEN).map(|(radius, seen)| radius * seen[ratio]).sum())
+    }
+
     #[test]
     fn an_inverse_is_one() {
         let matrix = [4.0, 1.0, 3.0, -0.5, 0.7, 2.0];
@@ -266,39 +301,47 @@ mod tests {
     fn every_pattern_is_named_by_its_ratios_but_all_four() {
         for number in 1..15usize {
             let radius = core::array::from_fn(|i| if number & (1 << i) == 0 { 0.0 } else { -2.0 });
-            let (change, _) = seen(&radius, |_, _| 0.0);
-            let decision = Decision::of(&change, &SHARP, &SHARP, 1.6, &NO_PULSES);
+            let decision = Decision::of(&seen(radius), &SHARP, FINE_SD, 1.6, &NO_PULSES);
+            let most = decision.probability.iter().copied().fold(0.0, f64::max);
+            assert_eq!(decision.probability[number], most, "{number:04b}");
+            // Three at once are so seldom that something else, which nobody named, is not much less probable.
+            let sure = if number.count_ones() == 3 { 0.7 } else { 0.9 };
             for (wheel, radius) in radius.iter().enumerate() {
                 let low = number & (1 << wheel) != 0;
-                assert_eq!(decision.low(wheel) > 0.9, low, "{number:04b} {wheel}: {}", decision.low(wheel));
+                assert_eq!(decision.low(wheel) > sure, low, "{number:04b} {wheel}: {}", decision.low(wheel));
                 assert!((decision.change[wheel] - radius).abs() < 3.0 * decision.change_sd[wheel]);
             }
         }
-        let decision = Decision::of(&[0.0; 3], &SHARP, &SHARP, 1.6, &NO_PULSES);
-        assert!(decision.probability[0] > 0.99 && decision.informed == [true; 4]);
+        let decision = Decision::of(&[0.0; 3], &SHARP, FINE_SD, 1.6, &NO_PULSES);
+        assert!(decision.probability[0] > 0.99);
     }
 
-    /// A quarter is -1.95 of a front tire: 48 of its squared distance where only tires of their own stray (twice .04), 23 with as much again.
+    /// With radii of tires that stray by .2 each a ratio of two has .08 by itself: with as much again a front tire's `2 · 11.5 = 23` are
+    /// `x² (1 / .16 + .25 / (4 + .04))` with `x = 7 ln`.
     #[test]
-    fn what_a_calibration_did_not_teach_is_not_informed() {
-        let informed = |variance: f64| {
-            let offsets = [variance, 0.0, variance, 0.0, 0.0, 4.0];
-            Decision::of(&[0.0; 3], &[1e-4; 6], &offsets, 1.56, &NO_PULSES).informed
+    fn the_least_loss_that_is_found_is_where_prior_and_threshold_meet() {
+        let covariance = [0.08, 0.0, 0.08, 0.0, 0.0, 4.0];
+        let expected = (23.0 / (1.0 / 0.16 + 0.25 / 4.04f64)).sqrt() / 7.0;
+        let found = least_found(0, &covariance, FINE_SD, 7.0, &NO_PULSES);
+        assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+        // What is found there has as good as reached the threshold, whatever of its size is expected.
+        let at = |loss: f64| {
+            let change = seen([-7.0 * loss, 0.0, 0.0, 0.0]);
+            Decision::of(&change, &covariance, FINE_SD, 1.56, &NO_PULSES).low(0)
         };
-        assert_eq!(informed(0.07), [true; 4]);
-        assert_eq!(informed(0.1), [false; 4]);
+        assert!(at(0.9 * found) < 0.99 && at(1.1 * found) > 0.99, "{} {}", at(0.9 * found), at(1.1 * found));
     }
 
     #[test]
     fn loads_of_unknown_size_hide_a_rear_tire_and_not_a_front_one() {
         let mut covariance = SHARP;
-        add_load(&mut covariance, &LoadUncertainty::unknown());
+        add_load(&mut covariance, &LoadUncertainty::unknown(), 1.0);
         // A fifth of 6.4e-3 per load between the axles, twice 3 % of it between the rear wheels; the passenger's part is in 20 and 21, too.
         assert!((covariance[5] - (0.01 + 1.28 * 1.28 + 0.04)).abs() < 1e-12);
         assert!((covariance[2] - (0.01 + 0.384 * 0.384 + 0.04)).abs() < 1e-12);
         let low = |wheel: usize| {
             let radius = core::array::from_fn(|i| if i == wheel { -2.0 } else { 0.0 });
-            Decision::of(&seen(&radius, |_, _| 0.0).0, &covariance, &SHARP, 1.6, &NO_PULSES).low(wheel)
+            Decision::of(&seen(radius), &covariance, FINE_SD, 1.6, &NO_PULSES).low(wheel)
         };
         assert!(low(0) > 0.99 && low(0) > low(3), "{} {}", low(0), low(3));
     }
@@ -310,19 +353,18 @@ mod tests {
             information: [1.0 / 50.0; 4],
             reference_kpa: [240.0; 4],
         };
-        let alike = Decision::of(&[0.0; 3], &SHARP, &SHARP, 1.6, &pulses([-56.0; 4]));
+        let alike = Decision::of(&[0.0; 3], &SHARP, FINE_SD, 1.6, &pulses([-56.0; 4]));
         assert!((0..4).all(|wheel| alike.low(wheel) > 0.99), "{:?}", alike.probability);
         // A tenth of the pressure, as of a cold morning, is nothing.
-        let cold = Decision::of(&[0.0; 3], &SHARP, &SHARP, 1.6, &pulses([-24.0; 4]));
+        let cold = Decision::of(&[0.0; 3], &SHARP, FINE_SD, 1.6, &pulses([-24.0; 4]));
         assert!(cold.probability[0] > 0.99, "{:?}", cold.probability);
         // With loads of unknown size the radii of an axle say little: a larger load may have done it.
         let mut covariance = SHARP;
-        add_load(&mut covariance, &LoadUncertainty::unknown());
-        let rear = [0.0, 0.0, -2.0, -2.0];
-        let change = seen(&rear, |_, _| 0.0).0;
+        add_load(&mut covariance, &LoadUncertainty::unknown(), 1.0);
+        let change = seen([0.0, 0.0, -2.0, -2.0]);
         let (without, with) = (
-            Decision::of(&change, &covariance, &SHARP, 1.6, &NO_PULSES),
-            Decision::of(&change, &covariance, &SHARP, 1.6, &pulses([0.0, 0.0, -58.0, -58.0])),
+            Decision::of(&change, &covariance, FINE_SD, 1.6, &NO_PULSES),
+            Decision::of(&change, &covariance, FINE_SD, 1.6, &pulses([0.0, 0.0, -58.0, -58.0])),
         );
         assert!(without.low(2) < 0.5 && with.low(2) > 0.99 && with.low(3) > 0.99 && with.low(0) < 0.01);
     }

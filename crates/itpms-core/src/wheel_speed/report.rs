@@ -11,8 +11,17 @@ use crate::torsion::TorsionEvidence;
 const SURE: f64 = 0.99;
 /// Usable driving in s over which it has to be that probable.
 const SURE_FOR_S: f64 = 2.0;
+/// The same of what a road may do, too, that differs from left to right, or a load or a slip that moves the axles apart: those pass.
+const PASSES_S: f64 = 20.0;
 /// The same while it is open which tire it is: a moment later it may be known.
 const OPEN_FOR_S: f64 = 10.0;
+/// The same of anything on a slippery road, on which wheels slip as the place has it; and for how long a road is slippery, in s, after it was
+/// seen to be.
+const SLIPPERY_S: f64 = 120.0;
+const SLIPPERY_FOR_S: f64 = 300.0;
+
+/// Loss that would have shown where a tire is called fine, as a share of its pressure.
+const SHOWN_LOSS: f64 = 0.3;
 
 /// Which tires have lost air since the calibration, against the others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Blank)]
@@ -23,9 +32,9 @@ pub enum RadiusState {
     Uncalibrated,
     /// A calibration goes on.
     Calibrating,
-    /// For no tire would a loss of a quarter be found: too little was driven, or loads may have changed.
+    /// For no tire would a loss of 30 % show: too little was driven, or loads may have changed.
     Uninformed,
-    /// No loss was found; `informed` says for which wheels one would have been.
+    /// No loss was found; [`detectable_loss_share`](WheelRadius::detectable_loss_share) says which would have shown.
     NoneDiffers,
     /// These tires are low.
     Low(Wheels),
@@ -80,6 +89,8 @@ pub struct Unseen {
     pub loads: bool,
     /// Wheels that are coupled under torque, so that a low tire turns like its neighbor.
     pub hidden_by_torque: Wheels,
+    /// The driven wheels slip more than on the road of the calibration, as on snow: nothing is reported before it has outlasted that.
+    pub slippery: bool,
 }
 
 /// What is known of a wheel's radius.
@@ -96,11 +107,17 @@ pub struct WheelRadius<T> {
     pub lost_share_sd: T,
     /// Probability that this tire is low.
     pub low_probability: T,
-    /// Whether a loss of a quarter of this tire alone would be found.
-    pub informed: bool,
+    /// Smallest loss of this tire alone that would have shown since the calibration, as a share of its pressure. NaN: not known.
+    pub detectable_loss_share: T,
 }
 
 impl<T: Real> WheelRadius<T> {
+    /// Whether a loss of 30 % of this tire's pressure would have shown.
+    #[must_use]
+    pub fn informed(&self) -> bool {
+        self.detectable_loss_share < T::lit(SHOWN_LOSS)
+    }
+
     fn unknown() -> Self {
         let nan = T::lit(f64::NAN);
         let low_probability = T::zero();
@@ -110,7 +127,7 @@ impl<T: Real> WheelRadius<T> {
             lost_share: nan,
             lost_share_sd: nan,
             low_probability,
-            informed: false,
+            detectable_loss_share: nan,
         }
     }
 }
@@ -138,8 +155,12 @@ pub struct RadiusReport<T> {
     pub difference_sd: [T; 3],
     /// Time in s of the last sample that counted.
     pub(crate) informed_s: f64,
+    /// For how long the car has been driven since the ratio of each axle last counted, in s.
+    pub(crate) unseen_s: [T; 2],
     probable: RadiusState,
     probable_s: T,
+    /// Seconds for which the road is held to be slippery.
+    slippery_s: T,
 }
 
 impl<T: Real> RadiusReport<T> {
@@ -166,10 +187,18 @@ impl<T: Real> RadiusReport<T> {
             [front, rear, axles].map(|variance| thousandth * variance.at_least(T::zero()).sqrt());
     }
 
+    /// `step_s` of usable driving later, on a road that is surely slippery, or may be.
+    pub(super) fn drive_on(&mut self, [surely, maybe]: [bool; 2], step_s: T) {
+        let left_s = (self.slippery_s - step_s).at_least(T::zero());
+        self.slippery_s = if surely { T::lit(SLIPPERY_FOR_S) } else { left_s };
+        self.unseen.slippery = maybe || self.slippery_s > T::zero();
+    }
+
     /// `step_s` of usable driving later.
     pub(super) fn decide(
         &mut self,
         decision: &Decision<T>,
+        least_ln: &[T; 4],
         config: &WheelSpeedConfig<T>,
         torsion: &TorsionEvidence<T>,
         step_s: T,
@@ -191,16 +220,26 @@ impl<T: Real> RadiusReport<T> {
                 lost_share: T::one() - left,
                 lost_share_sd: left * ln_sd,
                 low_probability: decision.low(i),
-                informed: decision.informed[i],
+                detectable_loss_share: T::one() - (-least_ln[i]).exp_fast(),
             };
         }
         self.informed_s = self.time_s;
-        self.any_low_probability = T::one() - decision.probability[0];
-        let probable = probable(decision);
+        self.any_low_probability = decision.any_low();
+        let informed = self.wheels.iter().any(WheelRadius::informed);
+        let probable = probable(decision, informed);
+        if !self.contradicts(probable) {
+            // As after a stop, when radii are learned anew: what was found before it is neither seen nor refuted.
+            return;
+        }
         self.probable_s = if probable == self.probable { self.probable_s + step_s } else { step_s };
         self.probable = probable;
         let after_s = match probable {
-            RadiusState::Low(_) => SURE_FOR_S,
+            RadiusState::Low(_) | RadiusState::OneOf(_) if self.unseen.slippery => SLIPPERY_S,
+            // One tire of an axle and a side, or two across, are nothing else; without a yaw rate left and right of both axles move alike.
+            RadiusState::Low(wheels) => match Pattern::from(wheels) {
+                Pattern::Wheel(_) | Pattern::Diagonal if !self.unseen.which_of_a_diagonal => SURE_FOR_S,
+                _ => PASSES_S,
+            },
             RadiusState::OneOf(_) => OPEN_FOR_S,
             _ => 0.0,
         };
@@ -209,6 +248,28 @@ impl<T: Real> RadiusReport<T> {
             self.state = probable;
             self.lasted_s = self.probable_s;
         }
+    }
+}
+
+impl<T: Real> RadiusReport<T> {
+    /// Whether what is probable now says something of the tires that were found low: that none is says so only where a loss would show.
+    fn contradicts(&self, probable: RadiusState) -> bool {
+        let finds = |state: RadiusState| matches!(state, RadiusState::Low(_) | RadiusState::OneOf(_));
+        let shows = |state: RadiusState| match state {
+            RadiusState::Low(low) | RadiusState::OneOf(low) => {
+                let wheels = Corner::ALL.into_iter().zip(&self.wheels);
+                wheels.filter(|(corner, _)| low.contains(*corner)).all(|(_, wheel)| wheel.informed())
+            }
+            _ => true,
+        };
+        // One of some is less than is known if it is among them.
+        let is_less = |state: RadiusState| match (state, probable) {
+            (RadiusState::Low(low), RadiusState::OneOf(some)) => {
+                low.iter().all(|corner| some.contains(corner))
+            }
+            _ => false,
+        };
+        !is_less(self.state) && (finds(probable) || shows(self.state) && shows(self.probable))
     }
 }
 
@@ -223,13 +284,13 @@ fn combined<T: Real>((a, a_variance): (T, T), (b, b_variance): (T, T)) -> (T, T)
 }
 
 /// What is more probable than [`SURE`], whatever was before.
-fn probable<T: Real>(decision: &Decision<T>) -> RadiusState {
+fn probable<T: Real>(decision: &Decision<T>, informed: bool) -> RadiusState {
     let sure = T::lit(SURE);
     let low: Wheels = Corner::ALL.into_iter().filter(|corner| decision.low(corner.index()) > sure).collect();
     if !low.is_empty() {
         return RadiusState::Low(low);
     }
-    if T::one() - decision.probability[0] > sure {
+    if decision.any_low() > sure {
         // The likeliest two wheels, if it is certainly among them; else any.
         let mut best = (Wheels::NONE, T::zero());
         for (i, a) in Corner::ALL.into_iter().enumerate() {
@@ -244,5 +305,5 @@ fn probable<T: Real>(decision: &Decision<T>) -> RadiusState {
         let all = || Corner::ALL.into_iter().collect();
         return RadiusState::OneOf(if best.1 > sure { best.0 } else { all() });
     }
-    if decision.informed == [false; 4] { RadiusState::Uninformed } else { RadiusState::NoneDiffers }
+    if informed { RadiusState::NoneDiffers } else { RadiusState::Uninformed }
 }

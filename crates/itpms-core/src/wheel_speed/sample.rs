@@ -30,7 +30,7 @@ pub struct WheelSpeedSample<T> {
 impl<T: Real> WheelSpeedSample<T> {
     /// Whether all four wheels have a speed that a wheel can have.
     pub(super) fn complete(&self) -> bool {
-        self.wheel_speed_m_s.iter().all(|v| *v >= T::zero() && *v < T::lit(ABSURD_SPEED_M_S))
+        self.wheel_speed_m_s.into_iter().all(is_speed)
     }
 
     pub(super) fn yaw_rate(&self) -> Option<T> {
@@ -44,6 +44,11 @@ impl<T: Real> WheelSpeedSample<T> {
     pub(super) fn accel_y(&self) -> Option<T> {
         within(self.accel_y_m_s2, ABSURD_ACCEL_M_S2)
     }
+}
+
+/// Whether a wheel can have this speed in m/s.
+pub(super) fn is_speed<T: Real>(v: T) -> bool {
+    v >= T::zero() && v < T::lit(ABSURD_SPEED_M_S)
 }
 
 fn within<T: Real>(value: T, absurd: f64) -> Option<T> {

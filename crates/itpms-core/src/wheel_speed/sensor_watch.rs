@@ -1,14 +1,18 @@
-//! Whether each wheel's sensor still moves. One that repeats its last value, or zero, would make of every change of speed a change of radius.
+//! Whether each wheel's sensor still sends, and moves. One that repeats its last value, or zero, would make of every change of speed a change of
+//! radius; without one of four nothing is compared.
 
-use super::block::LEAST_SPEED_M_S;
-use super::sample::WheelSpeedSample;
+use super::block::{ABSURD_RATIO, BLOCK_S, Block, LEAST_SPEED_M_S};
+use super::sample::{WheelSpeedSample, is_speed};
 use crate::conditioning::pauses::PAUSE_S;
 use crate::memory::Blank;
 use crate::model::{Corner, Wheels};
 use crate::real::Real;
+use crate::wheel_speed::state::{AXLE, SCALE};
 
 /// Samples with a change at two other wheels in which a sensor that moves does so, too.
 const OTHERS_CHANGED: u8 = 12;
+/// Driving in s in which the wheels of an axle turn so differently, and which a spinning wheel or a bend does not last for.
+const ABSURD_S: f64 = 20.0;
 /// By how many of the smallest steps seen the others have to have moved: of coarse speeds, one may stay while others go two steps.
 const STEPS: f64 = 3.0;
 
@@ -24,6 +28,11 @@ pub(super) struct SensorWatch<T> {
     /// Smallest change of a sample seen, in m/s; zero before the first.
     step: T,
     stuck: Wheels,
+    /// How long each wheel has had no speed while two others had one, in s.
+    missing_s: [T; 4],
+    /// For how long the ratio of each axle has been one of no radii, in s, and the mean of it and of the ratio between the axles then.
+    absurd_s: [T; 2],
+    absurd: [[T; 2]; 2],
 }
 
 impl<T: Real> SensorWatch<T> {
@@ -57,6 +66,53 @@ impl<T: Real> SensorWatch<T> {
             }
         }
         self.stuck = stuck;
+    }
+
+    /// Notes which wheels have a speed, so many s after the last sample.
+    pub(super) fn note_missing(&mut self, sample: &WheelSpeedSample<T>, step_s: T) {
+        let sends = sample.wheel_speed_m_s.map(is_speed);
+        let sending = sends.iter().filter(|sends| **sends).count();
+        for (missing_s, sends) in self.missing_s.iter_mut().zip(sends) {
+            *missing_s = match sends {
+                true => T::zero(),
+                // That all are missing is no sensor's fault.
+                false if sending < 2 => *missing_s,
+                false => (*missing_s + step_s).at_most(T::lit(2.0 * PAUSE_S)),
+            };
+        }
+    }
+
+    /// The wheels that have had no speed for a second while others had one.
+    pub(super) fn missing(&self) -> Wheels {
+        let missing = |corner: &Corner| self.missing_s[corner.index()] >= T::lit(PAUSE_S);
+        Corner::ALL.into_iter().filter(missing).collect()
+    }
+
+    /// Takes a block that was driven well.
+    pub(super) fn take_block(&mut self, block: &Block<T>) {
+        for (i, (absurd_s, mean)) in self.absurd_s.iter_mut().zip(&mut self.absurd).enumerate() {
+            let now = [block.ratio[i], block.ratio[AXLE]];
+            if !(now[0].abs() < T::lit(ABSURD_RATIO)) {
+                *absurd_s = (*absurd_s + T::lit(BLOCK_S)).at_most(T::lit(ABSURD_S + 2.0));
+                for (mean, now) in mean.iter_mut().zip(now) {
+                    *mean += (now - *mean) * T::lit(BLOCK_S) / *absurd_s;
+                }
+            } else {
+                *absurd_s = (*absurd_s - T::lit(2.0 * BLOCK_S)).at_least(T::zero());
+            }
+        }
+    }
+
+    /// The wheel whose speed is none of a tire that rolls beside the others, and how many times theirs it is.
+    pub(super) fn odd(&self) -> Option<(Corner, T)> {
+        let axle = self.absurd_s.iter().position(|s| *s >= T::lit(ABSURD_S))?;
+        let [ratio, between] = *self.absurd.get(axle)?;
+        // The wheel that has it in the ratio of its axle has half of it between the axles.
+        let front = if axle == 0 { between } else { -between };
+        let left = (ratio > T::zero()) == (front > T::zero());
+        let corner = *Corner::ALL.get(2 * axle + usize::from(!left))?;
+        let ln = T::lit(1.0 / SCALE) * if left { ratio } else { -ratio };
+        Some((corner, ln.exp_fast()))
     }
 
     /// The smallest step of the speeds in m/s: what they are sent in, or less than anything by which they differ.

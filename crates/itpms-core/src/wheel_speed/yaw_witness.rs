@@ -1,9 +1,10 @@
-//! Whether a yaw rate goes with the wheels (docs/math/wheel-speed.md, eq. 7a): a bend shows in the wheels of both axles, a tire in those of
-//! one. A sensor that is dead, turned round or another signal would make every bend a loss of the tires on its outer side.
+//! Whether a yaw rate goes with the wheels, and the wheels of each axle with the bends (docs/math/wheel-speed.md, eq. 7b): a bend shows in the wheels of both axles, a tire in those of
+//! one. A sensor that is dead, turned round or another signal would make every bend a loss of the tires on its outer side. Wheels that a differential
+//! couples turn alike in all but sharp bends, whatever their tires.
 
 use super::block::{BLOCK_S, Block, LEAST_SPEED_M_S};
-use super::config::WheelSpeedConfig;
-use super::{FRONT, REAR, SCALE};
+use super::config::{DrivenAxle, WheelSpeedConfig};
+use super::state::{FRONT, REAR, SCALE};
 use crate::memory::Blank;
 use crate::real::Real;
 
@@ -16,18 +17,44 @@ const MEMORY_S: f64 = 120.0;
 const OFF: f64 = 0.2;
 const BY_LOAD: f64 = 8e-4;
 const LEFT: f64 = 0.01;
+/// By how much the offset that is taken off a sensor may be another one than is known, in rad/s.
+const BIAS_STEP: f64 = 1e-3;
+/// Each time that it is doubted four times as much has to prove it right, up to the fifth.
+const PROOF_LN: f64 = 1.386;
+const MOST_DOUBTS: u8 = 5;
+/// What a road that differs from left to right does to the ratios of both axles, in thousandths.
+const PASSING: f64 = 1.0;
+
+/// Radius of a bend in m from which on a preload may keep the wheels of an axle alike, and time in s after which it is forgotten whether it does.
+const WIDE_M: f64 = 300.0;
+const COUPLING_MEMORY_S: f64 = 600.0;
+/// What has to be seen of bends, as a square of ratios in 1e-6, and which share of it the wheels of an axle follow that are free, or coupled.
+const BENDS_SEEN: f64 = 100.0;
+const FREE: f64 = 0.85;
+const COUPLED: f64 = 0.75;
 
 /// See the [module](self).
 #[derive(Debug, Clone, Copy, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct YawWitness<T> {
-    /// The usual ratios of the front wheels and of the rear ones, as tires of unequal size leave them at any speed, and the sensor's usual
-    /// yaw rate in rad/s.
-    usual: [T; 3],
+    /// What the sensor usually leaves of the ratio of the front wheels and of the rear ones, as tires of unequal size do at any speed, and
+    /// the usual ratios.
+    usual: [T; 4],
+    /// The usual inverse of the speed, in s/m.
+    usual_slowness: T,
+    /// The sensor's offset that was taken off, in rad/s.
+    bias_rad_s: T,
     begun: bool,
-    /// Sum of what the sensor leaves of both axles' product beyond its share.
+    /// Sum of what the sensor leaves of both axles' product beyond its share, between [`LEFT`] and what proves as much for the sensor.
     left: T,
     doubted: bool,
+    doubts: u8,
+    /// Sums of what each axle's wheels follow of wide bends, and of these.
+    usual_wide: [[T; 2]; 2],
+    followed: [T; 2],
+    bends: [T; 2],
+    free: [bool; 2],
+    coupled: [bool; 2],
 }
 
 impl<T: Real> YawWitness<T> {
@@ -36,9 +63,19 @@ impl<T: Real> YawWitness<T> {
         self.doubted
     }
 
-    /// The sensor was found to go against the wheels on an earlier drive.
+    /// The sensor was found to go against the wheels on an earlier drive: bends have to prove it right.
     pub(super) fn doubt(&mut self) {
-        self.doubted = true;
+        (self.doubted, self.doubts) = (true, self.doubts.max(1));
+    }
+
+    /// The axles whose wheels were found to turn freely.
+    pub(super) fn free(&self) -> [bool; 2] {
+        self.free
+    }
+
+    /// The axles whose wheels were found to turn alike in wide bends.
+    pub(super) fn coupled(&self) -> [bool; 2] {
+        self.coupled
     }
 
     /// The next block does not follow the last one.
@@ -46,13 +83,30 @@ impl<T: Real> YawWitness<T> {
         self.begun = false;
     }
 
-    /// Takes a block; whether it is the one that makes the sensor doubtful.
-    pub(super) fn take(&mut self, block: &Block<T>, config: &WheelSpeedConfig<T>) -> bool {
+    /// Takes a block, with the sensor's offset as far as it is known, and by how much left and right of each axle may slip unequally, in
+    /// thousandths; whether the sensor is doubtful from here on, or not any more.
+    pub(super) fn take(
+        &mut self,
+        block: &Block<T>,
+        config: &WheelSpeedConfig<T>,
+        (bias_rad_s, bias_sd_rad_s): (T, T),
+        slip_1e3: [T; 2],
+    ) -> bool {
         let v = block.speed_m_s;
-        let Some(sensor) = block.yaw_rate_rad_s.filter(|_| v > T::lit(LEAST_SPEED_M_S)) else { return false };
-        let now = [block.ratio[FRONT], block.ratio[REAR], sensor];
+        let usable = v > T::lit(LEAST_SPEED_M_S) && !block.braking;
+        let Some(sensor) = block.yaw_rate_rad_s.filter(|_| usable) else { return false };
+        let (track_front, track_rear) = (config.track_front_m, config.track_rear_m);
+        if !((bias_rad_s - self.bias_rad_s).abs() < T::lit(BIAS_STEP)) {
+            // Better known than before: what was usual with another offset is not comparable.
+            (self.bias_rad_s, self.begun) = (bias_rad_s, false);
+        }
+        let bias_rad_s = self.bias_rad_s;
+        let way = |track_m: T| T::lit(SCALE) * track_m * (sensor - bias_rad_s) / v;
+        let (front, rear) = (block.ratio[FRONT], block.ratio[REAR]);
+        // Ratios, not yaw rates: at another speed a radius is another yaw rate, and the same ratio.
+        let now = [front + way(track_front), rear + way(track_rear), front, rear];
         if !self.begun {
-            (self.usual, self.begun) = (now, true);
+            (self.usual, self.usual_slowness, self.begun) = (now, (T::one() / v), true);
             return false;
         }
         let mut beyond = now;
@@ -60,15 +114,55 @@ impl<T: Real> YawWitness<T> {
             *beyond -= *usual;
             *usual += T::lit(BLOCK_S / USUAL_S) * *beyond;
         }
-        let by_wheels = |ratio: T, track_m: T| -ratio * v / (T::lit(SCALE) * track_m);
-        let [front, rear, sensor] = beyond;
-        let (front, rear) = (by_wheels(front, config.track_front_m), by_wheels(rear, config.track_rear_m));
-        let kept = T::lit(1.0 - BLOCK_S / MEMORY_S);
-        let share = T::lit(OFF) + T::lit(BY_LOAD) * v * v / config.track_rear_m;
-        let beyond = (front - sensor) * (rear - sensor) - share * share * (front * rear).at_least(T::zero());
-        self.left = kept * self.left + beyond;
+        let [left_front, left_rear, front, rear] = beyond;
+        let coupled = self.coupled;
+        if !self.doubted && (sensor - bias_rad_s).abs() * T::lit(WIDE_M) < v {
+            self.follow([(now[2], now[2] - now[0]), (now[3], now[3] - now[1])]);
+        }
+        let per_square = v * v / (T::lit(SCALE * SCALE) * track_front * track_rear);
+        let share = T::lit(OFF) + T::lit(BY_LOAD) * v * v / track_rear;
+        let seen = (front * rear).at_least(T::zero());
+        // Where both axles are coupled, bends show in neither.
+        let shown = !(config.limited_slip && config.driven == DrivenAxle::Both);
+        let beyond = left_front * left_rear - share * share * seen;
+        // A road that differs from left to right, under wheels that slip the more so, says nothing.
+        // Nor does an offset that is not known yet, at another speed.
+        let slower = (T::one() / v) - self.usual_slowness;
+        self.usual_slowness += T::lit(BLOCK_S / USUAL_S) * slower;
+        let by_bias = T::lit(SCALE) * track_rear * bias_sd_rad_s * slower.abs();
+        let [front, rear] = slip_1e3.map(|slip| T::lit(PASSING) + slip + by_bias);
+        let beyond = beyond - beyond.at_least(-front * rear).at_most(front * rear);
+        let beyond = if shown { per_square * beyond } else { T::zero() };
+        let (most, proof) =
+            (T::lit(LEFT), T::lit(LEFT) * (T::lit(PROOF_LN) * T::whole(u32::from(self.doubts))).exp_fast());
+        self.left = (T::lit(1.0 - BLOCK_S / MEMORY_S) * self.left + beyond).at_least(-proof).at_most(most);
         let before = self.doubted;
-        self.doubted |= self.left > T::lit(LEFT);
-        self.doubted && !before
+        if !(self.left < most) {
+            self.doubted = true;
+        } else if !(self.left > -proof) {
+            self.doubted = false;
+        }
+        if self.doubted && !before {
+            self.doubts = self.doubts.saturating_add(1).min(MOST_DOUBTS);
+        }
+        self.doubted != before || self.coupled != coupled
+    }
+
+    /// Each axle's ratio in a wide bend, and what the bend makes of one whose wheels are free; both from what they usually are in wide bends,
+    /// which is not what it is on leaving a sharp one.
+    fn follow(&mut self, axles: [(T, T); 2]) {
+        let kept = T::lit(1.0 - BLOCK_S / COUPLING_MEMORY_S);
+        for (i, (ratio, expected)) in axles.into_iter().enumerate() {
+            let [usual_ratio, usual_expected] = &mut self.usual_wide[i];
+            let (ratio, expected) = (ratio - *usual_ratio, expected - *usual_expected);
+            *usual_ratio += T::lit(BLOCK_S / USUAL_S) * ratio;
+            *usual_expected += T::lit(BLOCK_S / USUAL_S) * expected;
+            self.followed[i] = kept * self.followed[i] + ratio * expected;
+            self.bends[i] = kept * self.bends[i] + expected * expected;
+            if self.bends[i] > T::lit(BENDS_SEEN) {
+                self.free[i] = self.followed[i] > T::lit(FREE) * self.bends[i];
+                self.coupled[i] = self.followed[i] < T::lit(COUPLED) * self.bends[i];
+            }
+        }
     }
 }

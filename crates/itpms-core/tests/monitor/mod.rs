@@ -15,7 +15,7 @@ use reported::{Drive, FINE, RATE_HZ, Reported, car, estimate, low, state};
 fn a_low_tire_is_named_with_its_numbers_and_taken_back_when_it_is_over() {
     let mut drive = Drive::new();
     assert!(drive.on(30.0, &FINE).is_all_fine());
-    // 0.88 of 241.3 kPa is 212.3 kPa; 185 kPa and 1.64 sd of 8 kPa are 198.1, and 3 sd are 209: certain twice, so 1 s.
+    // A quarter less with an sd of 3.3 %: so surely low that a second counts twice.
     let at_s = drive.until(5.0, &low(185.0), |report| report.alerts().next().is_some()).unwrap();
     assert!((30.9..31.21).contains(&at_s), "{at_s}");
     let report = *drive.monitor.report();
@@ -79,15 +79,10 @@ fn a_tire_surely_lower_than_the_others_is_low_however_little_is_known_of_their_l
         let report = drive.on(60.0, &said);
         assert!(report.alerts().next().is_none() && !report.is_all_fine());
     }
-    // Lower than the others, but not low.
-    let mut drive = Drive::new();
-    assert!(
-        drive
-            .on(60.0, &unsure(Reported { kpa: [280.0, 280.0, 225.0, 280.0], ..FINE }, 0.95))
-            .alerts()
-            .next()
-            .is_none()
-    );
+    // What all are wrong by alike hides none that is a fifth lower than they are; a tenth is no loss to be warned of.
+    let beside = |rear_kpa: f64| unsure(Reported { kpa: [280.0, 280.0, rear_kpa, 280.0], ..FINE }, 0.95);
+    assert!(Drive::new().on(10.0, &beside(220.0)).alerts().next().is_some());
+    assert!(Drive::new().on(60.0, &beside(257.0)).alerts().next().is_none());
 }
 
 /// Axles of which little is known, each by itself: from the mean of the others the tire's difference has an sd of 20 kPa, from its
@@ -212,6 +207,7 @@ fn a_shift_at_a_limit_is_reported_once() {
 fn a_loss_is_seen_whatever_the_level() {
     let loss = |lost_kpa: f64| Loss {
         level_kpa: 302.0,
+        is_whole: 1,
         lost_kpa,
         lost_sd_kpa: 5.0,
         change_sd_kpa: 3.0,
@@ -219,10 +215,10 @@ fn a_loss_is_seen_whatever_the_level() {
         excess_sd_kpa: 5.0,
     };
     let mut drive = Drive::new();
-    // 12 % are 36 kPa, with 1.64 sds 44.
+    // A tenth is not warned of, a fifth is.
     let before = Reported { kpa: [300.0; 4], loss: [Some(loss(2.0)); 4], ..FINE };
     assert!(drive.on(20.0, &before).alerts().all(|alert| !alert.cause.is_low()));
-    for (lost_kpa, low) in [(42.0, false), (46.0, true)] {
+    for (lost_kpa, low) in [(24.0, false), (46.0, true)] {
         let mut drive = drive.clone();
         let mut now = before;
         (now.loss[0], now.kpa[0]) = (Some(loss(lost_kpa)), 302.0 - lost_kpa);
@@ -246,7 +242,11 @@ fn a_broken_clock_does_not_stop_the_monitor() {
         drive.monitor.judge(&at, &mut estimate(broken_s, &low(190.0)));
         assert!(drive.monitor.report().alerts().next().is_none());
         let reported_s = drive.until(20.0, &low(190.0), |report| report.alerts().next().is_some());
-        assert!(reported_s.is_some_and(|reported_s| reported_s < 10.0), "{broken_s}: {reported_s:?}");
+        // The calibration ends at 15 s, and nothing is held against it before.
+        assert!(
+            reported_s.is_some_and(|reported_s| (15.0..17.5).contains(&reported_s)),
+            "{broken_s}: {reported_s:?}"
+        );
     }
 }
 
@@ -274,22 +274,25 @@ fn without_a_speed_a_parked_car_is_not_stuck_and_one_sensor_of_a_driven_one_is()
 
 #[test]
 fn all_four_are_more_certain_together_than_each_alone() {
-    // 0.83 of the reference with sd 15: 200.3 + 1.64 * 15 = 224.9 kPa, each alone says nothing; their mean's sd is half
-    // of that: 0.83 + 1.64 * 0.031 = 0.881 is still above 0.88, 0.82 is not.
+    // With an sd of 6 % each alone says nothing; their mean's is half of that.
     let all = |share: f64| Reported { kpa: [share * 241.3; 4], sd: 15.0, ..FINE };
     let mut drive = Drive::new();
-    assert!(drive.on(200.0, &all(0.84)).alerts().next().is_none());
+    assert!(drive.on(200.0, &all(0.85)).alerts().next().is_none());
     let from_s = drive.time_s();
-    let reported_s = drive.until(200.0, &all(0.82), |report| report.alerts().next().is_some()).unwrap();
-    assert!((149.9..150.3).contains(&(reported_s - from_s)), "{reported_s}");
-    let alert = drive.monitor.report().alerts().next().unwrap();
-    assert!(matches!(alert.cause, Cause::AllLow { .. }) && alert.wheels.iter().count() == 4, "{alert}");
+    let is_all = |report: &MonitorReport<f64>| {
+        report.alerts().any(|alert| matches!(alert.cause, Cause::AllLow { .. }))
+    };
+    let reported_s = drive.until(200.0, &all(0.76), is_all).unwrap();
+    assert!((0.9..2.3).contains(&(reported_s - from_s)), "{reported_s}");
+    let alert =
+        drive.monitor.report().alerts().find(|alert| matches!(alert.cause, Cause::AllLow { .. })).unwrap();
+    assert_eq!(alert.wheels.iter().count(), 4, "{alert}");
     // None of them is reported any more: it stands while the others are low, and is over when they are not.
     let silent = Some(Corner::FrontRight);
     let stands = |report: &MonitorReport<f64>| {
         report.alerts().any(|alert| matches!(alert.cause, Cause::AllLow { .. }))
     };
-    assert!(stands(drive.on(60.0, &Reported { silent, ..all(0.82) })));
+    assert!(stands(drive.on(60.0, &Reported { silent, ..all(0.76) })));
     let from_s = drive.time_s();
     let over_s = drive.until(60.0, &Reported { silent, ..FINE }, |report| !stands(report)).unwrap();
     assert!((19.9..20.3).contains(&(over_s - from_s)), "{over_s}");
@@ -299,25 +302,23 @@ fn all_four_are_more_certain_together_than_each_alone() {
     assert!(report.alerts().all(|alert| !matches!(alert.cause, Cause::AllLow { .. })));
 }
 
+/// Both tires of a side are as probable as their errors allow, and nobody waits for them.
 #[test]
-fn a_side_that_falls_alike_is_waited_for() {
-    // Front and rear left at 185 kPa with sd 8, far below 212: certain twice, so half of 150 s.
+fn a_side_that_falls_alike_is_named() {
     let side = Reported { kpa: [185.0, 241.3, 185.0, 241.3], sd: 8.0, ..FINE };
     let mut drive = Drive::new();
     assert!(drive.on(30.0, &FINE).is_all_fine());
-    let reported_s = drive.until(200.0, &side, |report| report.alerts().next().is_some()).unwrap();
-    assert!((104.8..105.3).contains(&reported_s), "{reported_s}");
-    // One tire well below the other is not waited for.
-    let mut drive = Drive::new();
-    drive.on(30.0, &FINE);
-    let one = Reported { kpa: [185.0, 241.3, 160.0, 241.3], sd: 8.0, ..FINE };
-    let reported_s = drive.until(200.0, &one, |report| report.alerts().next().is_some()).unwrap();
-    assert!(reported_s < 31.3, "{reported_s}");
+    let reported_s = drive.until(200.0, &side, |report| report.alerts().count() == 2).unwrap();
+    assert!((30.9..31.3).contains(&reported_s), "{reported_s}");
+    for corner in Corner::ALL {
+        let is_left = matches!(corner, Corner::FrontLeft | Corner::RearLeft);
+        assert_eq!(state(drive.monitor.report(), corner) == WheelState::Low, is_left, "{corner:?}");
+    }
 }
 
 #[test]
 fn a_tire_that_looks_low_while_the_other_of_its_side_is_silent_is_waited_for() {
-    // Its own spectrum is all that tells of it: certain twice, so half of 150 s.
+    // Its own spectrum is all that tells of it: 150 s.
     let low = Reported { silent: Some(Corner::FrontLeft), ..low(150.0) };
     let begin = || {
         let mut drive = Drive::new();
@@ -327,14 +328,14 @@ fn a_tire_that_looks_low_while_the_other_of_its_side_is_silent_is_waited_for() {
     let is_low =
         |report: &MonitorReport<f64>| report.alerts().any(|a| matches!(a.cause, Cause::UnderInflated(_)));
     let reported_s = begin().until(200.0, &low, is_low).unwrap();
-    assert!((104.8..105.3).contains(&reported_s), "{reported_s}");
+    assert!((179.8..180.3).contains(&reported_s), "{reported_s}");
     // A fall of four standard deviations is one all the same.
     let leaks =
         |report: &MonitorReport<f64>| report.alerts().any(|a| matches!(a.cause, Cause::FastLeak { .. }));
     assert!(begin().until(200.0, &low, leaks).unwrap() < 40.3);
     // A wheel of the other side tells nothing of it.
     let across = Reported { silent: Some(Corner::FrontRight), ..low };
-    assert!(begin().until(200.0, &across, is_low).unwrap() < 31.3);
+    assert!(begin().until(200.0, &across, is_low).unwrap() < 32.3);
 }
 
 #[test]
@@ -423,27 +424,32 @@ fn two_of_a_side_that_read_as_rims_are_a_level_that_is_off() {
     assert!(drive.on(60.0, &Reported { sd: 3.0, ..FINE }).alerts().next().is_none());
 }
 
+/// Errors of 30 kPa that go together, so that a difference of two is known to 10: both tires of a side are surely lower than the others.
 #[test]
-fn a_side_that_reads_low_is_not_held_against_the_other_side() {
-    // Errors of 30 kPa that go together, so that a difference of two is known to 10: surely lower than the others, but so is the side.
+fn a_side_that_is_surely_lower_than_the_other_one_is_named() {
     let said = |front_kpa: f64| Reported {
         sd: 30.0,
         correlation: 0.94,
         kpa: [front_kpa, 275.0, 198.0, 280.0],
         ..FINE
     };
-    assert!(Drive::new().on(600.0, &said(214.0)).alerts().next().is_none());
-    assert!(Drive::new().on(30.0, &said(241.0)).alerts().next().is_some());
+    let report = *Drive::new().on(30.0, &said(210.0));
+    assert_eq!([0, 2].map(|i| report.wheels[i].unwrap().state), [WheelState::Low; 2]);
+    let report = *Drive::new().on(30.0, &said(270.0));
+    assert!(
+        state(&report, Corner::RearLeft) == WheelState::Low
+            && state(&report, Corner::FrontLeft) != WheelState::Low
+    );
 }
 
-/// A car that is known by its file alone, to 17 kPa: 182 is surely past the limit of 212, and what one healthy tire of three thousand reads.
+/// A car that is known to 17 kPa: 182 is surely past the limit of 212, and what one healthy tire of three thousand reads.
 #[test]
 fn what_a_healthy_tire_may_read_is_not_said() {
     let said = |rear_kpa: f64, sd: f64, level: Level| Reported { sd, level, ..low(rear_kpa) };
     assert!(Drive::new().on(600.0, &said(182.0, 17.0, Level::VehicleFile)).alerts().next().is_none());
-    assert!(Drive::new().on(10.0, &said(170.0, 17.0, Level::VehicleFile)).alerts().next().is_some());
+    assert!(Drive::new().on(10.0, &said(155.0, 17.0, Level::VehicleFile)).alerts().next().is_some());
     assert!(Drive::new().on(10.0, &said(182.0, 12.0, Level::VehicleFile)).alerts().next().is_some());
-    assert!(Drive::new().on(10.0, &said(182.0, 17.0, Level::Calibration)).alerts().next().is_some());
+    assert!(Drive::new().on(10.0, &said(182.0, 12.0, Level::Calibration)).alerts().next().is_some());
     // Where the others say it, they are the reason, and not a level that may be that of a healthy tire.
     let alike = Reported { correlation: 0.94, ..said(182.0, 17.0, Level::VehicleFile) };
     let report = *Drive::new().on(10.0, &alike);

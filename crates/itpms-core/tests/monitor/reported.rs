@@ -58,6 +58,7 @@ pub(super) fn estimate(time_s: f64, reported: &Reported) -> CarEstimate<f64> {
         change_sd_kpa: reported.sd,
         axle_difference_sd_kpa: None,
         loss: None,
+        cold: None,
         level: reported.level,
         road_m: 0.0,
         road_sd_m: 0.01,
@@ -87,6 +88,7 @@ pub(super) fn estimate(time_s: f64, reported: &Reported) -> CarEstimate<f64> {
         time_s,
         corners,
         correlation: [0, 1, 2, 3].map(|i| [0, 1, 2, 3].map(|j| one(i, j))),
+        loss_correlation: [0, 1, 2, 3].map(|i| [0, 1, 2, 3].map(|j| one(i, j))),
         tracks: [TrackState { shared: false, incoherence: reported.incoherence }; 2],
     }
 }

@@ -25,7 +25,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use crate::error::DataError;
-use crate::log::{LogFormat, LogOptions, OutputFormat};
+use crate::log::{LogFormat, LogOptions};
 use crate::out::{AtomicFile, Packing};
 
 /// What to convert into what.
@@ -67,14 +67,14 @@ const LOOK: u64 = 4096;
 pub fn convert(request: &Request<'_>, look: Look<'_>) -> Result<Option<Converted>, DataError> {
     match (
         LogFormat::of_log(request.input, request.options.dbc.as_deref())?,
-        OutputFormat::of(request.output)?,
+        LogFormat::of_output(request.output)?,
     ) {
         #[cfg(feature = "can")]
-        (LogFormat::Can, OutputFormat::Log(LogFormat::Can)) => frames::convert(request, look),
+        (LogFormat::Can, LogFormat::Can) => frames::convert(request, look),
         #[cfg(all(feature = "can", feature = "mdf4"))]
-        (LogFormat::Can, OutputFormat::Log(LogFormat::Mdf4)) => signals::convert(request, look),
+        (LogFormat::Can, LogFormat::Mdf4) => signals::convert(request, look),
         #[cfg(feature = "mdf4")]
-        (LogFormat::Mdf4, OutputFormat::Log(LogFormat::Mdf4)) => groups::convert(request, look),
+        (LogFormat::Mdf4, LogFormat::Mdf4) => groups::convert(request, look),
         _ => rows::convert(request, look),
     }
 }

@@ -38,6 +38,10 @@ fn for_reading(request: &Request<'_>) -> Result<LogOptions, DataError> {
         LogFormat::Mdf4 => {}
         #[cfg(feature = "can")]
         LogFormat::Can => {}
+        #[cfg(feature = "mcap")]
+        LogFormat::Mcap if options.dbc.is_some() => (options.dbc, options.signals) = (None, None),
+        #[cfg(feature = "mcap")]
+        LogFormat::Mcap => {}
     }
     Ok(options)
 }

@@ -29,7 +29,7 @@ pub(super) fn convert(request: &Request<'_>, look: Look<'_>) -> Result<Option<Co
     let groups: Vec<Group<'_>> = content
         .groups
         .keys()
-        .filter_map(|(bus, id)| dbc.message(*id).map(|message| Group { bus: *bus, message }))
+        .filter_map(|(bus, id)| dbc.message(*id).map(|message| Group::new(*bus, message)))
         .collect();
     let several = groups.iter().any(|group| group.bus != groups[0].bus);
     let specs: Vec<GroupSpec> = groups.iter().map(|group| group.spec(several)).collect();
@@ -48,10 +48,10 @@ pub(super) fn convert(request: &Request<'_>, look: Look<'_>) -> Result<Option<Co
         }
         count += 1;
         let Some(place) = places.get(&(frame.bus, frame.id)).filter(|_| has_data(&frame)) else { continue };
-        let message = groups[*place].message;
+        let Group { message, columns, .. } = &groups[*place];
         values.clear();
-        values.resize(message.signals.len(), f64::NAN);
-        message.decode(frame.data(), |signal, value| values[signal] = value);
+        values.resize(message.first_layouts().count(), f64::NAN);
+        message.decode(frame.data(), |signal, value| values[columns[signal]] = value);
         writer.write(*place, frame.time_s - start_s, &values)?;
     }
     let mut warnings = reader.repairs().warnings();
@@ -109,11 +109,22 @@ fn has_data(frame: &CanFrame) -> bool {
 struct Group<'a> {
     bus: u16,
     message: &'a Message,
+    /// For each signal of the message its channel: all layouts of a signal are one.
+    columns: Vec<usize>,
 }
 
-impl Group<'_> {
+impl<'a> Group<'a> {
+    fn new(bus: u16, message: &'a Message) -> Self {
+        let mut columns = vec![0; message.signals.len()];
+        for (column, first) in message.first_layouts().enumerate() {
+            message.layouts_of(first).for_each(|place| columns[place] = column);
+        }
+        Self { bus, message, columns }
+    }
+
     fn spec(&self, several: bool) -> GroupSpec {
-        let channels = self.message.signals.iter().map(|signal| ChannelSpec {
+        let signals = self.message.first_layouts().map(|place| &self.message.signals[place]);
+        let channels = signals.map(|signal| ChannelSpec {
             name: signal.name.clone(),
             unit: signal.unit.clone(),
             comment: signal.comment.clone(),

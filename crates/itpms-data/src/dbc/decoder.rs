@@ -5,11 +5,11 @@
 
 use std::collections::HashMap;
 
-use super::{Dbc, DbcProblem, Message, candidates, of_candidate};
+use super::{Dbc, DbcProblem, Message, NoValue, candidates, of_candidate};
 use crate::can::{CanFrame, CanId, FrameKind};
 use crate::error::DataError;
 use crate::log::Slot;
-use crate::signals::{Conversion, Reading, Resolved, SignalMap, resolve};
+use crate::signals::{Conversion, Reading, Resolved, SignalMap, resolve_among};
 
 /// What became of the frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -30,8 +30,10 @@ pub struct FrameCounts {
     pub other_sender: u64,
     /// Remote and error frames.
     pub without_data: u64,
-    /// Values sent as not available (`SNA`), handed on as NaN.
+    /// Values sent as not available (`SNA`, SAE J1939), handed on as NaN.
     pub not_available: u64,
+    /// Values that are an end of the raw numbers beyond the stated range; see [`Decoder::raw_ends`].
+    pub raw_ends: u64,
 }
 
 /// Decodes what is wanted of a bus.
@@ -47,27 +49,51 @@ pub struct Decoder {
 #[derive(Debug, Clone)]
 struct Wanted {
     message: Message,
-    /// Place of the signal, what it is, and in which unit.
-    signals: Vec<(usize, Slot, Conversion)>,
+    signals: Vec<Carried>,
     /// Where the message was seen first. The same identifier on another bus may be something else, or a gateway's
     /// copy; in either case it is no second sensor. The same goes for a parameter group of SAE J1939 from a second sender, unless the
     /// description names that one.
     first: Option<(u16, CanId)>,
 }
 
+/// A signal that is a column.
+#[derive(Debug, Clone)]
+struct Carried {
+    /// Its place in the message.
+    place: usize,
+    slot: Slot,
+    conversion: Conversion,
+    /// Values that were an end of the raw numbers, and the last of them.
+    ends: (u64, u64),
+}
+
 impl Decoder {
     /// Decides which signals are columns: those of the map, and those whose names say so.
     ///
     /// # Errors
-    /// The map does not fit the description; see [`resolve`].
+    /// The map does not fit the description; see [`resolve`](crate::signals::resolve).
     pub fn new(dbc: Dbc, map: Option<&SignalMap>) -> Result<Self, DataError> {
-        let resolved = resolve(&candidates(&dbc), map)?;
+        Self::knowing(dbc, map, &[])
+    }
+
+    /// The same, knowing which of the [`candidates`] have samples.
+    pub(crate) fn knowing(
+        dbc: Dbc,
+        map: Option<&SignalMap>,
+        has_samples: &[bool],
+    ) -> Result<Self, DataError> {
+        let resolved = resolve_among(&candidates(&dbc), has_samples, &[], map)?;
         let mut wanted: HashMap<CanId, Wanted> = HashMap::new();
         for chosen in resolved.iter() {
             if let Some((message, place)) = of_candidate(&dbc, chosen.candidate) {
                 let fresh = || Wanted { message: message.clone(), signals: Vec::new(), first: None };
                 let entry = wanted.entry(message.id).or_insert_with(fresh);
-                entry.signals.push((place, chosen.slot, chosen.conversion));
+                entry.signals.extend(message.layouts_of(place).map(|place| Carried {
+                    place,
+                    slot: chosen.slot,
+                    conversion: chosen.conversion,
+                    ends: (0, 0),
+                }));
             }
         }
         Ok(Self { dbc, resolved, wanted, counts: FrameCounts::default() })
@@ -103,6 +129,30 @@ impl Decoder {
         &self.counts
     }
 
+    /// Which signals came as an end of their raw numbers beyond the stated range, in words; `None` if there are none.
+    #[must_use]
+    pub fn raw_ends(&self) -> Option<String> {
+        let carried =
+            self.wanted.values().flat_map(|wanted| wanted.signals.iter().map(move |of| (wanted, of)));
+        let mut named: Vec<String> = carried
+            .filter(|(_, carried)| carried.ends.0 > 0)
+            .filter_map(|(wanted, carried)| {
+                let signal = wanted.message.signals.get(carried.place)?;
+                let (message, name, (count, raw)) = (&wanted.message.name, &signal.name, carried.ends);
+                let (least, most) = (signal.min, signal.max);
+                Some(format!("{message}.{name} {count} times (raw 0x{raw:X}, stated [{least}|{most}])"))
+            })
+            .collect();
+        named.sort();
+        let total = self.counts.raw_ends;
+        (total > 0).then(|| {
+            format!(
+                "{total} values are an end of their raw numbers beyond the stated range and were taken as not available: {}",
+                named.join(", ")
+            )
+        })
+    }
+
     /// Hands every column's value in this frame to `found`, with the frame's time.
     pub fn decode(&mut self, frame: &CanFrame, found: &mut impl FnMut(Reading)) {
         self.counts.frames += 1;
@@ -134,18 +184,25 @@ impl Decoder {
         self.counts.used += 1;
         let data = frame.data();
         let mut short = false;
-        for &(place, slot, conversion) in &wanted.signals {
-            let Some(signal) = wanted.message.signals.get(place) else { continue };
-            let Some(raw) = wanted.message.raw(place, data) else {
+        for Carried { place, slot, conversion, ends } in &mut wanted.signals {
+            let Some(signal) = wanted.message.signals.get(*place) else { continue };
+            let Some(raw) = wanted.message.raw(*place, data) else {
                 short |= signal.raw(data).is_none();
                 continue;
             };
-            let value = if signal.is_not_available(raw) {
-                self.counts.not_available += 1;
-                f64::NAN
-            } else {
-                conversion.apply(signal.physical(raw))
+            let value = match signal.no_value(raw) {
+                None => conversion.apply(signal.physical(raw)),
+                Some(NoValue::Stated) => {
+                    self.counts.not_available += 1;
+                    f64::NAN
+                }
+                Some(NoValue::RawEnd) => {
+                    self.counts.raw_ends += 1;
+                    *ends = (ends.0 + 1, raw);
+                    f64::NAN
+                }
             };
+            let slot = *slot;
             found(Reading { time_s: frame.time_s, slot, value });
         }
         self.counts.short += u64::from(short);

@@ -60,7 +60,9 @@ impl Encoder {
                 outgoing.push(Outgoing { message: message.clone(), columns });
                 outgoing.len() - 1
             });
-            outgoing[at].columns[place] = Some((slot, chosen.conversion));
+            for place in message.layouts_of(place) {
+                outgoing[at].columns[place] = Some((slot, chosen.conversion));
+            }
         }
         Ok(Self { outgoing, left_out, counts: EncodeCounts::default() })
     }

@@ -10,12 +10,28 @@ pub use decoder::{Decoder, FrameCounts};
 pub use encoder::{EncodeCounts, Encoder};
 pub use itpms_can_log::dbc::*;
 
+use std::path::Path;
+
+use crate::error::{DataError, Problem};
+use crate::log::of_description;
 use crate::signals::Candidate;
 
-/// All signals of all messages, as candidates for columns.
+/// The description in this file.
+///
+/// # Errors
+/// It cannot be read, or is a description of another format.
+pub fn described(path: &Path) -> Result<Dbc, DataError> {
+    match of_description(path) {
+        Some(way_out) => Err(DataError::new(path, Problem::Elsewhere(way_out))),
+        None => Ok(Dbc::read(path)?),
+    }
+}
+
+/// All signals of all messages, as candidates for columns. A signal that a message has in several layouts is one.
 #[must_use]
 pub fn candidates(dbc: &Dbc) -> Vec<Candidate> {
-    let signals = dbc.messages().iter().flat_map(|m| m.signals.iter().map(move |signal| (m, signal)));
+    let signals =
+        dbc.messages().iter().flat_map(|m| m.first_layouts().map(move |place| (m, &m.signals[place])));
     let candidate = |(message, signal): (&Message, &Signal)| Candidate {
         group: message.name.clone(),
         name: signal.name.clone(),
@@ -24,14 +40,8 @@ pub fn candidates(dbc: &Dbc) -> Vec<Candidate> {
     signals.map(candidate).collect()
 }
 
-/// Message and place of the signal in it of the candidate with this number.
+/// Message and place of the signal in it, in its first layout, of the candidate with this number.
 #[must_use]
-pub fn of_candidate(dbc: &Dbc, mut number: usize) -> Option<(&Message, usize)> {
-    for message in dbc.messages() {
-        if number < message.signals.len() {
-            return Some((message, number));
-        }
-        number -= message.signals.len();
-    }
-    None
+pub fn of_candidate(dbc: &Dbc, number: usize) -> Option<(&Message, usize)> {
+    dbc.messages().iter().flat_map(|m| m.first_layouts().map(move |place| (m, place))).nth(number)
 }

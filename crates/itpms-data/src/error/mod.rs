@@ -2,6 +2,8 @@
 //!
 //! Every public function of this crate returns [`DataError`]. Its message is complete; callers print it as it is.
 
+mod from_formats;
+mod hints;
 mod problem;
 
 use std::io;
@@ -11,16 +13,25 @@ use itpms_files::sentence;
 pub use itpms_files::{FileError, FileProblem, Place};
 use thiserror::Error;
 
+pub(crate) use self::hints::likely_unit;
 pub use self::problem::Problem;
 
 /// A file that could not be used, and why.
 #[derive(Debug, Error)]
-#[error("{}", sentence(path, problem))]
+#[error("{}", message(path, problem))]
 pub struct DataError {
     /// The file.
     pub path: PathBuf,
     /// What is wrong with it.
     pub problem: Box<Problem>,
+}
+
+/// A line that is to be copied is not shortened.
+fn message(path: &Path, problem: &Problem) -> String {
+    match problem {
+        Problem::Elsewhere(_) => format!("{}: {problem}", path.display()),
+        _ => sentence(path, problem),
+    }
 }
 
 impl DataError {

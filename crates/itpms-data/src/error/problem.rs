@@ -4,6 +4,8 @@ use itpms_core::model::ParameterError;
 use itpms_files::{FileProblem, Place};
 use thiserror::Error;
 
+use super::hints::{because, hint, hint_key, hint_missing, one_by_one, other_unit};
+use crate::pressure_unit::pressure_in_other_unit;
 use crate::pulses::problem::PulseProblem;
 use crate::reference::problem::ReferenceProblem;
 use crate::signals::problem::SignalProblem;
@@ -22,6 +24,9 @@ pub enum Problem {
     /// The signals that were mapped hardly have values; what had to be repaired may say why.
     #[error("no row can be made: too few values of the mapped accelerations{}", because(.0))]
     NoRows(Vec<String>),
+    /// A file that another program makes of what is read.
+    #[error("{0}")]
+    Elsewhere(String),
     /// An option that means nothing for this format.
     #[error("{0}")]
     NotApplicable(&'static str),
@@ -36,6 +41,12 @@ pub enum Problem {
     /// Zero bytes where a file of this kind was expected.
     #[error("the file is empty, expected {0}")]
     EmptyFile(&'static str),
+    /// What MCAP begins with is not there.
+    #[cfg(feature = "mcap")]
+    #[error(
+        "it does not begin as an MCAP file ({0}), expected one as ROS 2, Foxglove or this program record it"
+    )]
+    NotMcap(String),
     /// A header without data.
     #[error("there is a header but no row under it")]
     HeaderOnly,
@@ -107,7 +118,7 @@ pub enum Problem {
         second: usize,
     },
     /// A Parquet column of another type.
-    #[error("column {column} holds {found}, expected numbers")]
+    #[error("column {column} holds {found}, expected numbers{}", one_by_one(.found))]
     ColumnType {
         /// Its name.
         column: String,
@@ -147,6 +158,18 @@ pub enum Problem {
         found: usize,
         /// Cells in the header.
         expected: usize,
+    },
+
+    /// A header in the middle of a file that is not the first one in another order.
+    #[error(
+        "{place}: the header comes again with other columns (column {column} is in one of the two alone), expected the same: cut the file there, \
+         each of its parts has a header then"
+    )]
+    OtherColumns {
+        /// Where.
+        place: Place,
+        /// A column of one of the two.
+        column: String,
     },
 
     // --- drive logs: the contents ---
@@ -205,6 +228,21 @@ pub enum Problem {
         /// The usual step in s.
         period_s: f64,
     },
+    /// The rows of two drives in turns.
+    #[error(
+        "from {from_s} to {to_s} s rows differ from their neighbors {ratio:.0} times as much as from those before: two recordings in turns, or more, expected \
+         one ({way_out})"
+    )]
+    TwoRecordings {
+        /// Mean square between neighbors over that between the rows that go on from each other.
+        ratio: f64,
+        /// Where that is so: from here, in s.
+        from_s: f64,
+        /// To here.
+        to_s: f64,
+        /// What to do.
+        way_out: String,
+    },
     /// Not one rate.
     #[error(
         "the rate changes from {from_hz:.0} to {to_hz:.0} Hz at {since_s} s, expected one rate (cut the log there)"
@@ -247,9 +285,22 @@ pub enum Problem {
         /// Time of the row in s.
         to_s: f64,
     },
+    /// A second recording under the first one.
+    #[error(
+        "the clock begins again at {place}, from {from_s} to {to_s} s: another recording, expected one: cut the file before {place}, and give each part \
+         the header"
+    )]
+    BeginsAgain {
+        /// The first row of the other one.
+        place: Place,
+        /// Time of the row before it in s.
+        from_s: f64,
+        /// Its time in s.
+        to_s: f64,
+    },
     /// No wheel can be seen at this rate.
     #[error(
-        "the sample period is {} s ({rate_hz:.3} Hz), expected 100 Hz to 2 kHz (50 Hz at least; wheel speeds alone: 10 Hz) with time_s in seconds{}",
+        "the sample period is {} s ({rate_hz:.3} Hz), expected 100 Hz to 2 kHz (wheel speeds alone: 10 Hz at least) with time_s in seconds{}",
         (*.period_s * 1e6).round() / 1e6,
         other_unit(clock, *.period_s)
     )]
@@ -326,7 +377,7 @@ pub enum Problem {
         /// The table.
         table: String,
         /// The key.
-        key: &'static str,
+        key: String,
     },
     /// A value of another type.
     #[error("line {line}: {table} {key} is {found}, expected {expected}")]
@@ -353,7 +404,10 @@ pub enum Problem {
         error: ParameterError,
     },
     /// A value that no car has in the unit of its key.
-    #[error("line {line}: {table} {key} is {value}, expected {low} to {high} (another unit?)")]
+    #[error(
+        "line {line}: {table} {key} is {value}, expected {low} to {high} (another unit?{})",
+        if key.ends_with("_kpa") { pressure_in_other_unit(*.value) } else { String::new() }
+    )]
     Implausible {
         /// Where.
         line: usize,
@@ -433,69 +487,4 @@ pub enum Problem {
     /// A map of signals, or a map and a log, that do not fit.
     #[error(transparent)]
     Signals(#[from] SignalProblem),
-}
-
-#[cfg(feature = "mdf4")]
-impl From<crate::mdf4::Mdf4Problem> for Problem {
-    fn from(problem: crate::mdf4::Mdf4Problem) -> Self {
-        match problem {
-            crate::mdf4::Mdf4Problem::File(problem) => Self::File(problem),
-            other => Self::Mdf4(other),
-        }
-    }
-}
-
-#[cfg(feature = "can")]
-impl From<crate::can::CanProblem> for Problem {
-    fn from(problem: crate::can::CanProblem) -> Self {
-        match problem {
-            crate::can::CanProblem::File(problem) => Self::File(problem),
-            #[cfg(feature = "mdf4")]
-            crate::can::CanProblem::Mdf4(problem) => problem.into(),
-            other => Self::Can(other),
-        }
-    }
-}
-
-impl From<crate::crg::CrgProblem> for Problem {
-    fn from(problem: crate::crg::CrgProblem) -> Self {
-        match problem {
-            crate::crg::CrgProblem::File(problem) => Self::File(problem),
-            other => Self::Crg(other),
-        }
-    }
-}
-
-fn hint(nearest: &Option<String>) -> String {
-    nearest.as_ref().map(|name| format!("; the nearest name there is {name}")).unwrap_or_default()
-}
-
-fn hint_key(nearest: &Option<String>) -> String {
-    nearest.as_ref().map(|name| format!(" (did you mean {name}?)")).unwrap_or_default()
-}
-
-fn hint_missing(line: Option<usize>) -> String {
-    line.map(|line| format!(" (table at line {line})")).unwrap_or_default()
-}
-
-fn because(repairs: &[String]) -> String {
-    if repairs.is_empty() { String::new() } else { format!(" ({})", repairs.join("; ")) }
-}
-
-/// The unit in which the period would be that of 80 Hz to 2.5 kHz.
-fn other_unit(clock: &str, period_s: f64) -> String {
-    let looks_like = |(_, _, factor): &(&str, &str, f64)| (0.4e-3..=12e-3).contains(&(period_s / factor));
-    [
-        ("milliseconds", "ms", 1e3),
-        ("microseconds", "us", 1e6),
-        ("nanoseconds", "ns", 1e9),
-        ("days, as spreadsheets store times", "d", 1.0 / 86_400.0),
-    ]
-    .into_iter()
-    .find(looks_like)
-    .map_or_else(String::new, |(words, unit, _)| {
-        format!(
-            " (it looks like {words}; a map states it: time_s = {{ signal = {clock:?}, unit = \"{unit}\" }})"
-        )
-    })
 }

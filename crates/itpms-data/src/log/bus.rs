@@ -31,7 +31,7 @@ pub fn frame_description(log: &Path, dbc: Option<&Path>) -> Result<Dbc, DataErro
             DataError::new(log, Problem::NotApplicable(what))
         })
     };
-    dbc.map_or_else(attached, |path| Ok(Dbc::read(path)?))
+    dbc.map_or_else(attached, crate::dbc::described)
 }
 
 /// The description that is attached inside a log, if there is one.

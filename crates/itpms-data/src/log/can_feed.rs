@@ -2,18 +2,34 @@
 
 use std::path::Path;
 
+use super::echoes::Echoes;
+use super::first_frames::Frames;
 use super::stamps::{Fate, Strays};
-use crate::can::FrameReader;
-use crate::dbc::Decoder;
+use crate::dbc::{Dbc, Decoder, candidates};
 use crate::error::DataError;
-use crate::signals::{Reading, Resolved, SignalMap};
+use crate::signals::{Reading, Resolved, SignalMap, contested};
 
 #[derive(Debug)]
 pub(super) struct CanFeed {
-    frames: FrameReader,
+    frames: Frames,
     decoder: Decoder,
+    echoes: Echoes,
     /// Each bus has its own clock.
     buses: Vec<(u16, Strays<Reading>)>,
+}
+
+/// What the frames of a log mean: of several signals for one column, that which has samples.
+///
+/// # Errors
+/// The log cannot be read, or the map does not fit the description.
+pub fn frame_decoder(path: &Path, dbc: Dbc, map: Option<&SignalMap>) -> Result<Decoder, DataError> {
+    // What comes through a pipe comes once.
+    if path.is_file() { decoder(&Frames::open(path)?, path, dbc, map) } else { Decoder::new(dbc, map) }
+}
+
+fn decoder(frames: &Frames, path: &Path, dbc: Dbc, map: Option<&SignalMap>) -> Result<Decoder, DataError> {
+    let has_samples = frames.have_samples(path, &dbc, &contested(&candidates(&dbc), map))?;
+    Decoder::knowing(dbc, map, &has_samples)
 }
 
 impl CanFeed {
@@ -23,17 +39,22 @@ impl CanFeed {
         dbc: Option<&Path>,
         map: Option<&SignalMap>,
     ) -> Result<(Self, Resolved), DataError> {
-        let frames = FrameReader::open(path)?;
-        let decoder = Decoder::new(super::bus::frame_description(path, dbc)?, map)?;
+        let frames = Frames::open(path)?;
+        let dbc = super::bus::frame_description(path, dbc)?;
+        let decoder = decoder(&frames, path, dbc, map)?;
         let resolved = decoder.resolved().clone();
-        Ok((Self { frames, decoder, buses: Vec::new() }, resolved))
+        let echoes = Echoes::of(frames.first.iter());
+        Ok((Self { frames, decoder, echoes, buses: Vec::new() }, resolved))
     }
 
     pub(super) fn step(&mut self, mut take: impl FnMut(Fate<Reading>)) -> Result<bool, DataError> {
-        let Some(frame) = self.frames.next_frame()? else {
+        let Some(frame) = self.frames.next()? else {
             self.buses.iter_mut().for_each(|(_, strays)| strays.finish(&mut take));
             return Ok(false);
         };
+        if self.echoes.takes(&frame) {
+            return Ok(true);
+        }
         let place = self.buses.iter().position(|(bus, _)| *bus == frame.bus).unwrap_or(self.buses.len());
         if place == self.buses.len() {
             self.buses.push((frame.bus, Strays::new()));
@@ -50,11 +71,11 @@ impl CanFeed {
     }
 
     pub(super) fn progress(&self) -> f64 {
-        self.frames.progress()
+        self.frames.reader.progress()
     }
 
     pub(super) fn repairs(&self) -> Vec<String> {
-        let mut out = self.frames.repairs().warnings();
+        let mut out = self.frames.reader.repairs().warnings();
         let problems = self.decoder.problems();
         if let Some(first) = problems.first() {
             let many = if problems.len() == 1 { "problem" } else { "problems" };
@@ -78,11 +99,16 @@ impl CanFeed {
                 "frames of wanted J1939 messages came from another source address than the first and were left out",
             ),
             (counts.not_available, "values were sent as not available"),
+            (
+                self.echoes.count,
+                "frames repeat the one before of their identifier within a quarter of its cycle (as sent and received again) and were left out",
+            ),
         ] {
             if count > 0 {
                 out.push(format!("{count} {what}"));
             }
         }
+        out.extend(self.decoder.raw_ends());
         out
     }
 }

@@ -1,9 +1,12 @@
 //! Times that are written as dates, or as days and a clock: what pandas, polars and many loggers write into CSV.
 
 /// Seconds since 1970 of `2026-03-01 08:00:00.002`, with `T` or a blank, with `Z`, an offset or nothing (taken for UTC) after
-/// it, or with the date as `01.03.2026`, or as `03/01/2026 08:00:00 AM`; or the seconds of `0 days 00:00:01.5`, of `00:00:01.5` and of MATLAB's `1.5 sec`.
+/// it, or with the date as `01.03.2026`, as `01-Mar-2026`, or as `03/01/2026 08:00:00 AM`; or the seconds of `0 days 00:00:01.5`, of `00:00:01.5` and of MATLAB's `1.5 sec`.
 pub(crate) fn seconds(text: &[u8]) -> Option<f64> {
     let text = std::str::from_utf8(text).ok()?.trim();
+    if let Some(stamp) = java_stamp_s(text).or_else(|| digits_s(text)) {
+        return Some(stamp);
+    }
     let text = text.strip_suffix("UTC").or_else(|| text.strip_suffix("GMT")).unwrap_or(text).trim_end();
     if let Some(seconds) = text.strip_suffix(" sec") {
         return seconds.trim_end().parse().ok().filter(|seconds: &f64| seconds.is_finite());
@@ -30,6 +33,34 @@ pub(crate) fn seconds(text: &[u8]) -> Option<f64> {
         }
     };
     Some(days as f64 * 86_400.0 + clock_s(clock.trim_end())? - offset_s)
+}
+
+/// `Wed Aug 05 18:57:46 GMT+01:00 2026`, as Java writes a point in time.
+fn java_stamp_s(text: &str) -> Option<f64> {
+    let mut parts = text.split_ascii_whitespace();
+    let (_, month, day) = (parts.next()?, parts.next()?, parts.next()?);
+    let (clock, zone, year) = (parts.next()?, parts.next()?, parts.next()?);
+    let days = days_since_1970(&format!("{day}-{month}-{year}")).filter(|_| parts.next().is_none())?;
+    let offset = zone.strip_prefix("GMT").or(zone.strip_prefix("UTC"))?;
+    let offset_s = match offset.split_at_checked(1) {
+        None => 0.0,
+        Some(("-", offset)) => -offset_s(offset)?,
+        Some((_, offset)) => offset_s(offset)?,
+    };
+    Some(days as f64 * 86_400.0 + clock_s(clock)? - offset_s)
+}
+
+/// `20260301080000.002`, digits alone: with so many of them it is no number of seconds.
+fn digits_s(text: &str) -> Option<f64> {
+    let (whole, fraction) = text.split_once('.').unwrap_or((text, "0"));
+    let all_digits = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    if whole.len() != 14 || !all_digits(whole) || !all_digits(fraction) {
+        return None;
+    }
+    let part = |from: usize, to: usize| whole.get(from..to);
+    let days = days_since_1970(&format!("{}-{}-{}", part(0, 4)?, part(4, 6)?, part(6, 8)?))?;
+    let clock = clock_s(&format!("{}:{}:{}.{fraction}", part(8, 10)?, part(10, 12)?, part(12, 14)?))?;
+    Some(days as f64 * 86_400.0 + clock)
 }
 
 /// `01:00`, `0100` or `01`.
@@ -62,12 +93,19 @@ fn american_days_since_1970(date: &str) -> Option<i64> {
     days_since_1970(&format!("{year}-{month}-{day}")).filter(|_| parts.next().is_none())
 }
 
-/// Days from 1970-01-01 to `YYYY-MM-DD` or `DD.MM.YYYY` in the Gregorian calendar.
+const MONTHS: [&str; 12] =
+    ["jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec"];
+
+/// Days from 1970-01-01 to `YYYY-MM-DD`, `YYYY/MM/DD`, `DD.MM.YYYY` or `DD-Mon-YYYY` in the Gregorian calendar.
 fn days_since_1970(date: &str) -> Option<i64> {
     let german = date.contains('.');
-    let mut parts = date.split(if german { '.' } else { '-' });
+    let separator = ['.', '/', '-'].into_iter().find(|separator| date.contains(*separator))?;
+    let mut parts = date.split(separator);
     let (first, month, last) = (parts.next()?, parts.next()?, parts.next()?);
-    let (year, day) = if german { (last, first) } else { (first, last) };
+    let named = MONTHS.iter().position(|name| month.to_ascii_lowercase() == *name);
+    let month = named.map_or_else(|| month.to_owned(), |place| (place + 1).to_string());
+    let (year, day) =
+        if german || named.is_some() && first.len() < 3 { (last, first) } else { (first, last) };
     let (year, month, day): (i64, i64, i64) = (year.parse().ok()?, month.parse().ok()?, day.parse().ok()?);
     if parts.next().is_some() || !(1900..2500).contains(&year) || !(1..=12).contains(&month) {
         return None;
@@ -108,6 +146,10 @@ mod tests {
             ("3/1/2026 08:00:00PM", 1_772_395_200.0),
             ("03/01/2026 12:00:00 AM", 1_772_323_200.0),
             ("03/01/2026 12:00:00 PM", 1_772_366_400.0),
+            ("01-Mar-2026 08:00:00.25", 1_772_352_000.25),
+            ("2026/03/01 08:00:00.25", 1_772_352_000.25),
+            ("Sun Mar 01 09:00:00 GMT+01:00 2026", 1_772_352_000.0),
+            ("20260301080000.25", 1_772_352_000.25),
             ("1 days 00:00:00", 86_400.0),
             ("01:02:03.5", 3723.5),
         ] {

@@ -9,6 +9,7 @@ use itpms_files::shortened;
 use super::header::Header;
 use super::lines::Lines;
 use super::row::{RawRow, SLOTS, Slot};
+use super::selection::Selection;
 use super::text_head::TextHead;
 use super::{clock_text, mapped};
 use crate::error::{DataError, Place, Problem};
@@ -25,8 +26,14 @@ pub(super) struct CsvSource {
     head: TextHead,
     bytes: u64,
     cut_off: bool,
-    /// How often the names came again.
+    /// How often the names came again, and of these in another order.
     headers_again: u64,
+    reordered: u64,
+    /// Whether no row has come since the names: lines without a number say something of the columns.
+    is_under_names: bool,
+    /// Which rows are meant, by the columns at these places, and whether there were any.
+    rows: Vec<(usize, Selection)>,
+    is_any_meant: bool,
 }
 
 impl CsvSource {
@@ -36,6 +43,7 @@ impl CsvSource {
         file: File,
         bytes: u64,
         map: Option<&SignalMap>,
+        rows: &[Selection],
     ) -> Result<Self, DataError> {
         let fail = |problem| DataError::new(path, problem);
         let mut lines = Lines::new(file);
@@ -43,7 +51,21 @@ impl CsvSource {
         let header = mapped::header(path, &head.names, &head.units, map).map_err(|error| {
             if is_candump(&head.names) { fail(Problem::NotApplicable(CANDUMP)) } else { error }
         })?;
-        Ok(Self { lines, header, head, bytes, cut_off: false, headers_again: 0 })
+        let place = |selection: &Selection| Ok((selection.place(&head.names)?, selection.clone()));
+        let rows = rows.iter().map(place).collect::<Result<_, Problem>>().map_err(fail)?;
+        let is_under_names = !head.units.is_empty();
+        Ok(Self {
+            lines,
+            header,
+            head,
+            bytes,
+            cut_off: false,
+            headers_again: 0,
+            reordered: 0,
+            is_under_names,
+            rows,
+            is_any_meant: false,
+        })
     }
 
     pub(super) fn header(&self) -> &Header {
@@ -66,20 +88,105 @@ impl CsvSource {
             1 => Some("the header comes once more and was left out".to_owned()),
             n => Some(format!("the header comes {n} times more and was left out")),
         };
-        self.head.remark().into_iter().chain(again).collect()
+        let reordered = (self.reordered > 0).then(|| {
+            let times =
+                if self.reordered == 1 { "once".to_owned() } else { format!("{} times", self.reordered) };
+            format!("the header comes {times} more in another order: the rows under it were read by it")
+        });
+        self.head.remark().into_iter().chain(again).chain(reordered).collect()
     }
 
     pub(super) fn next_row(&mut self, row: &mut RawRow) -> Result<Option<Place>, Problem> {
         loop {
             if !self.lines.advance()? {
-                self.cut_off |= self.lines.ends_in_zeros();
+                self.cut_off |= self.lines.lacks_its_end();
+                if !self.rows.is_empty() && !self.is_any_meant && !self.is_under_names {
+                    let rows: Vec<Selection> = self.rows.iter().map(|(_, row)| row.clone()).collect();
+                    return Err(Selection::nowhere(&rows));
+                }
                 return Ok(None);
             }
-            if !self.head.is_names(self.lines.text()) {
-                break;
+            if self.head.is_names(self.lines.text()) {
+                (self.headers_again, self.is_under_names) = (self.headers_again + 1, true);
+                continue;
             }
-            self.headers_again += 1;
+            if !self.rows.is_empty() && !self.is_meant() {
+                self.is_under_names &= self.head.is_without_numbers(self.lines.text());
+                continue;
+            }
+            match self.cells(row) {
+                Err(problem) => {
+                    if !self.take_names()? && !self.is_of_the_names() {
+                        return Err(problem);
+                    }
+                }
+                read => {
+                    (self.is_under_names, self.is_any_meant) = (false, true);
+                    return read;
+                }
+            }
         }
+    }
+
+    /// Whether the present line is of the rows that are asked for.
+    fn is_meant(&self) -> bool {
+        let cells: Vec<&[u8]> = self.head.dialect.cells(self.lines.text()).collect();
+        let is = |(place, row): &(usize, Selection)| {
+            cells.get(*place).is_some_and(|cell| row.takes(&String::from_utf8_lossy(cell)))
+        };
+        self.rows.iter().all(is)
+    }
+
+    /// Whether the present line stands between the names and the rows: units, or where each column comes from.
+    fn is_of_the_names(&self) -> bool {
+        self.is_under_names && self.head.is_without_numbers(self.lines.text())
+    }
+
+    /// Whether the present line is a header in another order, by which the rows under it are read.
+    fn take_names(&mut self) -> Result<bool, Problem> {
+        let text = self.lines.text().to_vec();
+        let names = self.head.dialect.names(&text);
+        let mut free: Vec<bool> = vec![true; self.head.names.len()];
+        let known: Vec<Option<usize>> = names
+            .iter()
+            .map(|name| {
+                let before = |place: &usize| free[*place] && self.head.names[*place] == *name;
+                let place = (0..free.len()).find(before)?;
+                free[place] = false;
+                Some(place)
+            })
+            .collect();
+        let is_time = |place: &usize| self.header.slots[*place] == Some(Slot::Time);
+        if names.len() < 2 || !known.iter().flatten().any(is_time) {
+            return Ok(false);
+        }
+        let used = |place: usize| {
+            self.header.slots[place].is_some() || self.rows.iter().any(|(row, _)| *row == place)
+        };
+        let lost = (0..free.len()).find(|place| free[*place] && used(*place));
+        let new = names
+            .iter()
+            .zip(&known)
+            .find(|(name, known)| known.is_none() && Slot::all().any(|slot| slot.name() == **name));
+        if let Some(column) = lost.map(|place| &self.head.names[place]).or(new.map(|(name, _)| name)) {
+            let place = Place::Line(self.lines.number());
+            return Err(Problem::OtherColumns { place, column: shortened(column) });
+        }
+        let of = |place: &Option<usize>| place.and_then(|place| self.header.slots[place]);
+        let slots = known.iter().map(of).collect();
+        let of = |place: &Option<usize>| place.and_then(|place| self.header.conversions[place]);
+        let conversions = known.iter().map(of).collect();
+        for (row, _) in &mut self.rows {
+            *row = known.iter().position(|place| *place == Some(*row)).unwrap_or(*row);
+        }
+        (self.header.slots, self.header.conversions) = (slots, conversions);
+        self.head.take_names(text, names);
+        (self.reordered, self.is_under_names) = (self.reordered + 1, true);
+        Ok(true)
+    }
+
+    /// The values of the present line.
+    fn cells(&mut self, row: &mut RawRow) -> Result<Option<Place>, Problem> {
         let place = Place::Line(self.lines.number());
         *row = [f64::NAN; SLOTS];
         let expected = self.header.slots.len();
@@ -92,6 +199,10 @@ impl CsvSource {
                 let time = || clock_text::seconds(cell).filter(|_| *slot == Slot::Time);
                 let value = self.head.dialect.number(cell).map(|value| self.header.in_our_unit(found, value));
                 match value.or_else(time) {
+                    // A date of digits alone has more of them than a number holds.
+                    Some(value) if *slot == Slot::Time && cell.len() > 13 => {
+                        row[slot.index()] = time().unwrap_or(value);
+                    }
                     Some(value) => row[slot.index()] = value,
                     None => bad_cell = bad_cell.or(Some((*slot, cell))),
                 }

@@ -7,9 +7,17 @@ pub(crate) struct Dialect {
 }
 
 impl Dialect {
+    /// Cells between blanks, one each.
+    pub(super) const BLANKS: Self = Self { separator: b' ' };
+
     /// That of a file with this header: what separates most names of commas, `;`, tabs and `|`. Where commas separate nothing, they may be
     /// decimal ones.
     pub(crate) fn of(header: &[u8]) -> Self {
+        // RaceCapture puts what it says of a column into one cell, between bars.
+        let barred = |cell: &[u8]| cell.iter().filter(|byte| **byte == b'|').count() >= 2;
+        if header.contains(&b',') && header.starts_with(b"\"") && cells_by(header, b',').all(barred) {
+            return Self { separator: b',' };
+        }
         let cells = |separator: &u8| cells_by(header, *separator).count();
         // Of equals the first one, the comma.
         let most = b"|\t;,".iter().max_by_key(|separator| cells(separator));
@@ -96,8 +104,25 @@ pub(crate) fn number(cell: &[u8]) -> Option<f64> {
             return Some(value);
         }
     }
+    if let Some(value) = typeset(cell) {
+        return Some(value);
+    }
     let missing = cell.is_empty() || MISSING.iter().any(|word| cell.eq_ignore_ascii_case(word.as_bytes()));
     missing.then_some(f64::NAN)
+}
+
+/// A number with a minus as typesetters have it, or an exponent as Fortran has it: `2.5D+01`.
+fn typeset(cell: &[u8]) -> Option<f64> {
+    let text = std::str::from_utf8(cell).ok()?;
+    let plain: String = text
+        .chars()
+        .map(|c| match c {
+            '\u{2212}' | '\u{2013}' | '\u{fe63}' | '\u{ff0d}' => '-',
+            'D' | 'd' | 'Q' | 'q' => 'e',
+            c => c,
+        })
+        .collect();
+    plain.parse().ok().filter(|value: &f64| value.is_finite() && plain != text)
 }
 
 #[cfg(test)]
@@ -127,8 +152,13 @@ mod tests {
             assert!(number(missing.as_bytes()).unwrap().is_nan(), "{missing}");
         }
         assert_eq!(number(b"-1.5e-3"), Some(-1.5e-3));
+        for (text, value) in
+            [("\u{2212}0.06", -0.06), ("2.2220D+01", 22.22), ("\u{2212}3d\u{2212}2", -0.03), ("1Q2", 100.0)]
+        {
+            assert_eq!(number(text.as_bytes()), Some(value), "{text}");
+        }
         assert_eq!((number(b"True"), number(b"FALSE")), (Some(1.0), Some(0.0)));
-        for text in ["fast", "1,5", "0x10", "12 m", "--"] {
+        for text in ["fast", "1,5", "0x10", "12 m", "--", "d", "3 d", "\u{2212}"] {
             assert!(number(text.as_bytes()).is_none(), "{text}");
         }
     }

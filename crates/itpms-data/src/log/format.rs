@@ -4,6 +4,7 @@ use std::path::Path;
 
 use itpms_files::input;
 
+use super::elsewhere;
 use crate::error::{DataError, FileProblem, Problem};
 
 /// A format of tables.
@@ -31,14 +32,11 @@ impl Format {
         match extension {
             Some("csv") => Some(Format::Csv),
             #[cfg(feature = "parquet")]
-            Some("parquet" | "pq") => Some(Format::Parquet),
+            Some("parquet" | "pq" | "parq") => Some(Format::Parquet),
             _ => None,
         }
     }
 }
-
-/// What is reported of files that other programs can write as something that is read.
-const ELSEWHERE: &str = "a file of MATLAB, HDF5 or VBOX, which is not read: export CSV, Parquet or MDF (MATLAB: writetable, pandas: to_parquet, VBOX: CSV)";
 
 /// A format of drive logs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,38 +46,23 @@ pub(crate) enum LogFormat {
     Mdf4,
     #[cfg(feature = "can")]
     Can,
-}
-
-/// A format of drive logs that are written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum OutputFormat {
-    Log(LogFormat),
-    /// Written alone.
     #[cfg(feature = "mcap")]
     Mcap,
 }
 
-impl OutputFormat {
-    /// The format by the extension; a device or pipe without one receives a table.
-    pub(crate) fn of(path: &Path) -> Result<Self, DataError> {
+impl LogFormat {
+    /// The format of a log that is written, by the extension; a device or pipe without one receives a table.
+    pub(crate) fn of_output(path: &Path) -> Result<Self, DataError> {
         let extension = extension(path);
         match extension.as_deref() {
-            None => Ok(Self::Log(LogFormat::Table(Format::Csv))),
-            #[cfg(feature = "mcap")]
-            Some("mcap") => Ok(Self::Mcap),
+            None => Ok(LogFormat::Table(Format::Csv)),
             // Read, but not written so.
-            Some("gz" | "tsv" | "txt") => Err(unknown(path, extension.as_deref(), expected_output())),
-            Some(_) => LogFormat::of(path).map(Self::Log).map_err(|error| match *error.problem {
-                Problem::File(FileProblem::UnknownExtension { .. }) => {
-                    unknown(path, extension.as_deref(), expected_output())
-                }
-                _ => error,
-            }),
+            Some("gz" | "tsv" | "txt" | "vbo") => Err(unknown(path, extension.as_deref(), expected_log())),
+            // What is said of files that are not read says nothing of one that is to be written.
+            Some(_) => LogFormat::of(path).map_err(|_| unknown(path, extension.as_deref(), expected_log())),
         }
     }
-}
 
-impl LogFormat {
     /// The format of a drive log by its extension, upper or lower case, or because it is a folder of part files.
     pub(crate) fn of(path: &Path) -> Result<Self, DataError> {
         #[cfg(feature = "parquet")]
@@ -91,19 +74,22 @@ impl LogFormat {
         }
         let extension = extension(path);
         match extension.as_deref() {
-            Some("tsv" | "txt") => Ok(LogFormat::Table(Format::Csv)),
+            Some("tsv" | "txt" | "vbo") => Ok(LogFormat::Table(Format::Csv)),
             // Packed: what it is called without that.
             Some("gz") if is_packed_text(path) => Ok(LogFormat::Table(Format::Csv)),
             #[cfg(feature = "mdf4")]
             Some("mf4" | "mdf" | "dat") => Ok(LogFormat::Mdf4),
+            #[cfg(feature = "mcap")]
+            Some("mcap") => Ok(LogFormat::Mcap),
             #[cfg(feature = "can")]
             Some("log" | "candump" | "asc" | "blf" | "trc") => Ok(LogFormat::Can),
-            Some("mat" | "h5" | "hdf5" | "hdf" | "vbo") => {
-                Err(DataError::new(path, Problem::NotApplicable(ELSEWHERE)))
-            }
-            other => Format::of_extension(other)
-                .map(LogFormat::Table)
-                .ok_or_else(|| unknown(path, other, expected_log())),
+            other => Format::of_extension(other).map(LogFormat::Table).ok_or_else(|| {
+                let way_out = other.and_then(|extension| elsewhere::of_log(path, extension));
+                way_out.map_or_else(
+                    || unknown(path, other, expected_log()),
+                    |way_out| DataError::new(path, Problem::Elsewhere(way_out)),
+                )
+            }),
         }
     }
 }
@@ -140,6 +126,8 @@ impl LogFormat {
             LogFormat::Mdf4 => Problem::EmptyFile("an MDF4 file"),
             #[cfg(feature = "can")]
             LogFormat::Can => Problem::EmptyFile("CAN frames"),
+            #[cfg(feature = "mcap")]
+            LogFormat::Mcap => Problem::EmptyFile("an MCAP file"),
         }
     }
 }
@@ -153,16 +141,13 @@ fn expected_log() -> String {
     if cfg!(feature = "mdf4") {
         known.push(".mf4");
     }
+    if cfg!(feature = "mcap") {
+        known.push(".mcap");
+    }
     if cfg!(feature = "can") {
         known.extend([".log", ".candump", ".asc", ".blf", ".trc"]);
     }
     known.join(", ")
-}
-
-/// Those of drive logs that it writes.
-fn expected_output() -> String {
-    let read = expected_log();
-    if cfg!(feature = "mcap") { format!("{read}, .mcap") } else { read }
 }
 
 fn extension(path: &Path) -> Option<String> {

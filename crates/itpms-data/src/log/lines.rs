@@ -5,15 +5,13 @@
 
 use std::collections::VecDeque;
 use std::fs::File;
-use std::io::{BufRead, BufReader, Read, Seek};
+use std::io::{self, BufRead, BufReader, Read, Seek};
 
-use flate2::bufread::MultiGzDecoder;
 use itpms_files::input::MOST_OF_A_LINE;
 
+use super::packed::{GZIP, Packed};
 use crate::error::{FileProblem, Problem};
 
-/// How gzip begins, whatever the file is called.
-const GZIP: &[u8] = &[0x1f, 0x8b];
 /// Zeros that are passed over, at most.
 const MOST_ZEROS: u64 = 1 << 26;
 /// Bytes read at a time.
@@ -21,7 +19,7 @@ const BUFFER: usize = 1 << 16;
 
 /// The lines that say something.
 pub(crate) struct Lines {
-    input: Box<dyn BufRead + Send>,
+    input: Input,
     /// Another hold on the file, for where in it reading is.
     file: Option<File>,
     line: Vec<u8>,
@@ -33,6 +31,37 @@ pub(crate) struct Lines {
     again: VecDeque<(Vec<u8>, u64)>,
     /// Bytes of zeros that were passed over, which no logger writes and a power cut leaves.
     zeros: u64,
+}
+
+/// The bytes of the text.
+enum Input {
+    Plain(BufReader<File>),
+    Packed(Box<BufReader<Packed>>),
+}
+
+impl Read for Input {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        match self {
+            Input::Plain(input) => input.read(bytes),
+            Input::Packed(input) => input.read(bytes),
+        }
+    }
+}
+
+impl BufRead for Input {
+    fn fill_buf(&mut self) -> io::Result<&[u8]> {
+        match self {
+            Input::Plain(input) => input.fill_buf(),
+            Input::Packed(input) => input.fill_buf(),
+        }
+    }
+
+    fn consume(&mut self, count: usize) {
+        match self {
+            Input::Plain(input) => input.consume(count),
+            Input::Packed(input) => input.consume(count),
+        }
+    }
 }
 
 impl std::fmt::Debug for Lines {
@@ -47,10 +76,10 @@ impl Lines {
         let mut plain = BufReader::with_capacity(BUFFER, file);
         // What cannot be read is reported with the first line.
         let packed = plain.fill_buf().is_ok_and(|bytes| bytes.starts_with(GZIP));
-        let input: Box<dyn BufRead + Send> = if packed {
-            Box::new(BufReader::with_capacity(BUFFER, MultiGzDecoder::new(plain)))
+        let input = if packed {
+            Input::Packed(Box::new(BufReader::with_capacity(BUFFER, Packed::new(plain))))
         } else {
-            Box::new(plain)
+            Input::Plain(plain)
         };
         Self {
             input,
@@ -146,9 +175,9 @@ impl Lines {
         self.line.ends_with(b"\n")
     }
 
-    /// Whether zeros stand at the end of the file.
-    pub(crate) fn ends_in_zeros(&self) -> bool {
-        self.zeros > 0
+    /// Whether the end of the text is missing: zeros stand there, or the file behind gzip has none.
+    pub(crate) fn lacks_its_end(&self) -> bool {
+        self.zeros > 0 || matches!(&self.input, Input::Packed(input) if input.get_ref().is_cut_off())
     }
 
     /// A file of nothing but zeros is no text, and after the text they have an end.

@@ -1,15 +1,17 @@
 //! Tables with anybody's names: a map, and where it is silent the names, say which column is what.
 //!
-//! Called by the sources of tables with their column names. Without a map a table's columns need our names.
+//! Called by the sources of tables with their column names. Without a map a table's columns have our names, or say by their words and units
+//! what they are.
 
 use std::path::Path;
 
-use itpms_files::nearest;
+use itpms_files::{nearest, shortened};
 
 use super::header::Header;
 use super::quantity::Quantity;
 use super::row::{LogColumns, Slot};
 use crate::error::{DataError, Problem};
+use crate::signals::names::meaning;
 use crate::signals::{Conversion, SignalMap, SignalProblem, column_unit, resolve};
 
 /// How a table's header is read.
@@ -19,12 +21,10 @@ pub(super) fn header(
     units: &[String],
     map: Option<&SignalMap>,
 ) -> Result<Header, DataError> {
-    let fail = |problem| DataError::new(path, problem);
     match map {
         None => match named(names).and_then(|header| in_units(header, names, units)) {
-            Ok(header) => Ok(header),
-            // Wheel speeds have their makers' names.
-            Err(problem) => recognized(path, names, units).ok_or_else(|| fail(problem)),
+            Ok(header) => Ok(with_speed(header, names, units)),
+            Err(problem) => recognized(path, names, units, problem),
         },
         Some(map) => mapped(path, names, units, map),
     }
@@ -35,10 +35,52 @@ fn named(names: &[String]) -> Result<Header, Problem> {
     Header::from_names(names).or_else(|problem| Header::with_clock(names).ok_or(problem))
 }
 
-/// The header of a table without a map whose names and units say the speeds of four wheels.
-fn recognized(path: &Path, names: &[String], units: &[String]) -> Option<Header> {
-    let header = mapped(path, names, units, &SignalMap::default()).ok()?;
-    header.columns.motion.wheel_speeds().then_some(header)
+/// The header of a table of other names, whose words and units say what it is, as those of a bus do. One with some of our names lacks one of
+/// them, and that is `problem`.
+fn recognized(
+    path: &Path,
+    names: &[String],
+    units: &[String],
+    problem: Problem,
+) -> Result<Header, DataError> {
+    let is_ours = |name: &String| Slot::all().any(|slot| slot.is_acceleration() && slot.name() == *name);
+    let speaks = |name: &String| meaning("", name).is_some_and(|(slot, _)| slot.is_acceleration());
+    let all_others = !names.iter().any(is_ours);
+    match mapped(path, names, units, &SignalMap::default()) {
+        Ok(header) if all_others || header.columns.motion.wheel_speeds() => Ok(header),
+        // What is missing is said in the table's own names.
+        Err(error) if all_others && names.iter().any(speaks) => Err(error),
+        _ => Err(DataError::new(path, problem)),
+    }
+}
+
+/// The speed by its words and unit, where the column of our name is not there. Of several that are called the same the first.
+fn with_speed(mut header: Header, names: &[String], units: &[String]) -> Header {
+    let is_speed = |place: &usize| meaning("", &names[*place]).is_some_and(|(slot, _)| slot == Slot::Speed);
+    let mut places: Vec<usize> = (0..names.len()).filter(is_speed).collect();
+    places.retain(|place| header.slots[*place].is_none());
+    if header.columns.speed || places.is_empty() {
+        return header;
+    }
+    let first = places[0];
+    let times = places.len();
+    if places.iter().all(|place| names[*place] == names[first]) {
+        places.truncate(1);
+    }
+    let stated = |place: usize| units.get(place).map_or("", String::as_str);
+    let candidates: Vec<_> =
+        places.iter().map(|place| column_unit::candidate_in(&names[*place], stated(*place))).collect();
+    let Ok(resolved) = resolve(&candidates, None) else { return header };
+    let Some(chosen) = resolved.get(Slot::Speed) else { return header };
+    let place = places[chosen.candidate];
+    (header.slots[place], header.conversions[place]) = (Some(Slot::Speed), Some(chosen.conversion));
+    header.columns.speed = true;
+    header.suspicious.retain(|(found, _)| *found != shortened(&names[place]));
+    header.mapping.extend(resolved.lines());
+    if times > places.len() {
+        header.mapping.push(format!("{} is there {times} times: the first is taken", names[place]));
+    }
+    header
 }
 
 /// The header of a table with our names and a row of units under them: the values come in those units.

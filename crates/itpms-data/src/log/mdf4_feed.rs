@@ -7,8 +7,8 @@ use super::row::Slot;
 use super::stamps::{Fate, Strays};
 use crate::error::DataError;
 use crate::mdf4::{GroupCursor, Mdf4Reader};
-use crate::mdf4_contents::{is_signal, stacks, unread};
-use crate::signals::{Candidate, Conversion, Reading, Resolved, SignalMap, resolve_knowing};
+use crate::mdf4_contents::{has_samples, is_signal, signal_name, stacks, unread};
+use crate::signals::{Candidate, Conversion, Reading, Resolved, SignalMap, contested, resolve_among};
 
 #[derive(Debug)]
 pub(super) struct Mdf4Feed {
@@ -65,7 +65,12 @@ impl Mdf4Feed {
         let reader = Mdf4Reader::open(path)?;
         let firsts = stacks(&reader)?;
         let (candidates, places) = candidates(&reader, &firsts);
-        let resolved = resolve_knowing(&candidates, &unread(&reader), map)?;
+        let mut has_samples: Vec<bool> =
+            places.iter().map(|(group, _)| has_samples(&reader, &firsts, *group)).collect();
+        for place in contested(&candidates, map) {
+            has_samples[place] = has_samples[place] && has_value(&reader, &firsts, places[place])?;
+        }
+        let resolved = resolve_among(&candidates, &has_samples, &unread(&reader), map)?;
         let mut groups = Vec::new();
         for (index, first) in firsts.iter().enumerate() {
             let here = resolved.iter().filter(|chosen| places[chosen.candidate].0 == *first);
@@ -119,6 +124,24 @@ impl Mdf4Feed {
     }
 }
 
+/// Whether a channel has a value anywhere. Asked of those alone between which there is a choice: the first sample mostly says so.
+fn has_value(
+    reader: &Mdf4Reader,
+    firsts: &[usize],
+    (first, channel): (usize, usize),
+) -> Result<bool, DataError> {
+    let mut value = [f64::NAN];
+    for (group, _) in firsts.iter().enumerate().filter(|(_, of)| **of == first) {
+        let mut cursor = reader.cursor(group, &[channel])?;
+        while cursor.next(&mut value)?.is_some() {
+            if value[0].is_finite() {
+                return Ok(true);
+            }
+        }
+    }
+    Ok(false)
+}
+
 /// The channels that hold numbers and have a time, and their places: group and channel. Stretches of one recording are there once.
 fn candidates(reader: &Mdf4Reader, firsts: &[usize]) -> (Vec<Candidate>, Vec<(usize, usize)>) {
     let mut candidates = Vec::new();
@@ -129,7 +152,8 @@ fn candidates(reader: &Mdf4Reader, firsts: &[usize]) -> (Vec<Candidate>, Vec<(us
         for (index, channel) in
             group.channels.iter().enumerate().filter(|(_, channel)| is_signal(group, channel))
         {
-            let (group, name, unit) = (group.name.clone(), channel.name.clone(), channel.unit.clone());
+            let name = signal_name(group, channel);
+            let (group, unit) = (group.name.clone(), channel.unit.clone());
             candidates.push(Candidate { group, name, unit });
             places.push((group_index, index));
         }

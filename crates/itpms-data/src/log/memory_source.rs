@@ -6,6 +6,7 @@ use std::path::Path;
 use super::header::Header;
 use super::mapped;
 use super::row::{RawRow, SLOTS, Slot};
+use super::selection::Selection;
 use crate::error::{DataError, Place, Problem};
 use crate::signals::{Conversion, SignalMap};
 
@@ -20,6 +21,8 @@ pub(super) struct MemorySource {
     header: Header,
     /// The columns that mean something: their places in a piece, and the numbers of this piece, as long as each other.
     columns: Vec<(usize, Slot, Option<Conversion>, Vec<f64>)>,
+    /// Which rows are meant, by the columns at these places.
+    selections: Vec<(usize, Selection)>,
     rows: usize,
     next: usize,
     /// Rows of the pieces before this one.
@@ -47,13 +50,20 @@ impl MemorySource {
         total: Option<usize>,
         more: Pieces,
         map: Option<&SignalMap>,
+        rows: &[Selection],
     ) -> Result<Self, DataError> {
         let header = mapped::header(path, names, &[], map)?;
+        let place = |selection: &Selection| Ok((selection.place(names)?, selection.clone()));
+        let selections = rows
+            .iter()
+            .map(place)
+            .collect::<Result<_, Problem>>()
+            .map_err(|problem| DataError::new(path, problem))?;
         let known = header.slots.iter().zip(&header.conversions).enumerate();
         let columns = known
             .filter_map(|(place, (slot, conversion))| Some((place, (*slot)?, *conversion, Vec::new())))
             .collect();
-        Ok(Self { header, columns, rows: 0, next: 0, before: 0, total, more: Some(more) })
+        Ok(Self { header, columns, selections, rows: 0, next: 0, before: 0, total, more: Some(more) })
     }
 
     pub(super) fn header(&self) -> &Header {
@@ -94,6 +104,21 @@ impl MemorySource {
                 "a piece of the drive has {} columns, expected {expected}",
                 piece.len()
             ));
+        }
+        for (place, selection) in &self.selections {
+            let meant: Vec<bool> = match &piece[*place] {
+                Ok(values) => values.iter().map(|value| selection.takes_number(*value)).collect(),
+                Err(_) => {
+                    let column = selection.column();
+                    return unusable(format!(
+                        "column {column} holds no numbers: give the rows alone, drive[drive[{column:?}] == ...], instead of {selection}"
+                    ));
+                }
+            };
+            for values in piece.iter_mut().flatten() {
+                let mut meant = meant.iter();
+                values.retain(|_| meant.next().copied().unwrap_or(true));
+            }
         }
         let mut rows = None;
         for (place, slot, _, values) in &mut self.columns {

@@ -1,4 +1,4 @@
-//! Drive logs in: one reader for CSV, Parquet, MDF4 and CAN logs that hands out clean rows, repairs what can be repaired, counts
+//! Drive logs in: one reader for CSV, Parquet, MDF4, MCAP and CAN logs that hands out clean rows, repairs what can be repaired, counts
 //! what it did, and refuses the rest in one sentence.
 //!
 //! | column | meaning |
@@ -9,6 +9,7 @@
 //! | `{c}_pressure_kpa`, `{c}_road_m` | truth, optional |
 //! | `{c}_wheel_speed_m_s` or `{c}_wheel_speed_rad_s` | speed of each wheel, of all four or none |
 //! | `{c}_tpms_kpa`, `{c}_tpms_c` | the car's own tire sensors, sparse, optional |
+//! | `ambient_temperature_c`, `barometric_kpa` or `altitude_m` | the air around the car, sparse, optional |
 //! | `yaw_rate_rad_s`, `accel_x_m_s2`, `accel_y_m_s2`, `brake` | how the car moves, optional: left and forward positive |
 //!
 //! Both accelerations of one corner, or the speeds of all four wheels, make a log.
@@ -28,18 +29,30 @@
 mod bus;
 #[cfg(feature = "can")]
 mod can_feed;
+mod clock;
 mod clock_text;
 mod csv_source;
 mod dialect;
+#[cfg(feature = "can")]
+mod echoes;
+mod elsewhere;
+#[cfg(feature = "can")]
+mod first_frames;
 mod format;
 mod header;
+mod held;
+mod left_out;
 mod lines;
 mod mapped;
+#[cfg(feature = "mcap")]
+mod mcap_feed;
 #[cfg(feature = "mdf4")]
 mod mdf4_feed;
 mod memory_source;
+mod mixed;
 mod options;
 mod order;
+mod packed;
 #[cfg(feature = "parquet")]
 mod parquet_source;
 mod quantity;
@@ -47,23 +60,33 @@ mod reader;
 mod regular;
 mod repair;
 mod row;
+mod selection;
 mod signal_order;
 mod signal_source;
+mod slow_speed;
 mod source;
 mod stamps;
+mod stand_in;
 mod survey;
 mod table;
+mod telling;
 mod text_head;
 mod twins;
 mod units;
+mod vbox;
 
 #[cfg(feature = "can")]
 pub(crate) use bus::attached;
 #[cfg(feature = "can")]
 pub use bus::{frame_description, holds_frames};
+#[cfg(feature = "can")]
+pub use can_feed::frame_decoder;
+pub(crate) use clock::Clock;
 pub(crate) use clock_text::seconds as clock_seconds;
 pub(crate) use dialect::{cells, number};
-pub(crate) use format::{Format, LogFormat, OutputFormat};
+#[cfg(feature = "can")]
+pub(crate) use elsewhere::of_description;
+pub(crate) use format::{Format, LogFormat};
 pub(crate) use header::separator;
 pub(crate) use itpms_files::shortened;
 pub(crate) use lines::Lines;
@@ -73,8 +96,10 @@ pub(crate) use quantity::Quantity;
 pub use reader::LogReader;
 pub use repair::RepairReport;
 pub use row::{
-    CornerColumns, Field, LogColumns, LogCorner, LogMotion, LogRow, Motion, MotionColumns, SLOTS, Slot,
+    AirColumns, AirField, CornerColumns, Field, LogColumns, LogCorner, LogMotion, LogRow, Motion,
+    MotionColumns, SLOTS, Slot,
 };
+pub use selection::Selection;
 pub use survey::{SURVEY_ROWS, Survey};
 pub(crate) use text_head::TextHead;
 pub use units::{UnitCheck, check as check_units};

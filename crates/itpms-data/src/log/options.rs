@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::selection::Selection;
 use super::units::UnitCheck;
 use crate::error::{DataError, Problem};
 use crate::signals::SignalMap;
@@ -15,6 +16,8 @@ pub struct LogOptions {
     pub dbc: Option<PathBuf>,
     /// Which signal, or column of a table, is which of our columns; `None`: the names tell.
     pub signals: Option<PathBuf>,
+    /// Of a table, which rows.
+    pub rows: Vec<Selection>,
 }
 
 impl LogOptions {
@@ -34,6 +37,13 @@ impl LogOptions {
             )),
             _ => Ok(map),
         }
+    }
+
+    /// What only tables have.
+    #[cfg(any(feature = "can", feature = "mdf4"))]
+    pub(super) fn refuse_for_signals(&self) -> Result<(), Problem> {
+        let what = "rows are selected of tables (--where); this log holds signals, each on its own clock";
+        if self.rows.is_empty() { Ok(()) } else { Err(Problem::NotApplicable(what)) }
     }
 
     /// What only other logs have.

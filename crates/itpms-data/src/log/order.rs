@@ -14,6 +14,8 @@ const TOLERATED_ROWS: u64 = 1;
 const PATIENCE_ROWS: u64 = 20;
 /// Share of rows that may repeat the time of the row before. A logger that writes a row twice stays below.
 const TOLERATED_REPEATS: f64 = 0.1;
+/// So near the first stamp a clock that went back has begun again, in s.
+const BEGINS_AGAIN_S: f64 = 1.0;
 /// Rows that wait at most for earlier ones: some 12 MB.
 const MOST_ROWS: usize = 1 << 16;
 
@@ -64,7 +66,8 @@ pub(super) struct TimeOrder {
     series: Series<Line>,
     sorted: Sorted<Line>,
     given_s: f64,
-    /// Time of the last row in the file; NaN before the first.
+    /// Time of the first row in the file, and of the last one; NaN before the first.
+    first_s: f64,
     last_s: f64,
     pub(super) rows: u64,
     pub(super) without_time: u64,
@@ -83,6 +86,7 @@ impl TimeOrder {
             series: Series::new(),
             sorted: Sorted::new(MOST_ROWS),
             given_s: f64::NEG_INFINITY,
+            first_s: f64::NAN,
             last_s: f64::NAN,
             rows: 0,
             without_time: 0,
@@ -99,6 +103,9 @@ impl TimeOrder {
         if !row.time_s.is_finite() {
             self.without_time += 1;
             return;
+        }
+        if self.last_s.is_nan() {
+            self.first_s = row.time_s;
         }
         let Self { strays, series, sorted, .. } = self;
         let line = Line { row, place, before_s: std::mem::replace(&mut self.last_s, row.time_s) };
@@ -171,6 +178,10 @@ impl TimeOrder {
             && let Some(Step { place, from_s, to_s }) = self.step_back
         {
             let (backwards, rows) = (self.backwards, with_time);
+            // Sorted, two recordings would be one of twice the rate.
+            if (to_s - self.first_s).abs() < BEGINS_AGAIN_S && from_s - self.first_s > BEGINS_AGAIN_S {
+                return Err(Problem::BeginsAgain { place, from_s, to_s });
+            }
             return Err(Problem::TimeBackwards { backwards, rows, place, from_s, to_s });
         }
         let coarse = self.coarse();
@@ -294,7 +305,9 @@ mod tests {
         assert!(verdict([f64::NAN; 3]).starts_with("column time_s has no value in any of 3 rows"));
         // A clock that was set back in the middle.
         let reset = (0..500).map(f64::from).chain((0..100).map(f64::from));
-        assert!(verdict(reset).contains("at line 502 from 499 to 0 s"));
+        assert!(verdict(reset).starts_with("the clock begins again at line 502, from 499 to 0 s"));
+        let set = (0..500).map(f64::from).chain((200..300).map(f64::from));
+        assert!(verdict(set).contains("at line 502 from 499 to 200 s"));
         // One in a thousand is a repair.
         assert_eq!(verdict((0..3000).map(|i| if i % 1000 == 500 { 0.0 } else { f64::from(i) })), "fine");
     }

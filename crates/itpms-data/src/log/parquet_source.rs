@@ -9,6 +9,8 @@ use crate::error::{DataError, Place, Problem};
 use crate::parquet_columns::{ParquetParts, Quantity};
 use crate::signals::SignalMap;
 
+use super::selection::Selection;
+
 #[derive(Debug)]
 pub(super) struct ParquetSource {
     columns: ParquetParts,
@@ -18,9 +20,9 @@ pub(super) struct ParquetSource {
 }
 
 impl ParquetSource {
-    pub(super) fn new(path: &Path, map: Option<&SignalMap>) -> Result<Self, DataError> {
+    pub(super) fn new(path: &Path, map: Option<&SignalMap>, rows: &[Selection]) -> Result<Self, DataError> {
         let fail = |problem| DataError::new(path, problem);
-        let mut columns = ParquetParts::open(path).map_err(fail)?;
+        let mut columns = ParquetParts::open(path, rows).map_err(fail)?;
         let mut header = mapped::header(path, columns.names(), &[], map)?;
         let known = header.slots.iter().enumerate();
         let slots: Vec<(usize, Slot)> = known.filter_map(|(leaf, slot)| Some((leaf, (*slot)?))).collect();
@@ -42,6 +44,20 @@ impl ParquetSource {
 
     pub(super) fn progress(&self) -> f64 {
         self.columns.progress()
+    }
+
+    /// Columns that not all parts of a folder have.
+    pub(super) fn repairs(&self) -> Vec<String> {
+        let say = |(column, parts): &(String, usize)| {
+            let parts = if *parts == 1 { "one part".to_owned() } else { format!("{parts} parts") };
+            format!("column {column} is not in {parts} of the folder: its values are missing there")
+        };
+        self.columns.lacking().iter().map(say).collect()
+    }
+
+    /// The names of two parts with rows of the same time.
+    pub(super) fn overlap(&self) -> Option<&(String, String)> {
+        self.columns.overlap()
     }
 
     pub(super) fn next_row(&mut self, row: &mut RawRow) -> Result<Option<Place>, Problem> {

@@ -1,6 +1,6 @@
 //! What a column of a drive log measures, and in which unit.
 
-use super::row::{Field, Motion, Slot};
+use super::row::{AirField, Field, Motion, Slot};
 
 /// What a column measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,6 +36,9 @@ impl Quantity {
             Slot::Corner(_, Field::WheelRotation) | Slot::Motion(Motion::YawRate) => Quantity::Rotation,
             Slot::Motion(Motion::AccelX | Motion::AccelY) => Quantity::Acceleration,
             Slot::Motion(Motion::Brake) => Quantity::Switch,
+            Slot::Air(AirField::Temperature) => Quantity::Temperature,
+            Slot::Air(AirField::Pressure) => Quantity::Pressure,
+            Slot::Air(AirField::Altitude) => Quantity::Length,
         }
     }
 
@@ -76,7 +79,7 @@ impl Quantity {
             Quantity::Length => "m, mm, cm, um, in or ft",
             Quantity::Time => "s, ms, us, ns, min or d (days)",
             Quantity::Rotation => "rad/s, deg/s or rpm",
-            Quantity::Temperature => "degC",
+            Quantity::Temperature => "degC, K or degF",
             Quantity::Switch => "1",
         }
     }

@@ -5,12 +5,15 @@ use std::path::{Path, PathBuf};
 
 use itpms_core::model::Corner;
 
+use super::left_out;
 use super::memory_source::{MemorySource, Pieces};
+use super::mixed::Mixed;
 use super::options::LogOptions;
 use super::order::{Stage, TimeOrder};
 use super::regular::Regular;
 use super::repair::RepairReport;
 use super::row::{Field, LogColumns, LogRow, SLOTS, Slot};
+use super::slow_speed::SlowSpeed;
 use super::source::Source;
 use super::survey::{GAP_PERIODS, SURVEY_ROWS, Survey};
 use super::table::Table;
@@ -38,7 +41,14 @@ pub struct LogReader {
     path: PathBuf,
     source: Source,
     order: TimeOrder,
+    slow_speed: SlowSpeed,
+    /// Rows in order whose speed is not settled.
+    ordered: VecDeque<LogRow>,
     ahead: VecDeque<LogRow>,
+    accelerations: Vec<Slot>,
+    mixed: Mixed,
+    /// Rows ahead that were found to be of one recording.
+    judged: usize,
     exhausted: bool,
     /// Why the source could not be read on.
     failed: Option<Problem>,
@@ -83,7 +93,8 @@ impl LogReader {
         pieces: Pieces,
         options: &LogOptions,
     ) -> Result<Self, DataError> {
-        let source = MemorySource::new(name, names, rows, pieces, options.any_map()?.as_ref())?;
+        let source =
+            MemorySource::new(name, names, rows, pieces, options.any_map()?.as_ref(), &options.rows)?;
         Self::of(name, Source::of_table(Table::Memory(source)), options.units)
     }
 
@@ -94,8 +105,13 @@ impl LogReader {
         };
         let mut reader = Self {
             path: path.to_owned(),
+            slow_speed: source.slow_speed(),
+            accelerations: source.header().columns.slots().filter(|slot| slot.is_acceleration()).collect(),
+            mixed: Mixed::new(&source.header().columns),
+            judged: 0,
             source,
             order: TimeOrder::new(),
+            ordered: VecDeque::new(),
             ahead: VecDeque::with_capacity(SURVEY_ROWS),
             exhausted: false,
             failed: None,
@@ -162,7 +178,14 @@ impl LogReader {
     /// How the signals of an MDF4 or CAN log came into order and into rows, a sentence each; nothing for tables.
     #[must_use]
     pub fn remarks(&self) -> Vec<String> {
-        self.source.remarks()
+        let speed = self.slow_speed.rate_hz().map(|rate_hz| {
+            format!(
+                "speed_m_s comes {} times a second beside {:.0} rows; between, it is on the straight line",
+                (rate_hz * 1e3).round() / 1e3,
+                self.survey.sample_rate_hz
+            )
+        });
+        self.source.remarks().into_iter().chain(speed).collect()
     }
 
     /// Share of the log that has been read, 0 to 1; of pieces of unknown number of rows, 0.
@@ -186,6 +209,14 @@ impl LogReader {
             let failed = self.failed.take().map(|problem| DataError::new(&self.path, problem));
             return failed.map_or(Ok(None), Err);
         };
+        if self.judged > 0 {
+            self.judged -= 1;
+        } else {
+            self.mixed
+                .take(&row)
+                .map_err(|problem| DataError::new(&self.path, self.with_way_out(problem)))?;
+        }
+        self.report.missing_speeds += u64::from(self.source.header().columns.speed && row.speed_m_s.is_nan());
         if let Some(last_s) = self.last_time_s {
             let step_s = row.time_s - last_s;
             self.regular.take(last_s, step_s).map_err(|problem| DataError::new(&self.path, problem))?;
@@ -202,15 +233,19 @@ impl LogReader {
     }
 
     fn look_ahead(&mut self, units: UnitCheck) -> Result<(), Problem> {
-        while self.ahead.len() < SURVEY_ROWS && !self.exhausted {
-            self.pull()?;
+        let mut read = Ok(());
+        while read.is_ok() && self.ahead.len() < SURVEY_ROWS && !self.exhausted {
+            read = self.pull();
         }
-        if self.report.rows_read == 0 {
+        if read.is_ok() && self.report.rows_read == 0 {
             return Err(Problem::HeaderOnly);
         }
-        if !self.exhausted {
-            self.order.check(Stage::Complete)?;
+        if read.is_ok() && !self.exhausted {
+            read = self.order.check(Stage::Complete);
         }
+        // Two recordings make a clock look as odd as it does.
+        self.are_of_one_recording().map_err(|problem| self.with_way_out(problem))?;
+        read?;
         self.survey = Survey::of(&self.ahead).map_err(|problem| self.of_the_clock(problem))?;
         self.regular = Regular::new(1.0 / self.survey.sample_rate_hz);
         self.report.same_columns = twins::of(&self.ahead, &self.source.header().columns);
@@ -218,6 +253,26 @@ impl LogReader {
             UnitCheck::Suspicious => units::check(self.ahead.iter()),
             UnitCheck::Trusting => Ok(()),
         }
+    }
+
+    fn are_of_one_recording(&mut self) -> Result<(), Problem> {
+        self.judged = self.ahead.len();
+        let mut end_s = f64::NAN;
+        for row in &self.ahead {
+            self.mixed.take(row)?;
+            end_s = row.time_s;
+        }
+        self.mixed.judge(end_s)
+    }
+
+    /// Of two recordings, with what tells them apart.
+    fn with_way_out(&self, mut problem: Problem) -> Problem {
+        if let Problem::TwoRecordings { way_out, .. } = &mut problem
+            && let Some(found) = self.source.one_of_two(&self.path)
+        {
+            *way_out = found;
+        }
+        problem
     }
 
     /// A problem of the period, by the name of the file's clock. Where steps are so long that no row but the first one was kept, the
@@ -246,7 +301,7 @@ impl LogReader {
             // What was read before it comes out before it.
             Err(problem) if self.report.rows_read >= SURVEY_ROWS as u64 => {
                 (self.exhausted, self.failed) = (true, Some(problem));
-                self.order.finish(&mut self.ahead);
+                self.finish_order();
                 return Ok(());
             }
             Err(problem) => return Err(problem),
@@ -259,14 +314,15 @@ impl LogReader {
             *first = time_s;
         }
         let columns = self.source.header().columns;
-        let missing = |slot: &Slot| raw[slot.index()].is_nan();
-        self.report.missing_accelerations +=
-            columns.slots().filter(|slot| slot.is_acceleration()).filter(missing).count() as u64;
-        self.report.missing_speeds += u64::from(columns.speed && missing(&Slot::Speed));
+        let missing = |slot: &&Slot| raw[slot.index()].is_nan();
+        self.report.missing_accelerations += self.accelerations.iter().filter(missing).count() as u64;
         let row = LogRow::from_values(&raw, &columns);
         if self.source.is_in_order() {
             self.order.rows += 1;
             self.ahead.push_back(row);
+        } else if self.slow_speed.is_of_use() {
+            self.order.push(row, place, &mut self.ordered);
+            self.settle_speeds();
         } else {
             self.order.push(row, place, &mut self.ahead);
         }
@@ -274,13 +330,26 @@ impl LogReader {
         Ok(())
     }
 
+    fn settle_speeds(&mut self) {
+        let Self { ordered, slow_speed, ahead, .. } = self;
+        ordered.drain(..).for_each(|row| slow_speed.push(row, ahead));
+    }
+
+    /// There are no more rows.
+    fn finish_order(&mut self) {
+        self.order.finish(&mut self.ordered);
+        self.settle_speeds();
+        self.slow_speed.finish(&mut self.ahead);
+    }
+
     /// The end of the file: the last row, the last checks.
     fn close(&mut self) -> Result<(), Problem> {
         self.exhausted = true;
-        self.order.finish(&mut self.ahead);
+        self.finish_order();
         self.order.check(Stage::Complete)?;
         self.report.cut_off_lines = u64::from(self.source.cut_off());
         self.report.format = self.source.repairs();
+        self.report.format.extend(left_out::of_folder(&self.path));
         self.copy_counts();
         let columns = self.source.header().columns;
         let dead = |slot: &Slot| !self.seen[slot.index()];

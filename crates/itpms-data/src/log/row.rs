@@ -1,6 +1,6 @@
 //! A row of a drive log and the columns it can have. Names live here and nowhere else.
 
-use itpms_core::model::{CarSample, Corner, CornerSample, Sample};
+use itpms_core::model::{Air, CarSample, Corner, CornerSample, Sample};
 use itpms_core::wheel_speed::WheelSpeedSample;
 
 /// One quantity of one corner.
@@ -76,6 +76,29 @@ impl Motion {
     }
 }
 
+/// What a car says of the air around it; for cold pressures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum AirField {
+    /// Temperature in degrees Celsius.
+    Temperature,
+    /// Absolute pressure in kPa.
+    Pressure,
+    /// Height above the sea in m, in the place of the pressure.
+    Altitude,
+}
+
+impl AirField {
+    const ALL: [AirField; 3] = [AirField::Temperature, AirField::Pressure, AirField::Altitude];
+
+    fn name(self) -> &'static str {
+        match self {
+            AirField::Temperature => "ambient_temperature_c",
+            AirField::Pressure => "barometric_kpa",
+            AirField::Altitude => "altitude_m",
+        }
+    }
+}
+
 /// A column that means something to us.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Slot {
@@ -87,10 +110,12 @@ pub enum Slot {
     Corner(Corner, Field),
     /// `yaw_rate_rad_s` and the like.
     Motion(Motion),
+    /// `ambient_temperature_c` and the like.
+    Air(AirField),
 }
 
 /// Number of columns that mean something.
-pub const SLOTS: usize = 2 + 4 * Field::ALL.len() + Motion::ALL.len();
+pub const SLOTS: usize = 2 + 4 * Field::ALL.len() + Motion::ALL.len() + AirField::ALL.len();
 
 /// The values of one row, by [`Slot::index`]; NaN where missing.
 pub(crate) type RawRow = [f64; SLOTS];
@@ -100,7 +125,8 @@ impl Slot {
     pub fn all() -> impl Iterator<Item = Slot> {
         let corners =
             Corner::ALL.into_iter().flat_map(|c| Field::ALL.into_iter().map(move |f| Slot::Corner(c, f)));
-        [Slot::Time, Slot::Speed].into_iter().chain(corners).chain(Motion::ALL.map(Slot::Motion))
+        let car = Motion::ALL.map(Slot::Motion).into_iter().chain(AirField::ALL.map(Slot::Air));
+        [Slot::Time, Slot::Speed].into_iter().chain(corners).chain(car)
     }
 
     /// Its place in [`Slot::all`].
@@ -111,6 +137,7 @@ impl Slot {
             Slot::Speed => 1,
             Slot::Corner(corner, field) => 2 + Field::ALL.len() * corner.index() + field as usize,
             Slot::Motion(motion) => 2 + 4 * Field::ALL.len() + motion as usize,
+            Slot::Air(field) => 2 + 4 * Field::ALL.len() + Motion::ALL.len() + field as usize,
         }
     }
 
@@ -122,6 +149,7 @@ impl Slot {
             Slot::Speed => "speed_m_s".to_owned(),
             Slot::Corner(corner, field) => format!("{}_{}", corner.label(), field.suffix()),
             Slot::Motion(motion) => motion.name().to_owned(),
+            Slot::Air(field) => field.name().to_owned(),
         }
     }
 
@@ -130,7 +158,12 @@ impl Slot {
         matches!(self, Slot::Corner(_, Field::BodyAccel | Field::WheelAccel))
     }
 
-    /// Whether it is of a sensor in a tire, which sends when it likes: with every minute, or less.
+    /// Whether it comes seldom, and when its sensor likes: of a tire's own sensor, with every minute or less, and of the air.
+    pub(crate) fn is_sparse(self) -> bool {
+        self.is_tire_sensor() || matches!(self, Slot::Air(_))
+    }
+
+    /// Whether it is of a sensor in a tire.
     pub(crate) fn is_tire_sensor(self) -> bool {
         matches!(self, Slot::Corner(_, Field::TireSensor | Field::TireTemperature))
     }
@@ -171,6 +204,29 @@ pub struct MotionColumns {
     pub tire_sensors: [bool; 4],
     /// Whether `{c}_tpms_c` is there.
     pub tire_temperatures: [bool; 4],
+    /// What there is of the air around the car.
+    pub air: AirColumns,
+}
+
+/// Which columns of the air there are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct AirColumns {
+    /// Whether `ambient_temperature_c` is there.
+    pub temperature: bool,
+    /// Whether `barometric_kpa` is there.
+    pub pressure: bool,
+    /// Whether `altitude_m` is there.
+    pub altitude: bool,
+}
+
+impl AirColumns {
+    fn has(&self, field: AirField) -> bool {
+        match field {
+            AirField::Temperature => self.temperature,
+            AirField::Pressure => self.pressure,
+            AirField::Altitude => self.altitude,
+        }
+    }
 }
 
 impl MotionColumns {
@@ -187,6 +243,11 @@ impl MotionColumns {
             brake: motion(Motion::Brake),
             tire_sensors: each(Field::TireSensor),
             tire_temperatures: each(Field::TireTemperature),
+            air: AirColumns {
+                temperature: has(Slot::Air(AirField::Temperature)),
+                pressure: has(Slot::Air(AirField::Pressure)),
+                altitude: has(Slot::Air(AirField::Altitude)),
+            },
         }
     }
 
@@ -256,6 +317,7 @@ impl LogColumns {
                 _ => true,
             }),
             Slot::Motion(motion) => self.motion.has(motion),
+            Slot::Air(field) => self.motion.air.has(field),
         }
     }
 
@@ -300,7 +362,7 @@ pub struct LogRow {
     pub motion: LogMotion,
 }
 
-/// What the car itself measures, in one row: wheel speeds, how it moves, its tire sensors. NaN is missing.
+/// What the car itself measures, in one row: wheel speeds, how it moves, its tire sensors, the air around it. NaN is missing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LogMotion {
     /// Speeds of the wheels in m/s, in the order of [`Corner::ALL`].
@@ -319,6 +381,8 @@ pub struct LogMotion {
     pub tire_sensor_kpa: [f64; 4],
     /// Their temperatures in degrees Celsius.
     pub tire_sensor_c: [f64; 4],
+    /// The air around the car, in a row where it was sent, or held.
+    pub air: Air<f64>,
 }
 
 impl LogMotion {
@@ -332,6 +396,7 @@ impl LogMotion {
         brake: f64::NAN,
         tire_sensor_kpa: [f64::NAN; 4],
         tire_sensor_c: [f64::NAN; 4],
+        air: Air { ambient_temperature_c: f64::NAN, barometric_kpa: f64::NAN, altitude_m: f64::NAN },
     };
 
     /// The row at `time_s` for radius analysis; speeds of rotation are those of wheels with this rolling radius in m.
@@ -396,6 +461,11 @@ impl LogRow {
             brake: of(Slot::Motion(Motion::Brake)),
             tire_sensor_kpa: wheels(Field::TireSensor),
             tire_sensor_c: wheels(Field::TireTemperature),
+            air: Air {
+                ambient_temperature_c: of(Slot::Air(AirField::Temperature)),
+                barometric_kpa: of(Slot::Air(AirField::Pressure)),
+                altitude_m: of(Slot::Air(AirField::Altitude)),
+            },
         };
         Self { time_s: raw[Slot::Time.index()], speed_m_s: raw[Slot::Speed.index()], corners, motion }
     }
@@ -413,6 +483,9 @@ impl LogRow {
             Slot::Time => self.time_s,
             Slot::Speed => self.speed_m_s,
             Slot::Motion(motion) => self.motion.value(motion),
+            Slot::Air(AirField::Temperature) => self.motion.air.ambient_temperature_c,
+            Slot::Air(AirField::Pressure) => self.motion.air.barometric_kpa,
+            Slot::Air(AirField::Altitude) => self.motion.air.altitude_m,
             Slot::Corner(corner, field) => {
                 let of = |value: fn(&LogCorner) -> f64| {
                     self.corners[corner.index()].as_ref().map_or(f64::NAN, value)
@@ -447,5 +520,6 @@ mod tests {
         assert_eq!(slots[30].name(), "rr_wheel_speed_m_s");
         assert_eq!(slots[32].name(), "rr_tpms_kpa");
         assert_eq!(slots[37].name(), "brake");
+        assert_eq!(slots[40].name(), "altitude_m");
     }
 }

@@ -3,24 +3,26 @@
 //! Between the reader of drive logs, which wants rows, and a feed, which has readings; the aligner makes the ones of the
 //! others.
 
-#[cfg(any(feature = "can", feature = "mdf4"))]
+#[cfg(any(feature = "can", feature = "mcap", feature = "mdf4"))]
 use std::path::Path;
 
 #[cfg(feature = "can")]
 use super::can_feed::CanFeed;
 use super::header::Header;
+#[cfg(feature = "mcap")]
+use super::mcap_feed::McapFeed;
 #[cfg(feature = "mdf4")]
 use super::mdf4_feed::Mdf4Feed;
-#[cfg(any(feature = "can", feature = "mdf4"))]
+#[cfg(any(feature = "can", feature = "mcap", feature = "mdf4"))]
 use super::options::LogOptions;
 use super::row::{RawRow, Slot};
 use super::signal_order::SignalOrder;
 use super::stamps::Fate;
 use super::table::TableSource;
-#[cfg(any(feature = "can", feature = "mdf4"))]
+#[cfg(any(feature = "can", feature = "mcap", feature = "mdf4"))]
 use crate::error::DataError;
 use crate::error::{Place, Problem};
-#[cfg(any(feature = "can", feature = "mdf4"))]
+#[cfg(any(feature = "can", feature = "mcap", feature = "mdf4"))]
 use crate::signals::Resolved;
 use crate::signals::align::AlignmentReport;
 use crate::signals::{Aligner, Reading};
@@ -32,6 +34,8 @@ pub(super) enum Feed {
     Mdf4(Mdf4Feed),
     #[cfg(feature = "can")]
     Can(Box<CanFeed>),
+    #[cfg(feature = "mcap")]
+    Mcap(Box<McapFeed>),
     Table(Box<TableSource>),
 }
 
@@ -43,6 +47,8 @@ impl Feed {
             Feed::Mdf4(feed) => feed.step(take).map_err(|error| *error.problem),
             #[cfg(feature = "can")]
             Feed::Can(feed) => feed.step(take).map_err(|error| *error.problem),
+            #[cfg(feature = "mcap")]
+            Feed::Mcap(feed) => feed.step(take),
             Feed::Table(feed) => feed.step(take),
         }
     }
@@ -52,9 +58,7 @@ impl Feed {
         match self {
             #[cfg(feature = "mdf4")]
             Feed::Mdf4(feed) => feed.start_ns(),
-            #[cfg(feature = "can")]
-            Feed::Can(_) => 0,
-            Feed::Table(_) => 0,
+            _ => 0,
         }
     }
 
@@ -64,6 +68,8 @@ impl Feed {
             Feed::Mdf4(feed) => feed.progress(),
             #[cfg(feature = "can")]
             Feed::Can(feed) => feed.progress(),
+            #[cfg(feature = "mcap")]
+            Feed::Mcap(feed) => feed.progress(),
             Feed::Table(feed) => feed.progress(),
         }
     }
@@ -75,6 +81,8 @@ impl Feed {
             Feed::Mdf4(feed) => feed.repairs(),
             #[cfg(feature = "can")]
             Feed::Can(feed) => feed.repairs(),
+            #[cfg(feature = "mcap")]
+            Feed::Mcap(feed) => feed.repairs(),
             Feed::Table(feed) => feed.repairs(),
         }
     }
@@ -95,16 +103,22 @@ pub(super) struct SignalSource {
 impl SignalSource {
     #[cfg(feature = "mdf4")]
     pub(super) fn mdf4(path: &Path, options: &LogOptions) -> Result<Self, DataError> {
-        if options.dbc.is_some() {
-            let what = "a DBC file says what frames of a CAN bus mean; this file has none, it names its signals itself";
-            return Err(DataError::new(path, Problem::NotApplicable(what)));
-        }
+        without_frames(path, options)?;
+        options.refuse_for_signals().map_err(|problem| DataError::new(path, problem))?;
         let (feed, resolved) = Mdf4Feed::open(path, options.map()?.as_ref())?;
         Self::resolved(path, Feed::Mdf4(feed), &resolved)
     }
 
+    #[cfg(feature = "mcap")]
+    pub(super) fn mcap(path: &Path, options: &LogOptions) -> Result<Self, DataError> {
+        without_frames(path, options)?;
+        let (feed, resolved) = McapFeed::open(path, options.map()?.as_ref())?;
+        Self::resolved(path, Feed::Mcap(Box::new(feed)), &resolved)
+    }
+
     #[cfg(feature = "can")]
     pub(super) fn can(path: &Path, options: &LogOptions) -> Result<Self, DataError> {
+        options.refuse_for_signals().map_err(|problem| DataError::new(path, problem))?;
         let (feed, resolved) = CanFeed::open(path, options.dbc.as_deref(), options.map()?.as_ref())?;
         Self::resolved(path, Feed::Can(Box::new(feed)), &resolved)
     }
@@ -115,7 +129,7 @@ impl SignalSource {
         Self::new(Feed::Table(feed), &slots, suspicious, mapping, clock)
     }
 
-    #[cfg(any(feature = "can", feature = "mdf4"))]
+    #[cfg(any(feature = "can", feature = "mcap", feature = "mdf4"))]
     fn resolved(path: &Path, feed: Feed, resolved: &Resolved) -> Result<Self, DataError> {
         if let Some(why) = resolved.unusable() {
             return Err(DataError::new(path, Problem::UnusableSignals(why)));
@@ -172,6 +186,15 @@ impl SignalSource {
         self.aligner.report()
     }
 
+    /// The table that it is made of, if it is one.
+    pub(super) fn of_table(&self) -> Option<&TableSource> {
+        match &self.feed {
+            Feed::Table(table) => Some(table),
+            #[cfg(any(feature = "can", feature = "mdf4"))]
+            _ => None,
+        }
+    }
+
     /// Whether the last line of a table was cut off and left out.
     pub(super) fn cut_off(&self) -> bool {
         matches!(&self.feed, Feed::Table(table) if table.cut_off())
@@ -180,12 +203,12 @@ impl SignalSource {
     /// How readings came into order and into rows, in words.
     pub(super) fn remarks(&self) -> Vec<String> {
         let of_rows = match &self.feed {
-            Feed::Table(table) => table.rows().remark(),
-            #[cfg(any(feature = "can", feature = "mdf4"))]
-            _ => None,
+            Feed::Table(table) => table.remarks(),
+            #[cfg(any(feature = "can", feature = "mcap", feature = "mdf4"))]
+            _ => Vec::new(),
         };
         let aligned = self.aligner.report().map(|report| report.remarks()).unwrap_or_default();
-        of_rows.map(str::to_owned).into_iter().chain(self.order.remarks()).chain(aligned).collect()
+        of_rows.into_iter().chain(self.order.remarks()).chain(aligned).collect()
     }
 
     pub(super) fn next_row(&mut self, row: &mut RawRow) -> Result<Option<Place>, Problem> {
@@ -217,4 +240,15 @@ impl SignalSource {
             }
         }
     }
+}
+
+/// A log that names its signals itself has no use for a description of frames.
+#[cfg(any(feature = "mcap", feature = "mdf4"))]
+fn without_frames(path: &Path, options: &LogOptions) -> Result<(), DataError> {
+    if options.dbc.is_none() {
+        return Ok(());
+    }
+    let what =
+        "a DBC file says what frames of a CAN bus mean; this file has none, it names its signals itself";
+    Err(DataError::new(path, Problem::NotApplicable(what)))
 }

@@ -12,7 +12,9 @@ use super::header::Header;
 use super::options::LogOptions;
 use super::row::RawRow;
 use super::signal_source::SignalSource;
+use super::slow_speed::SlowSpeed;
 use super::table::{Rows, Table, TableSource};
+use super::telling;
 use crate::error::{DataError, Place, Problem};
 use crate::signals::align::AlignmentReport;
 
@@ -44,12 +46,14 @@ impl Source {
         match format {
             LogFormat::Table(format) => {
                 options.refuse_for_tables().map_err(fail)?;
-                Table::open(format, path, options.any_map()?.as_ref()).map(Self::of_table)
+                Table::open(format, path, options).map(Self::of_table)
             }
             #[cfg(feature = "mdf4")]
             LogFormat::Mdf4 => Ok(Source::Signals(Box::new(SignalSource::mdf4(path, options)?))),
             #[cfg(feature = "can")]
             LogFormat::Can => Ok(Source::Signals(Box::new(SignalSource::can(path, options)?))),
+            #[cfg(feature = "mcap")]
+            LogFormat::Mcap => Ok(Source::Signals(Box::new(SignalSource::mcap(path, options)?))),
         }
     }
 
@@ -119,11 +123,33 @@ impl Source {
         &self.header().mapping
     }
 
-    /// How signals came into order and into rows, in words; nothing for tables of samples.
+    /// How the clock and the rows of a table were understood, how signals came into order and into rows, in words.
     pub(super) fn remarks(&self) -> Vec<String> {
         match self {
-            Source::Table(_) => Vec::new(),
+            Source::Table(source) => source.remarks(),
             Source::Signals(source) => source.remarks(),
+        }
+    }
+
+    /// The speed of a table, where it comes at a rate of its own; that of signals is in every row.
+    pub(super) fn slow_speed(&self) -> SlowSpeed {
+        match self {
+            Source::Table(source) => source.slow_speed(),
+            Source::Signals(_) => SlowSpeed::default(),
+        }
+    }
+
+    /// What to do where the rows are of two recordings.
+    pub(super) fn one_of_two(&self, path: &Path) -> Option<String> {
+        let table = match self {
+            Source::Table(source) => Some(&**source),
+            Source::Signals(source) => source.of_table(),
+        }?;
+        match table.overlap() {
+            Some((one, other)) => Some(format!(
+                "the parts {one} and {other} have rows of the same time: give one of the two, or a folder for each recording"
+            )),
+            None => table.format().and_then(|format| telling::way_out(path, format)),
         }
     }
 

@@ -2,6 +2,8 @@
 //!
 //! Called once by the reader when a log is opened, and by whoever listens to a bus.
 
+use itpms_core::conditioning::SAMPLE_RATES_HZ;
+
 use super::row::{LogRow, Slot};
 use crate::error::Problem;
 
@@ -31,6 +33,16 @@ pub struct Survey {
 }
 
 impl Survey {
+    /// The rate for which an estimator is made, in Hz: the fastest it is for where samples come faster, and where every tenth or so is
+    /// lost that of the others.
+    #[must_use]
+    pub fn estimator_rate_hz(&self) -> f64 {
+        let median_hz = 1.0 / self.sample_period_s;
+        let lossy = self.sample_rate_hz < *SAMPLE_RATES_HZ.start() && median_hz >= *SAMPLE_RATES_HZ.start();
+        let rate_hz = if lossy { median_hz } else { self.sample_rate_hz };
+        rate_hz.min(*SAMPLE_RATES_HZ.end())
+    }
+
     /// What these rows say, in the order of their times.
     ///
     /// # Errors
@@ -94,8 +106,12 @@ mod tests {
         assert!((s.jitter_s - 0.0005).abs() < 1e-5, "{}", s.jitter_s);
         // A second is missing after a thousand rows.
         let s = survey((0..2000).map(|i| f64::from(i) / 200.0 + f64::from(i / 1000))).unwrap();
-        assert_eq!(s.sample_rate_hz, 200.0);
+        assert_eq!((s.sample_rate_hz, s.estimator_rate_hz()), (200.0, 200.0));
         assert!(s.jitter_s < 1e-9);
+        // Every fifth row of 100 Hz is missing; 5 kHz.
+        let s = survey((0..2000).filter(|i| i % 5 != 0).map(|i| f64::from(i) / 100.0)).unwrap();
+        assert!((s.estimator_rate_hz() - 100.0).abs() < 1e-6 && s.sample_rate_hz < 81.0);
+        assert_eq!(survey((0..2000).map(|i| f64::from(i) / 5000.0)).unwrap().estimator_rate_hz(), 2100.0);
     }
 
     #[test]

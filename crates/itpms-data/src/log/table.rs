@@ -6,18 +6,23 @@ use std::path::Path;
 
 use itpms_files::input;
 
+use super::clock::Clock;
 use super::csv_source::CsvSource;
 use super::format::Format;
 use super::header::Header;
+use super::held::Held;
 use super::memory_source::MemorySource;
+use super::options::LogOptions;
 #[cfg(feature = "parquet")]
 use super::parquet_source::ParquetSource;
 use super::row::{RawRow, SLOTS, Slot};
+use super::slow_speed::SlowSpeed;
 use super::stamps::Fate;
+use super::stand_in::StandIns;
 use super::survey::{POSSIBLE_RATES_HZ, SURVEY_ROWS};
 use crate::error::{DataError, Place, Problem};
+use crate::signals::Reading;
 use crate::signals::align::mean_period;
-use crate::signals::{Reading, SignalMap};
 
 /// Values that a column has among the first rows before it says what the rows are.
 const ENOUGH_VALUES: u32 = 20;
@@ -43,7 +48,7 @@ pub(super) enum Rows {
 
 impl Rows {
     /// The remark where samples are made of them by their times.
-    pub(super) fn remark(self) -> Option<&'static str> {
+    fn remark(self) -> Option<&'static str> {
         match self {
             Rows::Samples => None,
             Rows::Messages => Some(
@@ -67,15 +72,18 @@ pub(super) enum Table {
 }
 
 impl Table {
-    pub(super) fn open(format: Format, path: &Path, map: Option<&SignalMap>) -> Result<Self, DataError> {
+    pub(super) fn open(format: Format, path: &Path, options: &LogOptions) -> Result<Self, DataError> {
         let fail = |problem| DataError::new(path, problem);
+        let (map, rows) = (options.any_map()?, &options.rows);
         match format {
             Format::Csv => {
                 let (file, about) = input::open(path).map_err(fail)?;
-                CsvSource::new(path, file, about.len(), map).map(Table::Csv)
+                CsvSource::new(path, file, about.len(), map.as_ref(), rows).map(Table::Csv)
             }
             #[cfg(feature = "parquet")]
-            Format::Parquet => ParquetSource::new(path, map).map(|source| Table::Parquet(Box::new(source))),
+            Format::Parquet => {
+                ParquetSource::new(path, map.as_ref(), rows).map(|source| Table::Parquet(Box::new(source)))
+            }
         }
     }
 
@@ -98,14 +106,25 @@ pub(super) struct TableSource {
     /// Messages that were left out.
     without_time: u64,
     rows: Rows,
+    clock: Clock,
+    stand_ins: StandIns,
+    held: Held,
 }
 
 impl TableSource {
     pub(super) fn new(table: Table) -> Self {
-        let mut source = Self { table, ahead: VecDeque::new(), without_time: 0, rows: Rows::Samples };
+        let mut source = Self {
+            table,
+            ahead: VecDeque::new(),
+            without_time: 0,
+            rows: Rows::Samples,
+            clock: Clock::default(),
+            stand_ins: StandIns::default(),
+            held: Held::default(),
+        };
         let mut row = [f64::NAN; SLOTS];
         while source.ahead.len() < SURVEY_ROWS {
-            match source.table.next_row(&mut row) {
+            match source.read(&mut row) {
                 Ok(Some(place)) => source.ahead.push_back(Ok((row, place))),
                 Ok(None) => break,
                 Err(problem) => {
@@ -114,12 +133,66 @@ impl TableSource {
                 }
             }
         }
+        source.stand_ins = StandIns::of(source.ahead.iter().flatten().map(|(row, _)| row));
+        for (row, _) in source.ahead.iter_mut().flatten() {
+            source.stand_ins.take_out(row);
+        }
+        source.held = Held::of(source.ahead.iter().flatten().map(|(row, _)| row));
+        for (row, _) in source.ahead.iter_mut().flatten() {
+            source.held.thin(row);
+        }
         if source.is_of_messages() {
             source.rows = Rows::Messages;
         } else if Slot::all().any(|slot| slot.is_acceleration() && source.has_its_own_rate(slot)) {
             source.rows = Rows::Rates;
         }
         source
+    }
+
+    /// The next row of the file, at its time.
+    fn read(&mut self, row: &mut RawRow) -> Result<Option<Place>, Problem> {
+        let place = self.table.next_row(row)?;
+        if place.is_some() {
+            let time_s = &mut row[Slot::Time.index()];
+            *time_s = self.clock.take(*time_s);
+        }
+        Ok(place)
+    }
+
+    /// The speed, where it comes at a rate of its own.
+    pub(super) fn slow_speed(&self) -> SlowSpeed {
+        if !self.header().columns.speed {
+            return SlowSpeed::default();
+        }
+        let of = |(row, _): &(RawRow, Place)| (row[Slot::Time.index()], row[Slot::Speed.index()]);
+        SlowSpeed::of(self.ahead.iter().flatten().map(of))
+    }
+
+    /// The names of two parts of a folder with rows of the same time.
+    pub(super) fn overlap(&self) -> Option<&(String, String)> {
+        match &self.table {
+            #[cfg(feature = "parquet")]
+            Table::Parquet(source) => source.overlap(),
+            _ => None,
+        }
+    }
+
+    /// The format of its file, where it has one.
+    pub(super) fn format(&self) -> Option<Format> {
+        match &self.table {
+            Table::Csv(_) => Some(Format::Csv),
+            Table::Memory(_) => None,
+            #[cfg(feature = "parquet")]
+            Table::Parquet(_) => Some(Format::Parquet),
+        }
+    }
+
+    /// How its rows were understood, a sentence each.
+    pub(super) fn remarks(&self) -> Vec<String> {
+        let held = self.held.is_any_acceleration().then(|| {
+            "accelerations stand for several rows each, as of a slower signal in a faster raster; each sample was taken once".to_owned()
+        });
+        self.clock.remarks().into_iter().chain(held).chain(self.rows.remark().map(str::to_owned)).collect()
     }
 
     /// What the first rows say that all are.
@@ -179,7 +252,12 @@ impl TableSource {
 
     pub(super) fn next_row(&mut self, row: &mut RawRow) -> Result<Option<Place>, Problem> {
         match self.ahead.pop_front() {
-            None => self.table.next_row(row),
+            None => {
+                let place = self.read(row)?;
+                self.stand_ins.take_out(row);
+                self.held.thin(row);
+                Ok(place)
+            }
             Some(looked_at) => {
                 let (values, place) = looked_at?;
                 *row = values;
@@ -226,14 +304,16 @@ impl TableSource {
     pub(super) fn repairs(&self) -> Vec<String> {
         let of_format = match &self.table {
             Table::Csv(source) => source.repairs(),
-            _ => Vec::new(),
+            Table::Memory(_) => Vec::new(),
+            #[cfg(feature = "parquet")]
+            Table::Parquet(source) => source.repairs(),
         };
         let without_time = match self.without_time {
             0 => None,
             1 => Some("1 row without a time was left out".to_owned()),
             n => Some(format!("{n} rows without a time were left out")),
         };
-        of_format.into_iter().chain(without_time).collect()
+        of_format.into_iter().chain(without_time).chain(self.stand_ins.sentences()).collect()
     }
 }
 

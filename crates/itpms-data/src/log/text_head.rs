@@ -5,6 +5,7 @@
 use super::clock_text;
 use super::dialect::Dialect;
 use super::lines::Lines;
+use super::vbox::{self, VboxHead};
 use crate::error::Problem;
 use crate::signals::is_unit;
 
@@ -21,9 +22,9 @@ pub(crate) struct TextHead {
     /// The unit of each column, empty where none is stated; without elements where the table has no such row.
     pub(crate) units: Vec<String>,
     /// The line of the names.
-    line: Vec<u8>,
+    pub(super) line: Vec<u8>,
     /// Lines before the names that belong to no table.
-    before: usize,
+    pub(super) before: usize,
 }
 
 impl TextHead {
@@ -35,6 +36,9 @@ impl TextHead {
         let stated = Dialect::stated(lines.text());
         if stated.is_some() && !lines.advance()? {
             return Ok(None);
+        }
+        if let Some(VboxHead { names, units, line }) = vbox::read(lines)? {
+            return Ok(Some(Self { dialect: Dialect::BLANKS, names, units, line, before: 0 }));
         }
         let mut first = vec![lines.present()];
         if let Some(names) = lines.comment().filter(|(names, _)| is_header_of(names, lines.text(), stated)) {
@@ -56,7 +60,9 @@ impl TextHead {
         let Some((line, _)) = rest.next() else { return Ok(None) };
         let line = line.trim_ascii().to_vec();
         let dialect = stated.unwrap_or_else(|| Dialect::of(&line));
-        let mut head = Self { dialect, names: dialect.names(&line), units: Vec::new(), line, before };
+        let names = dialect.names(&line);
+        let (names, units) = in_bars(&names).unwrap_or((names, Vec::new()));
+        let mut head = Self { dialect, names, units, line, before };
         let mut rest = rest.peekable();
         if let Some(units) = rest.peek().and_then(|(line, _)| head.units_in(line.trim_ascii())) {
             head.units = units;
@@ -69,6 +75,16 @@ impl TextHead {
     /// Whether a line is the names once more: a logger that was started again, files that were put together.
     pub(crate) fn is_names(&self, line: &[u8]) -> bool {
         line == self.line
+    }
+
+    /// The names come in another order from here on; units were read by the first ones.
+    pub(crate) fn take_names(&mut self, line: Vec<u8>, names: Vec<String>) {
+        (self.line, self.names) = (line, names);
+    }
+
+    /// Whether a line holds no number at all.
+    pub(crate) fn is_without_numbers(&self, line: &[u8]) -> bool {
+        self.dialect.cells(line).all(|cell| !is_value(self.dialect, cell))
     }
 
     /// What is to be reported of the lines before the names.
@@ -84,9 +100,18 @@ impl TextHead {
     fn units_in(&self, line: &[u8]) -> Option<Vec<String>> {
         let units = self.dialect.names(line);
         let known = units.iter().filter(|cell| is_unit(cell)).count();
-        let numbers = self.dialect.cells(line).filter(|cell| is_value(self.dialect, cell)).count();
-        (numbers == 0 && known > 0 && units.len() == self.names.len()).then_some(units)
+        (self.is_without_numbers(line) && known > 0 && units.len() == self.names.len()).then_some(units)
     }
+}
+
+/// Names and units of a header as RaceCapture writes it: `"Interval"|"ms"|0|0|200`, of each column between commas.
+fn in_bars(cells: &[String]) -> Option<(Vec<String>, Vec<String>)> {
+    let part = |cell: &String, place: usize| {
+        let part = cell.split('|').nth(place)?;
+        Some(part.trim().trim_matches('"').to_owned())
+    };
+    let named = cells.iter().map(|cell| Some((part(cell, 0)?, part(cell, 1)?)));
+    named.collect::<Option<Vec<_>>>().map(|both| both.into_iter().unzip())
 }
 
 /// Whether a cell holds a number, and not that it is missing.

@@ -51,6 +51,14 @@ pub fn alert_object(alert: &Alert<f64>) -> Map<String, Value> {
             put("lost_sd_share", json!(lost_sd_share));
             put("wheels_are_known", json!(is_known));
         }
+        Cause::SlowLeak(leak) => {
+            put("probability", json!(leak.probability));
+            put("lost_share_per_day", json!(leak.lost_share_per_day));
+            put("lost_sd_share_per_day", json!(leak.lost_sd_share_per_day));
+            put("lost_share", json!(leak.lost_share));
+            put("lost_sd_share", json!(leak.lost_sd_share));
+            put("days", json!(leak.days));
+        }
         Cause::Malfunction(malfunction) => put_malfunction(&mut put, malfunction),
         Cause::NoInformation { driven_s } => put("driven_s", json!(driven_s)),
     }

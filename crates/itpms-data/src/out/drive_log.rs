@@ -14,7 +14,7 @@ use super::table::Table;
 use crate::error::DataError;
 #[cfg(feature = "mdf4")]
 use crate::log::Slot;
-use crate::log::{LogColumns, LogFormat, LogOptions, LogRow, OutputFormat};
+use crate::log::{LogColumns, LogFormat, LogOptions, LogRow};
 #[cfg(feature = "mdf4")]
 use crate::mdf4::{ChannelSpec, Compression, GroupSpec, Mdf4Writer, SampleFormat};
 
@@ -85,18 +85,16 @@ impl LogWriter {
         options: &LogOptions,
         packing: Packing,
     ) -> Result<Self, DataError> {
-        let sink = match OutputFormat::of(path)? {
+        let sink = match LogFormat::of_output(path)? {
             #[cfg(feature = "mcap")]
-            OutputFormat::Mcap => Sink::Messages(Box::new(McapLog::create(path, columns)?)),
+            LogFormat::Mcap => Sink::Messages(Box::new(McapLog::create(path, columns)?)),
             #[cfg(feature = "can")]
-            OutputFormat::Log(LogFormat::Can) => {
-                Sink::Frames(Box::new(LogFrames::create(path, &columns, options)?))
-            }
+            LogFormat::Can => Sink::Frames(Box::new(LogFrames::create(path, &columns, options)?)),
             #[cfg(feature = "mdf4")]
-            OutputFormat::Log(LogFormat::Mdf4) => {
+            LogFormat::Mdf4 => {
                 Sink::Channels { writer: Box::new(channels(path, &columns, packing)?), values: Vec::new() }
             }
-            OutputFormat::Log(LogFormat::Table(_)) => {
+            LogFormat::Table(_) => {
                 Sink::Table { table: Table::create(path, &table_columns(&columns))?, cells: Vec::new() }
             }
         };

@@ -5,7 +5,7 @@ use std::path::Path;
 use itpms_files::AtomicFile;
 
 use crate::can::FrameWriter;
-use crate::dbc::{Dbc, Encoder};
+use crate::dbc::Encoder;
 use crate::error::{DataError, Problem};
 use crate::log::{LogColumns, LogOptions, LogRow};
 
@@ -22,7 +22,7 @@ impl LogFrames {
                 "is to be a CAN log, whose frames need a description; expected a DBC file (--dbc car.dbc)";
             return Err(DataError::new(path, Problem::NotApplicable(what)));
         };
-        let encoder = Encoder::new(&Dbc::read(dbc)?, options.map()?.as_ref(), columns)?;
+        let encoder = Encoder::new(&crate::dbc::described(dbc)?, options.map()?.as_ref(), columns)?;
         if encoder.is_empty() {
             let what = "has no signal for any column of the drive; name them in a map (--signals map.toml)";
             return Err(DataError::new(dbc, Problem::NotApplicable(what)));

@@ -12,14 +12,16 @@ use super::state::{States, state_label};
 use super::table::Table;
 use super::wheel_speeds::{RadiusRow, WheelSpeedUse};
 use crate::error::DataError;
+use crate::log::AirColumns;
 
 /// Writes `time_s`, then per corner `{c}_pressure_kpa, {c}_pressure_sd_kpa, {c}_stiffness_n_per_m, {c}_valid,
 /// {c}_warning, {c}_change_sd_kpa, {c}_level, {c}_axle_difference_sd_kpa,
-/// {c}_lost_kpa, {c}_lost_sd_kpa, {c}_state`.
+/// {c}_lost_kpa, {c}_lost_sd_kpa, {c}_state`, and of a log that knows the temperature of the air `{c}_cold_pressure_kpa,
+/// {c}_cold_pressure_sd_kpa`: what the tire would have once it had cooled down to that temperature, empty while it is not known.
 ///
 /// `pressure_sd_kpa` is that of the pressure, what the vehicle file leaves open included; `change_sd_kpa` that of what has changed of
 /// late; `axle_difference_sd_kpa` that of what the pressure differs by from the other tire's of its axle. `lost_kpa` is what was lost in
-/// this drive, with its sd, empty as long as that is not counted. `level` is what the pressure's level rests on: `file`, `calibration` or `reference`. `valid` is `true` or `false`, `warning` one of `none`, `low`, `malfunction`, `state` a word of [`state_label`]. A row says what was known at its
+/// this drive, with its sd, empty as long as that is not counted and where the tire was low before that. `level` is what the pressure's level rests on: `file`, `calibration` or `reference`. `valid` is `true` or `false`, `warning` one of `none`, `low`, `malfunction`, `state` a word of [`state_label`]. A row says what was known at its
 /// time from samples up to it.
 #[derive(Debug)]
 pub struct EstimateWriter {
@@ -33,11 +35,12 @@ pub struct EstimateWriter {
 pub(super) struct EstimateColumns {
     corners: Vec<Corner>,
     wheel_speeds: WheelSpeedUse,
+    cold: bool,
 }
 
 impl EstimateColumns {
-    pub(super) fn new(corners: &[Corner], wheel_speeds: WheelSpeedUse) -> Self {
-        Self { corners: corners.to_vec(), wheel_speeds }
+    pub(super) fn new(corners: &[Corner], wheel_speeds: WheelSpeedUse, air: AirColumns) -> Self {
+        Self { corners: corners.to_vec(), wheel_speeds, cold: air.temperature }
     }
 
     pub(super) fn table(&self) -> Vec<(String, Kind)> {
@@ -57,6 +60,10 @@ impl EstimateColumns {
                 ("state", Kind::Label),
             ] {
                 columns.push((format!("{}_{suffix}", corner.label()), kind));
+            }
+            if self.cold {
+                let named = |suffix: &str| (format!("{}_{suffix}", corner.label()), Kind::Number);
+                columns.extend(COLD_COLUMNS.map(named));
             }
         }
         columns.extend(self.wheel_speeds.columns());
@@ -86,22 +93,40 @@ impl EstimateColumns {
                 number(|e| e.change_sd_kpa),
                 Cell::Label(estimate.map_or(Level::VehicleFile, |e| e.level).label()),
                 number(|e| e.axle_difference_sd_kpa.unwrap_or(f64::NAN)),
-                number(|e| e.loss.map_or(f64::NAN, |loss| loss.lost_kpa)),
-                number(|e| e.loss.map_or(f64::NAN, |loss| loss.lost_sd_kpa)),
+                number(|e| e.lost_kpa()[0]),
+                number(|e| e.lost_kpa()[1]),
                 Cell::Label(state_label(states[corner.index()])),
             ]);
+            if self.cold {
+                let cold = estimate.map_or([f64::NAN; 2], cold_values);
+                cells.extend(cold.map(Cell::Number));
+            }
         }
         self.wheel_speeds.cells(radii, cells);
     }
 }
 
+/// The columns of a cold pressure, without their corner.
+pub const COLD_COLUMNS: [&str; 2] = ["cold_pressure_kpa", "cold_pressure_sd_kpa"];
+
+/// What is in them, in kPa; NaN where it is not known.
+#[must_use]
+pub fn cold_values(estimate: &CornerEstimate<f64>) -> [f64; 2] {
+    estimate.cold.map_or([f64::NAN; 2], |cold| [cold.pressure_kpa, cold.sd_kpa])
+}
+
 impl EstimateWriter {
-    /// Starts the file with the columns of these corners, and of wheel speeds ([`WheelSpeedUse::columns`]).
+    /// Starts the file with the columns of these corners, of wheel speeds ([`WheelSpeedUse::columns`]), and of what the log has of the air.
     ///
     /// # Errors
     /// The file cannot be created, or its extension is not known.
-    pub fn create(path: &Path, corners: &[Corner], wheel_speeds: WheelSpeedUse) -> Result<Self, DataError> {
-        let columns = EstimateColumns::new(corners, wheel_speeds);
+    pub fn create(
+        path: &Path,
+        corners: &[Corner],
+        wheel_speeds: WheelSpeedUse,
+        air: AirColumns,
+    ) -> Result<Self, DataError> {
+        let columns = EstimateColumns::new(corners, wheel_speeds, air);
         Ok(Self { table: Table::create(path, &columns.table())?, columns, cells: Vec::new() })
     }
 

@@ -2,7 +2,7 @@
 
 use itpms_core::model::{Corner, Level, Warning};
 use itpms_core::warning::WheelState;
-use itpms_core::wheel_speed::{RadiusReport, WheelRadius};
+use itpms_core::wheel_speed::{RadiusReport, SlowLeak, WheelRadius};
 
 use super::cell::{Cell, Kind};
 use super::state::{States, state_label};
@@ -14,6 +14,8 @@ pub struct RadiusRow {
     pub radii: RadiusReport<f64>,
     /// What follows for each wheel.
     pub states: States,
+    /// What the days since the calibration say of a slow leak.
+    pub slow_leak: SlowLeak<f64>,
 }
 
 /// Whether a drive has wheel speeds.
@@ -30,7 +32,7 @@ pub enum WheelSpeedUse {
 
 impl WheelSpeedUse {
     /// Names and kinds of the columns: per corner `{c}_radius_change, {c}_radius_change_sd, {c}_lost_share, {c}_lost_share_sd,
-    /// {c}_low_probability`, and `{c}_wheel_speed_state`, or `{c}_valid, {c}_warning, {c}_level, {c}_state` where there is nothing else;
+    /// {c}_low_probability, {c}_detectable_loss` (the smallest loss that would have shown, as a share of the pressure), and `{c}_wheel_speed_state`, or `{c}_valid, {c}_warning, {c}_level, {c}_state` where there is nothing else;
     /// then `front_radius_difference` (left over right), `rear_radius_difference` and `axles_radius_difference` (front over rear), each
     /// with its `_sd`. All are relative changes since the calibration; empty where nothing is known.
     #[must_use]
@@ -38,7 +40,14 @@ impl WheelSpeedUse {
         if self == Self::None {
             return Vec::new();
         }
-        let numbers = ["radius_change", "radius_change_sd", "lost_share", "lost_share_sd", "low_probability"];
+        let numbers = [
+            "radius_change",
+            "radius_change_sd",
+            "lost_share",
+            "lost_share_sd",
+            "low_probability",
+            "detectable_loss",
+        ];
         let words =
             [("valid", Kind::Flag), ("warning", Kind::Label), ("level", Kind::Label), ("state", Kind::Label)];
         let beside = [("wheel_speed_state", Kind::Label)];
@@ -73,10 +82,11 @@ impl WheelSpeedUse {
                 number(|wheel| wheel.lost_share),
                 number(|wheel| wheel.lost_share_sd),
                 if known { number(|wheel| wheel.low_probability) } else { Cell::Number(f64::NAN) },
+                number(|wheel| wheel.detectable_loss_share),
             ]);
             if self == Self::Alone {
                 let warning = if state == Some(WheelState::Low) { Warning::Low } else { Warning::None };
-                let valid = row.is_some_and(|row| row.radii.wheels[i].informed);
+                let valid = row.is_some_and(|row| row.radii.wheels[i].informed());
                 cells.extend([
                     Cell::Flag(valid),
                     Cell::Label(warning.label()),

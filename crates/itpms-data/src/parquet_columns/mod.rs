@@ -6,9 +6,11 @@
 //! |---|---|
 //! | `meaning` | from what is stored to numbers and seconds |
 //! | `durations` | which integers are durations |
+//! | `folder` | the part files of a folder, and the keys in the names of its folders |
 //! | `parts` | a file, or a folder of part files, as one table |
 
 mod durations;
+mod folder;
 mod meaning;
 mod parts;
 
@@ -24,6 +26,7 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::schema::types::ColumnDescriptor;
 
 use crate::error::{Place, Problem};
+use crate::log::Selection;
 pub(crate) use meaning::{Meaning, Quantity};
 pub(crate) use parts::{ParquetParts, is_folder_of_parts};
 
@@ -48,6 +51,9 @@ pub(crate) struct ParquetColumns {
     now: usize,
     rows_read: u64,
     rows: u64,
+    /// Whether some rows are asked for, or none at all.
+    selects: bool,
+    no_rows: bool,
 }
 
 impl std::fmt::Debug for ParquetColumns {
@@ -59,6 +65,8 @@ impl std::fmt::Debug for ParquetColumns {
 struct Column {
     name: String,
     meaning: Meaning,
+    /// Which rows are meant, by this column alone.
+    selection: Option<Selection>,
     /// The definition level of a value that is there; below it is a null.
     present: i16,
     /// Index of the leaf in the schema.
@@ -74,7 +82,7 @@ impl ParquetColumns {
     pub(crate) fn open(file: File) -> Result<Self, Problem> {
         let reader = guarded(|| SerializedFileReader::new(file).map_err(problem))?;
         let metadata = reader.metadata().file_metadata();
-        let names = metadata.schema_descr().columns().iter().map(|leaf| leaf.path().string()).collect();
+        let names = metadata.schema_descr().columns().iter().map(|leaf| named(leaf)).collect();
         let rows = u64::try_from(metadata.num_rows()).unwrap_or(0);
         let entries = metadata.key_value_metadata().into_iter().flatten();
         let schema =
@@ -90,6 +98,8 @@ impl ParquetColumns {
             now: 0,
             rows_read: 0,
             rows,
+            selects: false,
+            no_rows: false,
             reader,
         })
     }
@@ -168,11 +178,33 @@ impl ParquetColumns {
         Ok(())
     }
 
+    /// Of the rows, only those that have this in a column of numbers or text.
+    ///
+    /// # Errors
+    /// It holds something else.
+    pub(crate) fn choose_rows(&mut self, leaf: usize, selection: &Selection) -> Result<(), Problem> {
+        let described = &self.reader.metadata().file_metadata().schema_descr().columns()[leaf];
+        let meaning = Meaning::of_words(described, &[]).or_else(|_| Meaning::of(described, None));
+        let column = || self.names[leaf].clone();
+        let meaning = meaning.map_err(|found| Problem::ColumnType { column: column(), found })?;
+        self.take(leaf, meaning);
+        self.selects = true;
+        if let Some(column) = self.columns.last_mut() {
+            column.selection = Some(selection.clone());
+        }
+        Ok(())
+    }
+
+    /// No row is wanted.
+    pub(crate) fn choose_no_rows(&mut self) {
+        self.no_rows = true;
+    }
+
     fn take(&mut self, leaf: usize, meaning: Meaning) {
         let present = self.reader.metadata().file_metadata().schema_descr().columns()[leaf].max_def_level();
         let name = self.names[leaf].clone();
         let (reader, values, levels) = Default::default();
-        self.columns.push(Column { name, meaning, present, leaf, reader, values, levels });
+        self.columns.push(Column { name, meaning, selection: None, present, leaf, reader, values, levels });
     }
 
     /// Rows of the whole file.
@@ -182,6 +214,19 @@ impl ParquetColumns {
 
     /// Goes to the next row; `None` after the last.
     pub(crate) fn advance(&mut self) -> Result<Option<Place>, Problem> {
+        loop {
+            let place = self.step()?;
+            let is_meant = |column: &Column| column.selection.is_none() || column.values[self.now] == 1.0;
+            if !self.selects || place.is_none() || self.columns.iter().all(is_meant) {
+                return Ok(place);
+            }
+        }
+    }
+
+    fn step(&mut self) -> Result<Option<Place>, Problem> {
+        if self.no_rows {
+            return Ok(None);
+        }
         while self.next_in_batch == self.in_batch {
             if self.left_in_group == 0 && !guarded(|| self.open_next_group())? {
                 return Ok(None);
@@ -197,6 +242,11 @@ impl ParquetColumns {
     /// What the row has in the columns, in the order in which they were chosen; NaN where nothing finite is.
     pub(crate) fn values(&self) -> impl Iterator<Item = f64> {
         self.columns.iter().map(|column| column.values[self.now])
+    }
+
+    /// The same of one of them.
+    pub(crate) fn value(&self, place: usize) -> f64 {
+        self.columns[place].values[self.now]
     }
 
     fn open_next_group(&mut self) -> Result<bool, Problem> {
@@ -238,7 +288,10 @@ impl Column {
     fn read(&mut self, wanted: usize) -> Result<(), Problem> {
         self.values.clear();
         self.levels.clear();
-        let Self { reader, meaning, present, values, levels, .. } = self;
+        let Self { reader, meaning, selection, present, values, levels, .. } = self;
+        let is_meant =
+            |bytes: &[u8]| selection.as_ref().map(|one| one.takes(&String::from_utf8_lossy(bytes)));
+        let is_text = matches!(reader, Some(ColumnReader::ByteArrayColumnReader(_)));
         let mut into = Cells { present: *present, levels, values };
         match reader {
             Some(ColumnReader::BoolColumnReader(r)) => into.read(r, wanted, |v| f64::from(u8::from(*v))),
@@ -250,14 +303,21 @@ impl Column {
             Some(ColumnReader::FloatColumnReader(r)) => into.read(r, wanted, |v| f64::from(*v)),
             Some(ColumnReader::DoubleColumnReader(r)) => into.read(r, wanted, |v| *v),
             Some(ColumnReader::ByteArrayColumnReader(r)) => {
-                into.read(r, wanted, |v| meaning.of_bytes(v.data()))
+                let of_text = |meant: bool| f64::from(u8::from(meant));
+                into.read(r, wanted, |v| {
+                    is_meant(v.data()).map_or_else(|| meaning.of_bytes(v.data()), of_text)
+                })
             }
             Some(ColumnReader::FixedLenByteArrayColumnReader(r)) => {
                 into.read(r, wanted, |v| meaning.of_bytes(v.data()))
             }
             None => Ok(()),
         }
-        .map_err(problem)
+        .map_err(problem)?;
+        if let Some(selection) = selection.as_ref().filter(|_| !is_text) {
+            values.iter_mut().for_each(|value| *value = f64::from(u8::from(selection.takes_number(*value))));
+        }
+        Ok(())
     }
 }
 
@@ -297,11 +357,34 @@ impl Cells<'_> {
     }
 }
 
+/// The first rows of a file as text, with the names of their columns; `None` of a folder, or where that cannot be had.
+pub(crate) fn first_rows(path: &std::path::Path, rows: usize) -> Option<(Vec<String>, Vec<Vec<String>>)> {
+    let read = || -> Option<(Vec<String>, Vec<Vec<String>>)> {
+        let reader = SerializedFileReader::new(File::open(path).ok()?).ok()?;
+        let schema = reader.metadata().file_metadata().schema();
+        let names = schema.get_fields().iter().map(|field| field.name().to_owned()).collect();
+        let cell = |field: &parquet::record::Field| field.to_string().trim_matches('"').to_owned();
+        let row = |row: parquet::record::Row| row.get_column_iter().map(|(_, field)| cell(field)).collect();
+        let rows = reader.get_row_iter(None).ok()?.take(rows).map_while(Result::ok).map(row).collect();
+        Some((names, rows))
+    };
+    catch_unwind(AssertUnwindSafe(read)).ok().flatten()
+}
+
 /// The library panics on some damaged files (a negative offset, a dictionary that is not there) instead of
 /// returning an error. After an error nothing more is read, so no half-changed state is ever used.
 fn guarded<T>(read: impl FnOnce() -> Result<T, Problem>) -> Result<T, Problem> {
     catch_unwind(AssertUnwindSafe(read))
         .unwrap_or_else(|_| Err(Problem::Parquet("its contents contradict each other".to_owned())))
+}
+
+/// The name of a column: of a list that of the whole, else the path of what is nested.
+fn named(leaf: &ColumnDescriptor) -> String {
+    let parts = leaf.path().parts();
+    match parts {
+        [name, list, _] if leaf.max_rep_level() == 1 && list == "list" => name.clone(),
+        _ => leaf.path().string(),
+    }
 }
 
 /// A message that quotes the file: a name in it may hold a line break.

@@ -21,11 +21,13 @@
 //! [learned.left]                         # and right: gain, skew_s
 //! [corner.fl]                            # placard_kpa, unsprung_mass, damping, spring, spectrum_bias_kpa, shared_road_bias
 //! [wheel_speeds]                         # of a car whose wheel speeds were read: how the tires' radii differ, with covariances
+//! [days]                                 # what the days since then have shown of its wheel speeds, as sums over them
 //! [torsion.fl]                           # of one whose tooth pulses were: resonance and shape of each wheel's spectrum over the speed
 //! ```
 //!
 //! A reference of wheel speeds alone has no corners. A later program may change everything but the first line's shape, so that an older one can say that it is too old.
 
+mod days;
 mod identity;
 pub(crate) mod problem;
 mod text;
@@ -38,7 +40,7 @@ use std::path::Path;
 
 use itpms_core::model::{CalibrationError, Learned, VehicleCalibration};
 use itpms_core::torsion::TorsionCalibration;
-use itpms_core::wheel_speed::RadiusCalibration;
+use itpms_core::wheel_speed::{RadiusCalibration, RadiusDays};
 use itpms_files::AtomicFile;
 
 use crate::error::{DataError, FileProblem, Problem};
@@ -46,11 +48,13 @@ use crate::vehicle::Vehicle;
 pub use identity::VehicleIdentity;
 pub use itpms_files::crc64;
 pub use problem::ReferenceProblem;
+pub use text::day;
 
-/// The newest format that is read, and that of a reference with tooth pulses.
-pub const FORMAT: u32 = 5;
-/// The format of one without, and of one without wheel speeds, too.
-const WITHOUT_PULSES: u32 = 4;
+/// The newest format that is read, and that of a reference with days.
+pub const FORMAT: u32 = 7;
+/// The format of one with wheel speeds and without days.
+const WITHOUT_DAYS: u32 = 6;
+/// The format of one without.
 const WITHOUT_WHEEL_SPEEDS: u32 = 3;
 
 /// What tooth pulses taught of each wheel, with the kPa by which its pressure was above the placard's.
@@ -88,6 +92,8 @@ pub struct StoredReference {
     pub wheel_speeds: Option<RadiusCalibration<f64>>,
     /// What was learned of tooth pulses, in the order of [`Corner::ALL`](itpms_core::model::Corner::ALL); never without wheel speeds.
     pub torsion: LearnedTorsion,
+    /// What the days since then have shown of the wheel speeds; none without wheel speeds.
+    pub days: RadiusDays<f64>,
 }
 
 impl StoredReference {
@@ -110,7 +116,8 @@ impl StoredReference {
             return Err(ReferenceProblem::Lacks("a corner").into());
         }
         let vehicle = VehicleIdentity::of(vehicle);
-        Ok(Self { vehicle, learned_unix_s, wheelbase_m, reference, wheel_speeds: None, torsion: [None; 4] })
+        let (wheel_speeds, days) = (None, RadiusDays::since(learned_unix_s as f64));
+        Ok(Self { vehicle, learned_unix_s, wheelbase_m, reference, wheel_speeds, torsion: [None; 4], days })
     }
 
     /// What the wheel speeds of `vehicle` were found to be at the given time, its accelerations not being known.
@@ -123,6 +130,7 @@ impl StoredReference {
             reference: nothing_of_corners(),
             wheel_speeds: Some(learned),
             torsion: [None; 4],
+            days: RadiusDays::since(learned_unix_s as f64),
         }
     }
 
@@ -136,6 +144,13 @@ impl StoredReference {
     #[must_use]
     pub fn with_torsion(self, torsion: LearnedTorsion) -> Self {
         Self { torsion, ..self }
+    }
+
+    /// The same after another day.
+    #[must_use]
+    pub fn with_days(self, days: &RadiusDays<f64>) -> Self {
+        let calibrated_unix_s = self.days.calibrated_unix_s;
+        Self { days: RadiusDays { calibrated_unix_s, ..*days }, ..self }
     }
 
     /// Whether anything was learned of corners with accelerations.

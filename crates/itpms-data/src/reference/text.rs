@@ -3,11 +3,12 @@
 use std::fmt::Write as _;
 
 use itpms_core::model::{Corner, CornerCalibration, Learned, VehicleCalibration};
+use itpms_core::wheel_speed::RadiusDays;
 use itpms_files::crc64;
 use toml::de::DeTable;
 
 use super::{
-    FORMAT, ReferenceProblem, StoredReference, VehicleIdentity, WITHOUT_PULSES, WITHOUT_WHEEL_SPEEDS,
+    FORMAT, ReferenceProblem, StoredReference, VehicleIdentity, WITHOUT_DAYS, WITHOUT_WHEEL_SPEEDS, days,
     nothing_of_corners, torsion, wheel_speeds,
 };
 use crate::error::Problem;
@@ -25,10 +26,11 @@ const SIDE_QUANTITIES: [&str; 2] = ["gain", "skew_s"];
 /// The file with its first line.
 pub(super) fn sealed(stored: &StoredReference) -> String {
     let body = body(stored);
-    let format = match (torsion::is_there(&stored.torsion), &stored.wheel_speeds) {
-        (true, _) => FORMAT,
-        (false, Some(_)) => WITHOUT_PULSES,
-        (false, None) => WITHOUT_WHEEL_SPEEDS,
+    let rolls = torsion::is_there(&stored.torsion) || stored.wheel_speeds.is_some();
+    let format = match (stored.days.is_empty(), rolls) {
+        (false, _) => FORMAT,
+        (true, true) => WITHOUT_DAYS,
+        (true, false) => WITHOUT_WHEEL_SPEEDS,
     };
     let format = format.to_string();
     format!("{MAGIC}{format} {}\n{body}", seal(&format, body.as_bytes()))
@@ -84,6 +86,9 @@ fn body(stored: &StoredReference) -> String {
     if let Some(learned) = &stored.wheel_speeds {
         wheel_speeds::write(&mut out, learned);
     }
+    if !stored.days.is_empty() {
+        days::write(&mut out, &stored.days);
+    }
     torsion::write(&mut out, &stored.torsion);
     out
 }
@@ -127,7 +132,7 @@ fn write_learned(out: &mut String, name: &str, learned: &Learned<f64>) {
 fn read_body(text: &str, format: u32) -> Result<StoredReference, Problem> {
     let document = DeTable::parse(text).map_err(|error| syntax_problem(text, &error))?;
     let root = Table::root(text, document.get_ref());
-    root.check_keys(&["vehicle", "learned", "corner", "wheel_speeds", "torsion"])?;
+    root.check_keys(&["vehicle", "learned", "corner", "wheel_speeds", "torsion", "days"])?;
     let vehicle = needed_table(&root, "vehicle")?;
     vehicle.check_keys(&["name", "id", "parameters"])?;
     let vehicle = VehicleIdentity {
@@ -144,6 +149,11 @@ fn read_body(text: &str, format: u32) -> Result<StoredReference, Problem> {
         Some(table) => torsion::read(&table)?,
         None => [None; 4],
     };
+    let days = match root.table("days")? {
+        Some(_) if wheel_speeds.is_none() => return Err(ReferenceProblem::Lacks("wheel speeds").into()),
+        Some(table) => days::read(&table, learned_unix_s)?,
+        None => RadiusDays::since(learned_unix_s as f64),
+    };
     if wheel_speeds.is_some() && !root.has("corner") {
         let (wheelbase_m, reference) = (None, nothing_of_corners());
         return Ok(StoredReference {
@@ -153,6 +163,7 @@ fn read_body(text: &str, format: u32) -> Result<StoredReference, Problem> {
             reference,
             wheel_speeds,
             torsion,
+            days,
         });
     }
     let [[left_gain, left_skew], [right_gain, right_skew]] =
@@ -172,7 +183,7 @@ fn read_body(text: &str, format: u32) -> Result<StoredReference, Problem> {
     if wheelbase_m.is_some_and(|m| !super::is_a_cars(m)) {
         return Err(ReferenceProblem::Lacks("a wheelbase that a car has").into());
     }
-    Ok(StoredReference { vehicle, learned_unix_s, wheelbase_m, reference, wheel_speeds, torsion })
+    Ok(StoredReference { vehicle, learned_unix_s, wheelbase_m, reference, wheel_speeds, torsion, days })
 }
 
 fn read_corners(corners: &Table<'_>, format: u32) -> Result<[Option<CornerCalibration<f64>>; 4], Problem> {
@@ -217,7 +228,7 @@ fn needed_text(table: &Table<'_>, key: &'static str) -> Result<String, Problem> 
 }
 
 /// The day of a time in s since 1970, `2026-03-01`, in the Gregorian calendar and UTC.
-pub(super) fn day(unix_s: u64) -> String {
+pub fn day(unix_s: u64) -> String {
     // Counted from 1 March of the year 0, so that the leap day is the last of its year; eras of 400 years.
     let days = unix_s / 86_400 + 719_468;
     let (era, day_of_era) = (days / 146_097, days % 146_097);

@@ -8,45 +8,39 @@ use crate::error::Problem;
 use crate::toml_table::Table;
 
 /// Log ratios of the radii: front left over right, rear left over right, front over rear; slip of the driven axle per m/s²; what of it
-/// the left wheel has more than the right one, in front and at the rear.
-const MEANS: [&str; 6] =
-    ["front_1e3", "rear_1e3", "axles_1e3", "slip_1e3", "front_sides_1e3", "rear_sides_1e3"];
-/// The upper triangle of their covariance, row by row.
-const COVARIANCES: [(usize, usize, &str); 21] = [
-    (0, 0, "front_front_1e6"),
-    (0, 1, "front_rear_1e6"),
-    (0, 2, "front_axles_1e6"),
-    (0, 3, "front_slip_1e6"),
-    (0, 4, "front_front_sides_1e6"),
-    (0, 5, "front_rear_sides_1e6"),
-    (1, 1, "rear_rear_1e6"),
-    (1, 2, "rear_axles_1e6"),
-    (1, 3, "rear_slip_1e6"),
-    (1, 4, "rear_front_sides_1e6"),
-    (1, 5, "rear_rear_sides_1e6"),
-    (2, 2, "axles_axles_1e6"),
-    (2, 3, "axles_slip_1e6"),
-    (2, 4, "axles_front_sides_1e6"),
-    (2, 5, "axles_rear_sides_1e6"),
-    (3, 3, "slip_slip_1e6"),
-    (3, 4, "slip_front_sides_1e6"),
-    (3, 5, "slip_rear_sides_1e6"),
-    (4, 4, "front_sides_front_sides_1e6"),
-    (4, 5, "front_sides_rear_sides_1e6"),
-    (5, 5, "rear_sides_rear_sides_1e6"),
-];
+/// the left wheel has more than the right one, in front and at the rear; what a bend's load does to the ratio of each axle, per m/s².
+const LEARNED: [&str; 8] =
+    ["front", "rear", "axles", "slip", "front_sides", "rear_sides", "front_bend", "rear_bend"];
+/// From here on what older files do not have.
+const BEND: usize = 6;
 /// Whether the yaw rate went against the wheels; left away where it did not.
 const YAW_RATE: &str = "leaves_out_yaw_rate";
 /// The radii while it was learned, against those at the pressures that should be.
 const RADII: [&str; 4] = ["fl_radius_1e3", "fr_radius_1e3", "rl_radius_1e3", "rr_radius_1e3"];
 
+fn mean_key(number: usize) -> String {
+    format!("{}_1e3", LEARNED[number])
+}
+
+/// The upper triangle of the covariance, row by row, with the keys.
+fn covariance_keys() -> impl Iterator<Item = (usize, usize, String)> {
+    let row = |row: usize| {
+        (row..LEARNED.len())
+            .map(move |column| (row, column, format!("{}_{}_1e6", LEARNED[row], LEARNED[column])))
+    };
+    (0..LEARNED.len()).flat_map(row)
+}
+
 pub(super) fn write(out: &mut String, learned: &RadiusCalibration<f64>) {
     out.push_str("\n[wheel_speeds]\n");
     // `{:?}` is the shortest form that reads back as the same number.
-    for (key, value) in MEANS.iter().zip(&learned.mean_1e3).chain(RADII.iter().zip(&learned.radius_1e3)) {
+    for (number, value) in learned.mean_1e3.iter().enumerate() {
+        let _ = writeln!(out, "{} = {value:?}", mean_key(number));
+    }
+    for (key, value) in RADII.iter().zip(&learned.radius_1e3) {
         let _ = writeln!(out, "{key} = {value:?}");
     }
-    for (row, column, key) in COVARIANCES {
+    for (row, column, key) in covariance_keys() {
         let _ = writeln!(out, "{key} = {:?}", learned.covariance_1e6[row][column]);
     }
     if learned.leaves_out_yaw_rate {
@@ -55,26 +49,23 @@ pub(super) fn write(out: &mut String, learned: &RadiusCalibration<f64>) {
 }
 
 pub(super) fn read(table: &Table<'_>) -> Result<RadiusCalibration<f64>, Problem> {
-    let keys: Vec<&str> =
-        MEANS.into_iter().chain(RADII).chain(COVARIANCES.map(|(_, _, key)| key)).chain([YAW_RATE]).collect();
-    table.check_keys(&keys)?;
-    let mut covariance_1e6 = [[0.0; 6]; 6];
-    for (row, column, key) in COVARIANCES {
-        let value = table.needed_number(key)?;
-        (covariance_1e6[row][column], covariance_1e6[column][row]) = (value, value);
+    let mut keys: Vec<String> = (0..LEARNED.len()).map(mean_key).collect();
+    keys.extend(covariance_keys().map(|(_, _, key)| key));
+    keys.extend(RADII.into_iter().chain([YAW_RATE]).map(str::to_owned));
+    table.check_keys(&keys.iter().map(String::as_str).collect::<Vec<_>>())?;
+    let mut learned = RadiusCalibration::nothing();
+    let has_bend = table.has(&mean_key(BEND));
+    let is_there = |number: usize| number < BEND || has_bend;
+    for (number, mean) in learned.mean_1e3.iter_mut().enumerate().filter(|(number, _)| is_there(*number)) {
+        *mean = table.needed_number(&mean_key(number))?;
     }
-    Ok(RadiusCalibration {
-        mean_1e3: numbers(table, MEANS)?,
-        covariance_1e6,
-        radius_1e3: numbers(table, RADII)?,
-        leaves_out_yaw_rate: table.flag(YAW_RATE)?.unwrap_or(false),
-    })
-}
-
-fn numbers<const N: usize>(table: &Table<'_>, keys: [&'static str; N]) -> Result<[f64; N], Problem> {
-    let mut values = [0.0; N];
-    for (value, key) in values.iter_mut().zip(keys) {
-        *value = table.needed_number(key)?;
+    for (row, column, key) in covariance_keys().filter(|(_, column, _)| is_there(*column)) {
+        let value = table.needed_number(&key)?;
+        (learned.covariance_1e6[row][column], learned.covariance_1e6[column][row]) = (value, value);
     }
-    Ok(values)
+    for (radius, key) in learned.radius_1e3.iter_mut().zip(RADII) {
+        *radius = table.needed_number(key)?;
+    }
+    learned.leaves_out_yaw_rate = table.flag(YAW_RATE)?.unwrap_or(false);
+    Ok(learned)
 }

@@ -36,7 +36,7 @@ pub(crate) fn conversion_to(unit: &str, slot: Slot) -> Option<Conversion> {
 /// Seconds per unit, of a unit of time.
 pub(crate) fn seconds(unit: &str) -> Option<f64> {
     match Unit::of(unit) {
-        Unit::Known(Quantity::Time, seconds) => Some(seconds),
+        Unit::Known(Quantity::Time, conversion) => Some(conversion.factor),
         _ => None,
     }
 }
@@ -53,7 +53,7 @@ pub(crate) fn clock(name: &str) -> Option<f64> {
     match Unit::of(&unit) {
         // What comma's logs call their clock, in ns.
         Unit::Silent if letters == "logmonotime" => Some(1e-9),
-        Unit::Known(Quantity::Time, seconds) if is_clock => Some(seconds),
+        Unit::Known(Quantity::Time, conversion) if is_clock => Some(conversion.factor),
         Unit::Silent if is_clock => Some(1.0),
         _ => None,
     }
@@ -65,6 +65,14 @@ pub(crate) fn clocks(names: &[String]) -> Vec<(usize, f64)> {
     let clocks: Vec<_> = places().filter_map(|(place, name)| Some((place, clock(name)?))).collect();
     if !clocks.is_empty() {
         return clocks;
+    }
+    // What loggers on telephones and race cars call their clock beside others, the finest first.
+    let letters = |name: &str| name.to_lowercase().replace([' ', '_'], "");
+    let own = ["interval", "devicetime", "elapsedtime"]
+        .into_iter()
+        .find_map(|clock| places().find(|(_, name)| letters(name) == clock));
+    if let Some((place, _)) = own {
+        return vec![(place, 1.0)];
     }
     places().filter(|(_, name)| is_date(name)).map(|(place, _)| (place, 1.0)).collect()
 }

@@ -19,7 +19,7 @@
 pub mod align;
 pub(crate) mod column_unit;
 pub(crate) use column_unit::is_unit;
-mod listing;
+pub(crate) mod listing;
 mod map;
 pub(crate) mod names;
 pub(crate) mod problem;
@@ -28,6 +28,8 @@ mod report;
 mod resolve;
 mod units;
 
+use itpms_core::model::Corner;
+
 use crate::log::Slot;
 pub use align::Aligner;
 pub use listing::{ListedGroup, ListedSignal, Lister, Listing};
@@ -35,7 +37,10 @@ pub use map::SignalMap;
 use map::{Entry, Scale};
 pub use problem::SignalProblem;
 pub use remark::{Remark, Source};
-pub use resolve::{Chosen, Resolved, resolve, resolve_knowing};
+pub use report::doubt_of;
+#[cfg(any(feature = "can", feature = "mdf4"))]
+pub(crate) use resolve::contested;
+pub use resolve::{Chosen, Resolved, resolve, resolve_among, resolve_knowing};
 
 /// One value of one signal at its own time.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,6 +80,20 @@ impl Candidate {
             (false, None) => false,
         }
     }
+}
+
+/// What an element of an array is called as a signal. Four elements whose name says what of a wheel they are, and not of which, are one for
+/// each wheel, in the order in which all write them: `WheelSpeed[fl]`, `[fr]`, `[rl]`, `[rr]`. Others keep their number.
+#[cfg_attr(not(any(feature = "mdf4", feature = "mcap")), expect(dead_code))]
+pub(crate) fn element_name(group: &str, array: &str, unit: &str, number: usize, of: usize) -> String {
+    let of_wheel = |corner: Corner| {
+        let name = format!("{array}[{}]", corner.label());
+        let is_own = names::meaning_in(group, &name, unit)
+            .is_some_and(|(slot, _)| matches!(slot, Slot::Corner(own, _) if own == corner));
+        is_own.then_some(name)
+    };
+    let corner = Corner::ALL.get(number).copied().filter(|_| of == Corner::ALL.len());
+    corner.and_then(of_wheel).unwrap_or_else(|| format!("{array}[{number}]"))
 }
 
 /// Something in a log that could be a signal but cannot be read.

@@ -6,7 +6,7 @@
 
 use itpms_core::model::Corner;
 
-use crate::log::{Field, Motion, Slot};
+use crate::log::{AirField, Field, Motion, Slot};
 
 /// How sure the words are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -40,6 +40,11 @@ enum Word {
     Lateral,
     Longitudinal,
     Temperature,
+    /// Of the air around the car, and words that go with it.
+    Ambient,
+    Air,
+    Barometer,
+    Altitude,
     /// As a group's name: what other instruments have measured.
     Reference,
     /// A unit in which nothing but a speed over ground is given, so that of a corner it is its wheel's.
@@ -54,7 +59,7 @@ enum Word {
 }
 
 #[rustfmt::skip]
-const WORDS: [(&str, Word); 170] = [
+const WORDS: [(&str, Word); 193] = [
     ("fl", Word::Corner(Corner::FrontLeft)), ("lf", Word::Corner(Corner::FrontLeft)), ("vl", Word::Corner(Corner::FrontLeft)),
     ("fr", Word::Corner(Corner::FrontRight)), ("rf", Word::Corner(Corner::FrontRight)), ("vr", Word::Corner(Corner::FrontRight)),
     ("rl", Word::Corner(Corner::RearLeft)), ("lr", Word::Corner(Corner::RearLeft)), ("hl", Word::Corner(Corner::RearLeft)),
@@ -73,6 +78,11 @@ const WORDS: [(&str, Word); 170] = [
     ("beschleunigung", Word::Acceleration), ("vertikal", Word::Vertical), ("fahrzeug", Word::Vehicle), ("fzg", Word::Vehicle),
     ("geschwindigkeit", Word::Speed), ("geschw", Word::Speed), ("speeds", Word::Speed),
     ("gier", Word::Yaw), ("inline", Word::Longitudinal),
+    ("ambient", Word::Ambient), ("amb", Word::Ambient), ("outside", Word::Ambient), ("outdoor", Word::Ambient), ("exterior", Word::Ambient),
+    ("external", Word::Ambient), ("aussen", Word::Ambient), ("umgebung", Word::Ambient), ("umgebungs", Word::Ambient), ("aat", Word::Ambient), ("oat", Word::Ambient),
+    ("air", Word::Air), ("luft", Word::Air), ("atmospheric", Word::Ambient), ("barometric", Word::Barometer), ("barometer", Word::Barometer), ("baro", Word::Barometer),
+    ("luftdruck", Word::Barometer), ("altitude", Word::Altitude), ("alt", Word::Altitude),
+    ("temperatur", Word::Temperature), ("druck", Word::Pressure),
     // A speed of rotation, as in `WhlFl_W_Meas` and `VehYaw_W_Actl`.
     ("w", Word::Speed), ("meas", Word::Filler), ("actl", Word::Filler), ("esp", Word::Filler), ("abs", Word::Filler),
     ("tire", Word::Tire), ("tyre", Word::Tire), ("tpms", Word::Tire),
@@ -85,7 +95,7 @@ const WORDS: [(&str, Word); 170] = [
     ("reference", Word::Reference), ("truth", Word::Reference), ("kpa", Word::Filler), ("bar", Word::Filler), ("psi", Word::Filler), ("mm", Word::Filler),
     ("x", Word::Longitudinal), ("y", Word::Lateral), ("lat", Word::Lateral), ("lateral", Word::Lateral), ("lon", Word::Longitudinal),
     ("long", Word::Longitudinal), ("longitudinal", Word::Longitudinal), ("pedal", Word::Other), ("gyro", Word::Filler), ("yaw", Word::Yaw),
-    ("roll", Word::Other), ("pitch", Word::Other), ("angle", Word::Other), ("angular", Word::Other), ("rate", Word::Rate),
+    ("roll", Word::Other), ("pitch", Word::Other), ("angle", Word::Other), ("angular", Word::Other), ("orientation", Word::Other), ("rate", Word::Rate),
     ("temp", Word::Temperature), ("temperature", Word::Temperature), ("status", Word::Other), ("stat", Word::Other), ("state", Word::Other),
     ("sts", Word::Other), ("valid", Word::Other), ("validity", Word::Other), ("quality", Word::Other), ("qual", Word::Other),
     ("qualifier", Word::Other), ("qf", Word::Other), ("error", Word::Other), ("err", Word::Other), ("fault", Word::Other),
@@ -118,11 +128,17 @@ pub(crate) fn meaning_in(group: &str, name: &str, unit: &str) -> Option<(Slot, F
     let bare_speed = over_ground || unit.is_empty() && own.iter().all(alone);
     let has = |word| own.contains(&word);
     let says = |word| own.contains(&word) || around.contains(&word);
+    if let Some(field) = air(&own) {
+        let sure = !has(Word::Unknown) && !has(Word::Reference);
+        return Some((Slot::Air(field), if sure { Fit::AllWords } else { Fit::SomeWords }));
+    }
     if has(Word::Other) || says(Word::Machine) || has(Word::Temperature) && !says(Word::Tire) {
         return None;
     }
     let corner = corner(&own).or_else(|| if names_corner(&own) { None } else { corner(&around) });
-    let complete = !has(Word::Unknown) && !has(Word::Reference);
+    let stranger =
+        [Word::Unknown, Word::Reference, Word::Ambient, Word::Air, Word::Barometer, Word::Altitude];
+    let complete = !stranger.into_iter().any(has);
     let fit = |sure: bool| if sure && complete { Fit::AllWords } else { Fit::SomeWords };
     if [Word::Yaw, Word::Rate, Word::Lateral, Word::Longitudinal].into_iter().any(has) {
         let of_the_car = corner.is_none() && !says(Word::Wheel) && !names_corner(&own);
@@ -153,6 +169,31 @@ pub(crate) fn meaning_in(group: &str, name: &str, unit: &str) -> Option<(Slot, F
         return Some((Slot::Speed, fit(says(Word::Vehicle))));
     }
     None
+}
+
+/// What of the air it is, if it is of that: all by its own name, and nothing of a corner or an engine in it.
+fn air(words: &[Word]) -> Option<AirField> {
+    let has = |word| words.contains(&word);
+    let others = [
+        Word::Other,
+        Word::Machine,
+        Word::Tire,
+        Word::Wheel,
+        Word::Body,
+        Word::Road,
+        Word::Speed,
+        Word::Rate,
+    ];
+    if others.into_iter().any(has) || names_corner(words) {
+        return None;
+    }
+    match (has(Word::Ambient), has(Word::Temperature), has(Word::Pressure)) {
+        (true, true, false) => Some(AirField::Temperature),
+        (true, false, true) => Some(AirField::Pressure),
+        (false, false, _) if has(Word::Barometer) => Some(AirField::Pressure),
+        (false, false, false) if has(Word::Altitude) => Some(AirField::Altitude),
+        _ => None,
+    }
 }
 
 /// How a car moves, if it is that: yaw has a rate or a speed, an acceleration one direction.
@@ -310,6 +351,16 @@ mod tests {
             ("carState.wheelSpeeds", "rr", "rr_wheel_speed_m_s"),
             ("", "carState_wheelSpeeds_fl", "fl_wheel_speed_m_s"),
             ("", "carState_vEgo", "speed_m_s"),
+            // The air around a car: J1939 (AMB), OBD, a telephone's GPS.
+            ("AMB", "AmbientAirTemp", "ambient_temperature_c"),
+            ("AMB", "BarometricPress", "barometric_kpa"),
+            ("", "Ambient air temperature [°C]", "ambient_temperature_c"),
+            ("Engine", "OutsideTemp", "ambient_temperature_c"),
+            ("", "ABSOLUTE_BAROMETRIC_PRESSURE", "barometric_kpa"),
+            ("", "BarometricPressure", "barometric_kpa"),
+            ("", "AtmosphericPressure", "barometric_kpa"),
+            ("", "Aussentemperatur", "ambient_temperature_c"),
+            ("GPS", "Altitude", "altitude_m"),
             // German: vorne, hinten; links, rechts.
             ("", "Radgeschwindigkeit VL", "fl_wheel_speed_m_s"),
             ("", "Radgeschwindigkeit HR [km/h]", "rr_wheel_speed_m_s"),
@@ -353,6 +404,11 @@ mod tests {
             ("", "Pressure_FL"),
             ("", "Temp_FL"),
             ("Brakes", "BrakeTemp_FL"),
+            ("AMB", "EngAirIntakeTemp"),
+            ("AMB", "CabInteriorTemp"),
+            ("AMB", "RoadSurfaceTemp"),
+            ("", "AmbientAirTempStatus"),
+            ("", "AirPressure"),
             ("", "counter"),
             ("", ""),
         ] {

@@ -63,6 +63,13 @@ pub enum Remark {
         /// What it is.
         why: String,
     },
+    /// A signal could be it, but has no samples in this log; it is not taken.
+    NoSamples {
+        /// The column.
+        slot: Slot,
+        /// The signal.
+        signal: String,
+    },
     /// The map has one signal for two columns.
     UsedTwice {
         /// The signal.
@@ -76,9 +83,10 @@ impl Remark {
     /// Whether a corner may lack an acceleration because of it.
     pub(super) fn is_of_acceleration(&self) -> bool {
         match self {
-            Remark::Ambiguous { slot, .. } | Remark::Unit { slot, .. } | Remark::Unread { slot, .. } => {
-                slot.is_acceleration()
-            }
+            Remark::Ambiguous { slot, .. }
+            | Remark::Unit { slot, .. }
+            | Remark::Unread { slot, .. }
+            | Remark::NoSamples { slot, .. } => slot.is_acceleration(),
             Remark::UsedTwice { .. } => false,
         }
     }
@@ -107,6 +115,9 @@ impl fmt::Display for Remark {
             }
             Remark::Unread { slot, signal, why } => {
                 write!(f, "{} could be {signal}, which cannot be read: it is {why}", slot.name())
+            }
+            Remark::NoSamples { slot, signal } => {
+                write!(f, "{} could be {signal}, which has no samples in this log", slot.name())
             }
             Remark::UsedTwice { signal, slots: [first, second] } => {
                 write!(f, "{signal} is both {} and {}", first.name(), second.name())

@@ -125,9 +125,19 @@ impl Resolved {
     /// its clock.
     #[must_use]
     pub fn to_toml(&self, clock: Option<&str>) -> String {
+        self.to_toml_in(clock, None)
+    }
+
+    /// The same with the clock's unit, where it does not say it itself.
+    #[must_use]
+    pub fn to_toml_in(&self, clock: Option<&str>, unit: Option<&str>) -> String {
         let mut out = String::from("[signals]\n");
-        if let Some(name) = clock {
-            let _ = writeln!(out, "{} = \"{}\"", Slot::Time.name(), escaped(name));
+        if let Some(name) = clock.map(escaped) {
+            let value = match unit {
+                Some(unit) => format!("{{ signal = \"{name}\", unit = \"{unit}\" }}"),
+                None => format!("\"{name}\""),
+            };
+            let _ = writeln!(out, "{} = {value}", Slot::Time.name());
         }
         for slot in Slot::all().filter(|slot| *slot != Slot::Time) {
             let column = slot.name();
@@ -137,7 +147,7 @@ impl Resolved {
                     let _ = writeln!(out, "{column} = {value}");
                 }
                 None => {
-                    let doubt = |remark: &&Remark| matches!(remark, Remark::Ambiguous { slot: s, .. } | Remark::Unit { slot: s, .. } | Remark::Unread { slot: s, .. } if *s == slot);
+                    let doubt = |remark: &&Remark| matches!(remark, Remark::Ambiguous { slot: s, .. } | Remark::Unit { slot: s, .. } | Remark::Unread { slot: s, .. } | Remark::NoSamples { slot: s, .. } if *s == slot);
                     if let Some(remark) = self.remarks.iter().find(doubt) {
                         let text: String = remark.to_string().chars().map(one_line).collect();
                         let _ = writeln!(out, "# {text}");
@@ -145,6 +155,7 @@ impl Resolved {
                     let optional = match slot {
                         Slot::Corner(_, Field::Pressure | Field::Road) => " (the truth, where it is known)",
                         _ if slot.is_tire_sensor() => " (the car's own tire sensor, where it has one)",
+                        Slot::Air(_) => " (the air around the car, for cold pressures)",
                         _ => "",
                     };
                     let _ = writeln!(out, "# {column} = \"\"{optional}");
@@ -153,6 +164,14 @@ impl Resolved {
         }
         out
     }
+}
+
+/// What was doubtful about a corner's accelerations, of what is reported of a log's signals: more than that it has none.
+#[must_use]
+pub fn doubt_of(corner: Corner, reported: &[String]) -> Option<&str> {
+    let columns = [Field::BodyAccel, Field::WheelAccel].map(|field| Slot::Corner(corner, field).name());
+    let is_of_it = |text: &&String| columns.iter().any(|column| text.contains(column.as_str()));
+    reported.iter().find(is_of_it).map(String::as_str)
 }
 
 fn one_line(c: char) -> char {

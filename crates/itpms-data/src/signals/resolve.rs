@@ -38,6 +38,8 @@ pub struct Resolved {
     pub(super) chosen: [Option<Chosen>; SLOTS],
     pub(super) remarks: Vec<Remark>,
     pub(super) candidates: usize,
+    /// Columns of which there are only signals without samples.
+    pub(super) without_samples: Vec<Slot>,
     /// What there is besides and cannot be read.
     pub(super) unread: Vec<Unread>,
 }
@@ -52,6 +54,12 @@ impl Resolved {
     /// Every column that gets something, in the order of [`Slot::all`].
     pub fn iter(&self) -> impl Iterator<Item = &Chosen> {
         self.chosen.iter().flatten()
+    }
+
+    /// The columns that would get something if it had samples.
+    #[must_use]
+    pub fn without_samples(&self) -> &[Slot] {
+        &self.without_samples
     }
 
     /// The columns that get something, in the order of [`Slot::all`].
@@ -79,10 +87,26 @@ pub fn resolve_knowing(
     unread: &[Unread],
     map: Option<&SignalMap>,
 ) -> Result<Resolved, DataError> {
+    resolve_among(candidates, &[], unread, map)
+}
+
+/// The same where it is known which candidates have samples in this log; beyond the end of `has_samples` all have. One without is no column
+/// unless the map names it and no other.
+///
+/// # Errors
+/// As [`resolve`].
+pub fn resolve_among(
+    candidates: &[Candidate],
+    has_samples: &[bool],
+    unread: &[Unread],
+    map: Option<&SignalMap>,
+) -> Result<Resolved, DataError> {
+    let is_empty = |place: &usize| has_samples.get(*place) == Some(&false);
     let mut resolved = Resolved {
         chosen: [const { None }; SLOTS],
         remarks: Vec::new(),
         candidates: candidates.len(),
+        without_samples: Vec::new(),
         unread: unread.to_vec(),
     };
     let mut settled = [false; SLOTS];
@@ -90,7 +114,7 @@ pub fn resolve_knowing(
     for (map, entry) in map.into_iter().flat_map(|map| map.entries.iter().map(move |entry| (map, entry))) {
         settled[entry.slot.index()] = true;
         let Some(signal) = &entry.signal else { continue };
-        let chosen = by_map(candidates, unread, entry, signal)
+        let chosen = by_map(candidates, &is_empty, unread, entry, signal)
             .map_err(|problem| DataError::new(&map.path, Problem::Signals(problem)))?;
         let before = resolved.iter().find(|other| other.candidate == chosen.candidate);
         if let Some(other) = before {
@@ -107,10 +131,17 @@ pub fn resolve_knowing(
         if matches!(slot, Slot::Motion(_)) && !resolved.has_wheel_speeds() {
             continue;
         }
-        match fits.best(candidates, slot, taken) {
+        match fits.best(candidates, &is_empty, slot, taken) {
             Best::Nothing => resolved.remarks.extend(unread.iter().find_map(|unread| unread.as_column(slot))),
             Best::One(chosen) => resolved.chosen[slot.index()] = Some(chosen),
-            Best::Doubt(remark) => resolved.remarks.push(remark),
+            Best::Doubt(remark) => {
+                let is_empty = matches!(remark, Remark::NoSamples { .. });
+                resolved.without_samples.extend(is_empty.then_some(slot));
+                // What few cars send is not missed.
+                if !is_empty || slot.is_acceleration() || slot == Slot::Speed {
+                    resolved.remarks.push(remark);
+                }
+            }
         }
     }
     Ok(resolved)
@@ -126,8 +157,33 @@ impl Unread {
     }
 }
 
+/// The candidates of which only one can be taken, in the order of their places: several fit one column, or are what the map calls one.
+#[cfg(any(feature = "can", feature = "mdf4"))]
+#[must_use]
+pub(crate) fn contested(candidates: &[Candidate], map: Option<&SignalMap>) -> Vec<usize> {
+    let mut contested = Vec::new();
+    let mut several = |places: Vec<usize>| {
+        if places.len() > 1 {
+            contested.extend(places);
+        }
+    };
+    let entries = || map.into_iter().flat_map(|map| &map.entries);
+    let by_name = |slot: &Slot| entries().all(|entry| entry.slot != *slot);
+    let fits = Fits::of(candidates);
+    Slot::all().filter(by_name).for_each(|slot| several(fits.places[slot.index()].concat()));
+    for signal in entries().filter_map(|entry| entry.signal.as_deref()) {
+        let called =
+            |(_, candidate): &(usize, &Candidate)| candidate.name == signal || candidate.is_called(signal);
+        several(candidates.iter().enumerate().filter(called).map(|(place, _)| place).collect());
+    }
+    contested.sort_unstable();
+    contested.dedup();
+    contested
+}
+
 fn by_map(
     candidates: &[Candidate],
+    is_empty: &impl Fn(&usize) -> bool,
     unread: &[Unread],
     entry: &Entry,
     signal: &str,
@@ -140,6 +196,9 @@ fn by_map(
     let mut found = called(&|candidate| candidate.is_called(signal));
     if found.is_empty() {
         found = called(&|candidate| candidate.name == signal);
+    }
+    if !found.iter().all(is_empty) {
+        found.retain(|place| !is_empty(place));
     }
     let place = match found[..] {
         [place] => place,
@@ -262,13 +321,25 @@ impl Fits {
     }
 
     /// The surest candidate of a usable unit that no other column has been given.
-    fn best(&self, candidates: &[Candidate], slot: Slot, taken: impl Fn(usize) -> bool) -> Best {
+    fn best(
+        &self,
+        candidates: &[Candidate],
+        is_empty: &impl Fn(&usize) -> bool,
+        slot: Slot,
+        taken: impl Fn(usize) -> bool,
+    ) -> Best {
         let mut doubt = None;
+        let mut empty = None;
         for (source, places) in STEPS.into_iter().zip(&self.places[slot.index()]) {
             let free = places.iter().copied().filter(|place| !taken(*place));
             let mut usable = Vec::new();
             for place in free {
                 let candidate = &candidates[place];
+                if is_empty(&place) {
+                    let missed = || Remark::NoSamples { slot, signal: candidate.full_name() };
+                    empty = empty.or_else(|| Some(missed()));
+                    continue;
+                }
                 match (Unit::of(&candidate.unit), source) {
                     (Unit::Silent, Source::Name | Source::Letters) => {
                         usable.push((place, Conversion::IDENTITY));
@@ -295,6 +366,6 @@ impl Fits {
                 }
             }
         }
-        doubt.map_or(Best::Nothing, Best::Doubt)
+        doubt.or(empty).map_or(Best::Nothing, Best::Doubt)
     }
 }

@@ -13,8 +13,8 @@ use crate::log::{Quantity, Slot};
 pub(crate) enum Unit {
     /// Nothing, or a dash: the file does not say.
     Silent,
-    /// A unit of this quantity; times the factor it is in the quantity's own.
-    Known(Quantity, f64),
+    /// A unit of this quantity, and how it becomes the quantity's own.
+    Known(Quantity, Conversion),
     /// Some word.
     Unknown,
 }
@@ -39,21 +39,33 @@ impl Unit {
             let lower = plain.to_lowercase();
             UNITS.iter().find(|(name, ..)| name.to_lowercase() == lower)
         });
-        found.map_or(Unit::Unknown, |(_, quantity, factor)| Unit::Known(*quantity, *factor))
+        found.map_or(Unit::Unknown, |(name, quantity, factor)| {
+            Unit::Known(*quantity, Conversion { factor: *factor, offset: offset(name) })
+        })
     }
 
     /// The conversion to the unit of this column, if it is a unit of what the column measures.
     pub(crate) fn conversion_to(self, slot: Slot) -> Option<Conversion> {
         match self {
-            Unit::Known(quantity, factor) if quantity == Quantity::of(slot) => {
-                Some(Conversion { factor, offset: 0.0 })
-            }
+            Unit::Known(quantity, conversion) if quantity == Quantity::of(slot) => Some(conversion),
             // A switch has no unit.
             Unit::Silent if Quantity::of(slot) == Quantity::Switch => Some(Conversion::IDENTITY),
             _ => None,
         }
     }
 }
+
+/// Zero of a unit in the quantity's own, where it has another one.
+fn offset(unit: &str) -> f64 {
+    match unit {
+        "K" | "degK" | "Kelvin" => -273.15,
+        "degF" | "°F" | "Fahrenheit" | "DegreesFahrenheit" => -32.0 * FAHRENHEIT,
+        _ => 0.0,
+    }
+}
+
+/// A degree Fahrenheit in K.
+const FAHRENHEIT: f64 = 5.0 / 9.0;
 
 /// A turn and a degree in rad.
 const TURN: f64 = std::f64::consts::TAU;
@@ -78,7 +90,7 @@ fn plain(text: &str) -> String {
 }
 
 #[rustfmt::skip]
-const UNITS: [(&str, Quantity, f64); 106] = {
+const UNITS: [(&str, Quantity, f64); 115] = {
     use Quantity::{Acceleration, Length, Pressure, Rotation, Speed, Temperature, Time};
     [
         ("m/s2", Acceleration, 1.0), ("m/s/s", Acceleration, 1.0), ("ms-2", Acceleration, 1.0), ("mps2", Acceleration, 1.0),
@@ -101,6 +113,7 @@ const UNITS: [(&str, Quantity, f64); 106] = {
         ("kPa", Pressure, 1.0), ("KiloPascal", Pressure, 1.0), ("Pa", Pressure, 1e-3), ("hPa", Pressure, 0.1), ("mbar", Pressure, 0.1),
         ("bar", Pressure, PressureUnit::Bar.kpa()), ("barg", Pressure, PressureUnit::Bar.kpa()), ("MPa", Pressure, 1000.0),
         ("psi", Pressure, PressureUnit::Psi.kpa()), ("psig", Pressure, PressureUnit::Psi.kpa()), ("kgf/cm2", Pressure, 98.066_5),
+        ("inHg", Pressure, 3.386_389), ("mmHg", Pressure, 0.133_322_4),
 
         ("m", Length, 1.0), ("mm", Length, 1e-3), ("cm", Length, 0.01), ("dm", Length, 0.1), ("um", Length, 1e-6),
         ("meter", Length, 1.0), ("in", Length, 0.0254), ("inch", Length, 0.0254), ("ft", Length, 0.3048), ("km", Length, 1000.0),
@@ -117,6 +130,9 @@ const UNITS: [(&str, Quantity, f64); 106] = {
         ("days", Time, 86_400.0),
 
         ("degC", Temperature, 1.0), ("°C", Temperature, 1.0), ("C", Temperature, 1.0), ("Cel", Temperature, 1.0), ("DegreesCelsius", Temperature, 1.0),
+        ("K", Temperature, 1.0), ("degK", Temperature, 1.0), ("Kelvin", Temperature, 1.0),
+        ("degF", Temperature, FAHRENHEIT), ("°F", Temperature, FAHRENHEIT), ("Fahrenheit", Temperature, FAHRENHEIT),
+        ("DegreesFahrenheit", Temperature, FAHRENHEIT),
     ]
 };
 
@@ -125,7 +141,7 @@ mod tests {
     use itpms_core::model::Corner;
 
     use super::*;
-    use crate::log::Field;
+    use crate::log::{AirField, Field};
 
     fn factor(text: &str, slot: Slot) -> Option<f64> {
         Unit::of(text).conversion_to(slot).map(|conversion| conversion.factor)
@@ -157,6 +173,28 @@ mod tests {
         assert!((factor("psi", pressure).unwrap() - 6.894_757).abs() < 1e-6);
         assert_eq!(factor("bar", pressure), Some(100.0));
         assert_eq!(factor("mm", Slot::Corner(Corner::RearLeft, Field::Road)), Some(0.001));
+    }
+
+    #[test]
+    fn the_air_is_measured_in_many_units() {
+        let air = |text: &str, field, value: f64| {
+            let conversion = Unit::of(text).conversion_to(Slot::Air(field));
+            conversion.map(|conversion| (1e3 * conversion.apply(value)).round() / 1e3)
+        };
+        for (unit, value) in [("degC", -10.0), ("deg C", -10.0), ("K", 263.15), ("degF", 14.0), ("°F", 14.0)]
+        {
+            assert_eq!(air(unit, AirField::Temperature, value), Some(-10.0), "{unit}");
+        }
+        for (unit, value) in
+            [("kPa", 101.325), ("hPa", 1013.25), ("mbar", 1013.25), ("bar", 1.01325), ("inHg", 29.921_26)]
+        {
+            assert_eq!(air(unit, AirField::Pressure, value), Some(101.325), "{unit}");
+        }
+        assert_eq!(air("ft", AirField::Altitude, 1000.0), Some(304.8));
+        assert_eq!(
+            (air("degC", AirField::Pressure, 1.0), air("m", AirField::Temperature, 1.0)),
+            (None, None)
+        );
     }
 
     #[test]

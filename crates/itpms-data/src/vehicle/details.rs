@@ -55,6 +55,8 @@ pub struct VehicleDetails {
     pub driven: Option<Driven>,
     /// Whether a driven axle's wheels are coupled: a limited-slip or locked differential.
     pub limited_slip: bool,
+    /// Height in m above the sea at which the tires are filled; `None`: at sea level.
+    pub home_altitude_m: Option<f64>,
     /// By corner, in the order of [`Corner::ALL`](itpms_core::model::Corner::ALL); empty for a corner that the vehicle does not have.
     pub corners: [CornerDetails; 4],
 }

@@ -75,7 +75,7 @@ mod write;
 
 use std::path::Path;
 
-use itpms_core::model::{CarConfig, Corner, CornerConfig, PressureMap};
+use itpms_core::model::{CarConfig, Corner, CornerConfig, PressureMap, standard_atmosphere_kpa};
 use itpms_core::model::{ParameterError, QuarterCar};
 use itpms_core::torsion::TorsionConfig;
 use itpms_core::wheel_speed::WheelSpeedConfig;
@@ -85,6 +85,7 @@ use toml::de::DeTable;
 use crate::error::{DataError, Problem};
 use crate::toml_table::{Table, syntax_problem};
 
+pub use crate::pressure_unit::pressure_in_other_unit;
 pub use derived::CornerFigures;
 pub use details::{CornerDetails, Driven, TireDetails, VehicleDetails};
 pub use itpms_core::model::{Confidence, ParameterUncertainty};
@@ -187,6 +188,12 @@ impl Vehicle {
     #[must_use]
     pub fn corner(&self, corner: Corner) -> Option<&CornerConfig<f64>> {
         self.corners[corner.index()].as_ref()
+    }
+
+    /// Pressure of the air in kPa where the tires are filled.
+    #[must_use]
+    pub fn home_kpa(&self) -> f64 {
+        standard_atmosphere_kpa(self.details.home_altitude_m.unwrap_or(0.0))
     }
 
     /// What an estimator of these corners is given; corners that the vehicle does not have are left out.
@@ -455,7 +462,7 @@ fn read_corner(
     let lacks = || Problem::MissingKey {
         line: table.line(),
         table: table.path().to_owned(),
-        key: "tire; expected a table [tire] for all corners or one under this corner",
+        key: "tire; expected a table [tire] for all corners or one under this corner".to_owned(),
     };
     let (tire, tire_details) = own.or(common_tire).ok_or_else(lacks)?;
     let tire = tire.ok_or_else(|| table.lacks("tire.stiffness_per_kpa"))?;

@@ -7,7 +7,7 @@ use super::details::{CornerDetails, Driven, TireDetails, VehicleDetails};
 use crate::error::Problem;
 use crate::toml_table::Table;
 
-pub(super) const VEHICLE_KEYS: [&str; 10] = [
+pub(super) const VEHICLE_KEYS: [&str; 11] = [
     "name",
     "id",
     "learned",
@@ -18,6 +18,7 @@ pub(super) const VEHICLE_KEYS: [&str; 10] = [
     "track_rear_m",
     "driven",
     "limited_slip",
+    "home_altitude_m",
 ];
 
 /// The largest relative standard deviation that says anything: beyond, a value is a guess of its own order.
@@ -33,6 +34,7 @@ pub(super) fn vehicle(table: &Table<'_>) -> Result<VehicleDetails, Problem> {
         track_rear_m: checked(table, "track_rear_m")?,
         driven: word(table, "driven", Driven::ALL.map(|d| (d.label(), d)), DRIVEN)?,
         limited_slip: table.flag("limited_slip")?.unwrap_or(false),
+        home_altitude_m: between(table, "home_altitude_m", -500.0, 6000.0, "a height of -500 to 6000 m")?,
         ..VehicleDetails::default()
     })
 }

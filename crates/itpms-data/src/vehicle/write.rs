@@ -32,6 +32,7 @@ pub(super) fn vehicle(vehicle: &Vehicle) -> String {
     if details.limited_slip {
         out.push_str("limited_slip = true\n");
     }
+    numbers(&mut out, [("home_altitude_m", details.home_altitude_m)]);
     if vehicle.corners.iter().all(Option::is_none) {
         wheels(&mut out, &details.corners);
     }

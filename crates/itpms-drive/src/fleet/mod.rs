@@ -8,6 +8,7 @@
 //! | [`record`] | what is kept of a drive, and the file that keeps it |
 //! | `one` | one drive |
 //! | `crew` | several at a time |
+//! | [`days`] | slow leaks, over a car's drives |
 //! | `tables` | `fleet.csv`, `fleet.parquet`, `failed.csv` |
 //! | [`standing`] | how each car stands after its last drive |
 //! | [`wheels`] | what a drive showed of each wheel |
@@ -19,6 +20,7 @@
 
 pub mod cars;
 mod crew;
+pub mod days;
 pub mod found;
 mod histogram;
 mod one;
@@ -159,12 +161,13 @@ pub fn survey(plan: &Plan, watch: Watch<'_>) -> Result<Outcome, DriveError> {
         .filter(|drive| !failed.contains_key(&drive.number))
         .filter_map(|drive| records.of(&drive.file.name()).cloned())
         .collect();
-    let outcome = Outcome {
-        drives: in_order(drives),
-        failed: failed.into_values().collect(),
-        kept,
-        damaged: records.damaged,
-    };
+    let mut drives = in_order(drives);
+    days::judge(&mut drives, plan.settings.pressure_unit, |record| {
+        let drive = assigned.iter().find(|drive| drive.file.name() == record.file)?;
+        let reference = carried(plan, drive, &assigned, &records).or_else(|| drive.car.reference.clone())?;
+        Some((drive.car.vehicle.as_ref().ok()?, reference))
+    });
+    let outcome = Outcome { drives, failed: failed.into_values().collect(), kept, damaged: records.damaged };
     tables::write(&plan.out, &outcome)?;
     page::write(plan, &outcome)?;
     Ok(outcome)

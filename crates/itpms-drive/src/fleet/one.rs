@@ -8,7 +8,7 @@ use itpms_data::out::{RadiusRow, States, WheelSpeedUse};
 use itpms_data::{LogReader, LogRow};
 
 use super::cars::Car;
-use super::record::{DriveRecord, Inputs};
+use super::record::{DayRecord, DriveRecord, Inputs};
 use super::wheels::{Begun, wheels};
 use super::{Plan, beneath, reference_path};
 use crate::concerns::common_corners;
@@ -89,6 +89,7 @@ pub(super) fn run(
         wheels: wheels(&done, &sink.begun),
         alerts: done.alerts.sentences(drive.origin_s, settings.pressure_unit).collect(),
         concerns: std::mem::take(&mut done.concerns),
+        day: DayRecord::of(&done.learned),
         report: within(&paths.report),
         estimates: within(&paths.estimates),
     })

@@ -11,10 +11,11 @@ use itpms_data::out::AtomicFile;
 
 use super::found::natural;
 use super::histogram::histogram;
-use super::record::{DriveRecord, WheelRecord};
+use super::record::{DriveRecord, Loss, WheelRecord};
 use super::standing::{CarStanding, State, lowest, share};
 use super::{Failed, Outcome, Plan};
 use crate::error::DriveError;
+use crate::provenance::today;
 
 const TEMPLATE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
@@ -207,6 +208,14 @@ fn wheel_cell(drive: &DriveRecord, name: &str, unit: PressureUnit) -> String {
         return format!("<td class=\"wheel absent\" data-label=\"{short}\">–</td>");
     };
     let class = State::of_wheel(wheel).label();
+    if let (None, Some(lost)) = (wheel.last, wheel.lost) {
+        return format!(
+            "<td class=\"wheel {class}\" data-label=\"{short}\"><b>{:.0} %</b> <small>± {:.0} % lost<br>{}</small></td>",
+            100.0 * lost.share,
+            100.0 * lost.sd,
+            shows(lost),
+        );
+    }
     let Some(last) = wheel.last else {
         return format!("<td class=\"wheel {class}\" data-label=\"{short}\">not known</td>");
     };
@@ -219,6 +228,14 @@ fn wheel_cell(drive: &DriveRecord, name: &str, unit: PressureUnit) -> String {
         unit.number(wheel.placard_kpa, 0),
         whole_percent(0.8 * percent),
     )
+}
+
+/// What would have been found of a wheel, by wheel speeds.
+fn shows(lost: Loss) -> String {
+    match (100.0 * lost.detectable).ceil() {
+        percent if percent <= 90.0 => format!("{percent:.0} % would show"),
+        _ => "no loss would show".to_owned(),
+    }
 }
 
 /// The lowest wheel's share of the placard's pressure, drive by drive.
@@ -318,8 +335,20 @@ fn lowest_words(drive: &DriveRecord, unit: PressureUnit) -> String {
             let [now, placard] = [last.pressure_kpa, wheel.placard_kpa].map(|kpa| unit.number(kpa, 0));
             format!("{} {now} of {placard}\u{a0}{unit}", wheel.wheel.to_uppercase())
         }
-        None => "not known".to_owned(),
+        None => lost_words(drive).unwrap_or_else(|| "not known".to_owned()),
     }
+}
+
+/// `FL 29 % lost`, where wheel speeds are all there is.
+fn lost_words(drive: &DriveRecord) -> Option<String> {
+    let known = drive.wheels.iter().filter_map(|wheel| Some((wheel, wheel.lost?)));
+    let (wheel, lost) = known.max_by(|a, b| a.1.share.total_cmp(&b.1.share))?;
+    Some(format!(
+        "{} {:.0} ± {:.0}\u{a0}% lost",
+        wheel.wheel.to_uppercase(),
+        100.0 * lost.share,
+        100.0 * lost.sd
+    ))
 }
 
 fn duration(seconds: f64) -> String {
@@ -396,13 +425,15 @@ fn figures(drives: &[DriveRecord], cars: &[CarStanding<'_>], unit: PressureUnit)
         ))
         .panel(histogram("Share of a drive that is valid", ("Valid", "%"), &valid, Ink::Mended, "wheels"))
         .panel(histogram("Roads", ("Roughness (IRI)", "m/km"), &iri, Ink::Mended, "wheels"));
-    figure.html()
+    let (heading, figure) = ("<h2>The fleet in numbers</h2>", figure.html());
+    format!("<section id=\"numbers\">{heading}<div class=\"figures\">{figure}</div></section>\n")
 }
 
 fn provenance(plan: &Plan) -> String {
     let settings = &plan.settings;
     let mut rows = vec![
-        ("Program", format!("itpms {}", env!("CARGO_PKG_VERSION"))),
+        ("Program", settings.program.clone()),
+        ("Made on", today()),
         ("Estimator", settings.estimator.label().to_owned()),
         ("Warning limits", settings.regulation.name().to_owned()),
     ];

@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use itpms_core::wheel_speed::RadiusDay;
 use itpms_data::out::Ledger;
 use itpms_data::reference::crc64;
 use serde::{Deserialize, Serialize};
@@ -11,9 +12,30 @@ use serde_json::Value;
 
 use super::Plan;
 use crate::error::DriveError;
+use crate::reference::Taught;
 
 /// Key of the lines that say what the lines after them were computed with.
 const KEY: &str = "itpms_fleet";
+
+/// What a drive has shown of its day since the calibration with which it began.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DayRecord {
+    /// Days since the calibration.
+    pub day: f64,
+    /// Changes of the three ratios of radii in thousandths, with their covariance.
+    pub change_1e3: [f64; 3],
+    /// 00, 10, 11, 20, 21, 22.
+    pub covariance_1e6: [f64; 6],
+}
+
+impl DayRecord {
+    /// That of a drive which has a date, and has shown something.
+    pub(super) fn of(taught: &Taught) -> Option<Self> {
+        let days = taught.days?.ok().filter(|days| !days.is_empty())?;
+        let RadiusDay { day, change_1e3, covariance_1e6 } = days.newest;
+        Some(Self { day, change_1e3, covariance_1e6 })
+    }
+}
 
 /// What a drive's results depend on; with the same inputs it is not estimated again.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -43,6 +65,17 @@ pub struct Pressure {
     pub sd_kpa: f64,
 }
 
+/// What a tire has lost since the calibration, by wheel speeds alone: shares of its pressure.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Loss {
+    /// What it has lost.
+    pub share: f64,
+    /// Its standard deviation.
+    pub sd: f64,
+    /// The smallest loss that would have shown.
+    pub detectable: f64,
+}
+
 /// What a drive showed of one wheel.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct WheelRecord {
@@ -68,6 +101,8 @@ pub struct WheelRecord {
     pub malfunctions: u32,
     /// When first, in s.
     pub first_malfunction_s: Option<f64>,
+    /// What wheel speeds alone say of it at the end.
+    pub lost: Option<Loss>,
     /// Mean roughness of the road under it, in m/km.
     pub iri_m_per_km: Option<f64>,
     /// How well body and wheel go together.
@@ -118,6 +153,8 @@ pub struct DriveRecord {
     pub alerts: Vec<String>,
     /// What should be known before believing it, a sentence each.
     pub concerns: Vec<String>,
+    /// What it has shown of its day since the calibration, by wheel speeds and where it has a date.
+    pub day: Option<DayRecord>,
     /// Its report and its estimates, as paths within the folder of the results.
     pub report: Option<String>,
     /// Its estimates, likewise.

@@ -45,7 +45,9 @@ impl State {
             Self::Malfunction
         } else if wheel.state == "over" {
             Self::Over
-        } else if wheel.last.is_none() || matches!(wheel.state.as_str(), "unknown" | "uncertain") {
+        } else if wheel.last.is_none() && wheel.state != "fine"
+            || matches!(wheel.state.as_str(), "unknown" | "uncertain")
+        {
             Self::Unknown
         } else {
             Self::Fine

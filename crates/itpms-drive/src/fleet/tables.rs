@@ -8,7 +8,7 @@ use super::Outcome;
 use super::record::{DriveRecord, Pressure, WheelRecord};
 use crate::error::DriveError;
 
-const COLUMNS: [(&str, Kind); 30] = [
+const COLUMNS: [(&str, Kind); 33] = [
     ("file", Kind::Label),
     ("car", Kind::Label),
     ("vehicle", Kind::Label),
@@ -39,6 +39,9 @@ const COLUMNS: [(&str, Kind); 30] = [
     ("start_s", Kind::Number),
     ("calibration", Kind::Label),
     ("concerns", Kind::Label),
+    ("lost_share", Kind::Number),
+    ("lost_share_sd", Kind::Number),
+    ("detectable_loss", Kind::Number),
 ];
 
 /// Writes all tables.
@@ -67,7 +70,7 @@ pub(super) fn write(out: &Path, outcome: &Outcome) -> Result<(), DriveError> {
     Ok(table.finish()?.commit()?)
 }
 
-fn cells<'a>(drive: &'a DriveRecord, wheel: &'a WheelRecord, concerns: &'a str) -> [Cell<'a>; 30] {
+fn cells<'a>(drive: &'a DriveRecord, wheel: &'a WheelRecord, concerns: &'a str) -> [Cell<'a>; 33] {
     let number = |value: Option<f64>| Cell::Number(value.unwrap_or(f64::NAN));
     let of = |pressure: Option<Pressure>| match pressure {
         Some(p) => [p.pressure_kpa, p.sd_kpa, p.time_s].map(Cell::Number),
@@ -106,5 +109,8 @@ fn cells<'a>(drive: &'a DriveRecord, wheel: &'a WheelRecord, concerns: &'a str) 
         Cell::Number(drive.start_s),
         Cell::Label(drive.calibration()),
         Cell::Label(concerns),
+        number(wheel.lost.map(|lost| lost.share)),
+        number(wheel.lost.map(|lost| lost.sd)),
+        number(wheel.lost.map(|lost| lost.detectable)),
     ]
 }

@@ -5,7 +5,7 @@ use itpms_core::model::{Corner, Misfit, Warning};
 use itpms_core::warning::{Cause, WheelState};
 use itpms_data::out::{RadiusRow, state_label};
 
-use super::record::{FitRecord, Pressure, WheelRecord};
+use super::record::{FitRecord, Loss, Pressure, WheelRecord};
 use crate::alerts::Listed;
 use crate::drive::Estimates;
 use crate::run::{Done, Fit};
@@ -61,10 +61,24 @@ fn rolling(done: &Done, radii: &RadiusRow, corner: Corner) -> WheelRecord {
     let state = radii.states[corner.index()];
     let names = |listed: &&Listed| {
         listed.alert.wheels.contains(corner)
-            && matches!(listed.alert.cause, Cause::Differs { is_known: true, .. })
+            && matches!(listed.alert.cause, Cause::Differs { is_known: true, .. } | Cause::SlowLeak(_))
     };
     let begun: Vec<&Listed> = done.alerts.listed().iter().filter(names).collect();
-    let warning = if state == Some(WheelState::Low) { Warning::Low } else { Warning::None };
+    let faults = |listed: &&Listed| {
+        listed.alert.wheels.contains(corner) && matches!(listed.alert.cause, Cause::Malfunction(_))
+    };
+    let faults: Vec<&Listed> = done.alerts.listed().iter().filter(faults).collect();
+    let warning = match state {
+        Some(WheelState::Low) => Warning::Low,
+        Some(WheelState::Malfunction) => Warning::Malfunction,
+        _ => Warning::None,
+    };
+    let radius = &radii.radii.wheels[corner.index()];
+    let lost = radius.lost_share.is_finite().then_some(Loss {
+        share: radius.lost_share,
+        sd: radius.lost_share_sd,
+        detectable: radius.detectable_loss_share,
+    });
     let origin_s = done.data.drive.origin_s;
     WheelRecord {
         wheel: corner.label().to_owned(),
@@ -73,11 +87,12 @@ fn rolling(done: &Done, radii: &RadiusRow, corner: Corner) -> WheelRecord {
         warning: warning.label().to_owned(),
         last: None,
         lowest: None,
-        share_valid: f64::from(u8::from(radii.radii.wheels[corner.index()].informed)),
+        share_valid: f64::from(u8::from(radii.radii.wheels[corner.index()].informed())),
         warnings: u32::try_from(begun.len()).unwrap_or(u32::MAX),
         first_warning_s: begun.first().map(|listed| listed.alert.reported_s - origin_s),
-        malfunctions: 0,
-        first_malfunction_s: None,
+        malfunctions: u32::try_from(faults.len()).unwrap_or(u32::MAX),
+        first_malfunction_s: faults.first().map(|listed| listed.alert.reported_s - origin_s),
+        lost,
         iri_m_per_km: None,
         fit: None,
     }
@@ -98,6 +113,7 @@ fn wheel(corner: &CornerReport, [warnings, malfunctions]: [u32; 2], fit: Option<
         first_warning_s: figures.low_since_s,
         malfunctions,
         first_malfunction_s: figures.malfunction_since_s,
+        lost: None,
         iri_m_per_km: corner.road.as_ref().and_then(|road| road.iri_m_per_km),
         fit: fit.map(fitted),
     }

@@ -94,6 +94,7 @@ mod tests {
             tracks: vec![],
             alerts: vec![],
             sensors: vec![],
+            not_estimated: Default::default(),
             all_fine: false,
         };
         let [age, pace] = [age_s, pace_s].map(Duration::from_secs_f64);

@@ -13,7 +13,7 @@ use itpms_data::can::{CanFrame, CanId, Direction, FrameKind, candump};
 use itpms_data::dbc::{Dbc, Message};
 
 use super::{Output, WhenSlow};
-use crate::engine::Published;
+use crate::engine::{Published, unix_s};
 use crate::error::LiveError;
 use crate::input::{Note, Say};
 use crate::snapshot::{Snapshot, SourceState, Wheel};
@@ -60,7 +60,8 @@ impl Frames {
     pub fn of(&mut self, snapshot: &Snapshot) -> Vec<CanFrame> {
         let sets = self.sets;
         self.sets += 1;
-        let time_s = snapshot.unix_s;
+        // Sent again they are as old as before, and that is in them.
+        let time_s = unix_s();
         let mut frames = Vec::with_capacity(6);
         for message in self.dbc.messages() {
             let frame = if message.name == STATUS {

@@ -30,7 +30,7 @@ const CAR: [(&str, FieldType); 6] = [
     ("all_fine", FieldType::Flag),
 ];
 
-const WHEEL: [(&str, FieldType); 18] = [
+const WHEEL: [(&str, FieldType); 23] = [
     ("state", FieldType::Label),
     ("doubt", FieldType::Label),
     ("pressure_kpa", FieldType::Number),
@@ -39,6 +39,11 @@ const WHEEL: [(&str, FieldType); 18] = [
     ("axle_difference_sd_kpa", FieldType::Number),
     ("lost_kpa", FieldType::Number),
     ("lost_sd_kpa", FieldType::Number),
+    ("cold_pressure_kpa", FieldType::Number),
+    ("cold_pressure_sd_kpa", FieldType::Number),
+    ("lost_share", FieldType::Number),
+    ("lost_share_sd", FieldType::Number),
+    ("detectable_loss", FieldType::Number),
     ("level", FieldType::Label),
     ("stiffness_n_per_m", FieldType::Number),
     ("reference_kpa", FieldType::Number),

@@ -58,7 +58,7 @@ async fn listen(address: &BrokerAddress, inputs: &Queue<Input>, stop: &AtomicBoo
         };
         match event {
             Ok(Event::Incoming(Packet::ConnAck(_))) => {
-                backoff.reset();
+                backoff.connected();
                 let _ = client.try_subscribe(&address.topic, QoS::AtLeastOnce);
                 if std::mem::take(&mut lost) {
                     inputs.push(Input::Reconnected);

@@ -94,7 +94,7 @@ pub fn start(
 ) -> JoinHandle<()> {
     thread::spawn(move || {
         let opened = Input::Opened {
-            sample_rate_hz: log.survey().sample_rate_hz,
+            sample_rate_hz: log.survey().estimator_rate_hz(),
             corners: log.columns().present(),
             wheel_speeds: log.columns().motion.wheel_speeds(),
         };

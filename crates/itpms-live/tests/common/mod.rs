@@ -65,6 +65,7 @@ pub(crate) fn snapshot(seq: u64) -> Arc<Snapshot> {
         tracks: vec![],
         alerts: vec![],
         sensors: vec![],
+        not_estimated: Default::default(),
         all_fine: false,
     })
 }

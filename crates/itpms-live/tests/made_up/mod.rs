@@ -32,6 +32,7 @@ pub(crate) fn snapshot(seq: u64, time_s: f64, state: SourceState) -> Arc<Snapsho
         tracks: vec![],
         alerts: vec![],
         sensors: vec![],
+        not_estimated: Default::default(),
         all_fine: false,
     })
 }
@@ -52,6 +53,11 @@ fn wheel(corner: &'static str) -> Wheel {
         axle_difference_sd_kpa: Some(3.0),
         lost_kpa: Some(1.5),
         lost_sd_kpa: Some(4.0),
+        cold_pressure_kpa: None,
+        cold_pressure_sd_kpa: None,
+        lost_share: None,
+        lost_share_sd: None,
+        detectable_loss: None,
         level: "calibration",
         stiffness_n_per_m: 233_000.0,
         reference_kpa: 241.3,

@@ -13,7 +13,7 @@ from . import _itpms
 from ._errors import SettingError
 from ._pieces import TABLE, taken
 from ._progress import progress_bar
-from ._signals import Signals, map_file
+from ._signals import Signals, Where, map_file, rows_where
 from ._tables import Columns
 
 if TYPE_CHECKING:
@@ -82,14 +82,18 @@ def check(
     trust_units: bool,
     dbc: str | PathLike[str] | None,
     signals: Signals,
+    where: Where,
     progress: bool | None,
 ) -> Checked:
     """What :meth:`itpms.Vehicle.check` does."""
     with progress_bar(progress, "checking") as told, map_file(signals) as path:
         if isinstance(drive, (str, PathLike)):
-            return Checked(_itpms.check_log(drive, vehicle, trust_units, dbc, path, told))
+            return Checked(_itpms.check_log(drive, vehicle, trust_units, dbc, path, rows_where(where), told))
         if dbc is not None:
             raise SettingError("dbc says what the frames of a CAN log mean; this drive is a table")
         pieces, rows = taken(TABLE, drive, mapped=signals is not None)
+        selected = rows_where(where)
         columns: Iterator[list[bytes | str]] = iter(pieces)
-        return Checked(_itpms.check_pieces(TABLE, pieces.names, rows, columns, vehicle, trust_units, path, told))
+        return Checked(
+            _itpms.check_pieces(TABLE, pieces.names, rows, columns, vehicle, trust_units, path, selected, told)
+        )

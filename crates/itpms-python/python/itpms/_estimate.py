@@ -19,7 +19,7 @@ from ._itpms import write
 from ._pieces import MEANT, TABLE, taken
 from ._progress import progress_bar
 from ._result import Result
-from ._signals import Signals, map_file
+from ._signals import Signals, Where, map_file, rows_where
 from ._tables import Columns, Kind, collected, columns_of, kind_of, numbers, table_of, unpacked, usual
 from ._vehicle import Vehicle, vehicle_of
 
@@ -45,6 +45,7 @@ def estimate(
     trust_units: bool = False,
     dbc: str | PathLike[str] | None = None,
     signals: Signals = None,
+    where: Where = None,
     pulses: str | PathLike[str] | None = None,
     pressure_unit: str = "kpa",
     progress: bool | None = None,
@@ -68,13 +69,16 @@ def estimate(
         estimator: ``informed``, ``aekf-ui-informed``, or as published ``aekf-ui``, ``ekf-ui``.
         regulation: ``un-r141`` or ``fmvss-138``: which loss is warned of.
         calibrate_s: The first so many seconds are driven at placard pressure.
-        save_reference: Where what that teaches of the car goes.
+        save_reference: Where what that teaches of the car goes; with ``reference``, where that goes with what this day has shown of the
+            wheel speeds (it may be the same file).
         reference: What an earlier calibration drive taught of this car.
         road_repeats: Whether the road repeats itself, as on a test bed: seconds, ``never`` or ``auto``.
         trust_units: Take accelerations as m/s² and the speed as m/s even if they do not look like it.
         dbc: For a CAN log: what the frames mean.
         signals: Which signal, or column of a table, is which of our columns, and its unit: a map as ``itpms signals`` writes it, or
             a dict such as ``{"speed_m_s": "v", "fl_body_accel_m_s2": {"signal": "a", "unit": "g"}}``.
+        where: Of a table only the rows that have this value in a column, or in a key of a folder's parts: ``"car=A"`` or
+            ``{"car": "A"}``.
         pulses: The tooth pulses of the four wheels, by the drive's clock: a CSV or Parquet file with ``time_s`` and ``wheel``. They
             count together with the drive's wheel speeds, and show a loss of all four alike.
         pressure_unit: ``kpa``, ``bar`` or ``psi``: the unit of the report and of the sentences. Numbers are in kPa.
@@ -98,6 +102,7 @@ def estimate(
         "road_repeats": road_repeats,
         "trust_units": trust_units,
         "dbc": dbc,
+        "rows": rows_where(where),
         "pulses": pulses,
         "pressure_unit": pressure_unit,
     }
@@ -256,6 +261,7 @@ class Car:
             "trust_units": False,
             "dbc": None,
             "signals": None,
+            "rows": [],
             "pulses": None,
         }
         self._take(_itpms.Car(car._inner, rate_hz, list(corners or car.corners), options))

@@ -97,6 +97,7 @@ def check_log(
     trust_units: bool,
     dbc: str | PathLike[str] | None,
     signals: str | PathLike[str] | None,
+    where: Sequence[str],
     progress: _Progress,
 ) -> Checked: ...
 def check_pieces(
@@ -107,6 +108,7 @@ def check_pieces(
     vehicle: Vehicle,
     trust_units: bool,
     signals: str | PathLike[str] | None,
+    where: Sequence[str],
     progress: _Progress,
 ) -> Checked: ...
 def learn(
@@ -115,6 +117,7 @@ def learn(
     trust_units: bool,
     dbc: str | PathLike[str] | None,
     signals: str | PathLike[str] | None,
+    where: Sequence[str],
     progress: _Progress,
 ) -> Learned: ...
 def write(path: str | PathLike[str], content: bytes) -> None: ...

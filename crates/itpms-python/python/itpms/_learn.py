@@ -10,7 +10,7 @@ from . import _itpms
 from ._errors import SettingError
 from ._pieces import CORNERS, TABLE, Pieces, pieces_of, rows_of
 from ._progress import progress_bar
-from ._signals import Signals, map_file
+from ._signals import Signals, Where, map_file, rows_where
 from ._tables import collected
 
 Pressures = float | Mapping[str, float]
@@ -23,6 +23,7 @@ def learn(
     trust_units: bool,
     dbc: str | PathLike[str] | None,
     signals: Signals,
+    where: Where,
     progress: bool | None,
 ) -> _itpms.Learned:
     """What :meth:`itpms.Vehicle.learn` does, on the extension's side of things."""
@@ -38,7 +39,7 @@ def learn(
         )
     given = [_given(*drive, len(logs), signals is not None) for drive in zip(range(len(logs)), logs, told, strict=True)]
     with progress_bar(progress, "learning") as tell, map_file(signals) as path:
-        return _itpms.learn(vehicle, given, trust_units, dbc, path, tell)
+        return _itpms.learn(vehicle, given, trust_units, dbc, path, rows_where(where), tell)
 
 
 def _given(number: int, drive: Any, pressures: Pressures, drives: int, mapped: bool) -> dict[str, Any]:

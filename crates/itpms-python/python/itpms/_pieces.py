@@ -69,7 +69,9 @@ class Pieces:
         if first is None:
             raise LogError(f"{name}: there is no piece of a drive, expected one at least")
         self.name, self.names = name, list(columns_of(first))
-        self._tables, self._mapped = chain([first], tables), mapped
+        # What other names mean, their words say, of a speed beside columns of ours as well.
+        ours = "speed_m_s" in self.names and any(name.endswith("_accel_m_s2") for name in self.names)
+        self._tables, self._mapped = chain([first], tables), mapped or not ours
 
     def __iter__(self) -> Iterator[list[bytes | str]]:
         """Piece by piece, in the order of ``names``: numbers, or why a column holds none."""

@@ -97,6 +97,43 @@ def pressures(columns: Columns, placards_kpa: dict[str, float], source: Columns 
     return figure
 
 
+def losses(columns: Columns) -> Figure:
+    """A panel per wheel of what wheel speeds alone say: what it has lost, and what would have shown."""
+    figure = _figure(10.4, 6.0)
+    panels = figure.subplots(2, 2, sharex=True, sharey=True)
+    origin_s = columns["time_s"][0] if abs(columns["time_s"][0]) > DAY_S else 0.0
+    time_s = columns["time_s"] - origin_s
+    highest = 40.0
+    for panel, corner in zip(panels.flat, NAMES, strict=True):
+        lost, sd, shows = (
+            100.0 * columns[f"{corner}_{name}"] for name in ("lost_share", "lost_share_sd", "detectable_loss")
+        )
+        upper = np.minimum(lost + 1.96 * sd, 100.0)
+        panel.fill_between(
+            time_s, np.maximum(lost - 1.96 * sd, 0.0), upper, color=ESTIMATE, alpha=0.2, lw=0, label="95 % band"
+        )
+        panel.plot(time_s, lost, color=ESTIMATE, lw=1.5, label="lost")
+        panel.plot(time_s, shows, color=PLACARD, lw=1, ls="--", label="smallest loss that would have shown")
+        low = columns[f"{corner}_warning"] == "low"
+        if low.any():
+            panel.fill_between(
+                time_s, 0, 1, where=low, color=LOW, alpha=0.12, lw=0, transform=panel.get_xaxis_transform(), label="low"
+            )
+        if not np.isfinite(lost).any():
+            panel.text(0.5, 0.5, "not compared: no calibration", transform=panel.transAxes, ha="center", color=PLACARD)
+        else:
+            highest = max(highest, float(np.nanmax(upper)))
+        panel.set_title(NAMES[corner], loc="left", fontsize=10, fontweight="bold")
+        panel.spines[["top", "right"]].set_visible(False)
+    panels[0, 0].set_ylim(0.0, min(highest, 100.0))
+    for panel in panels[-1]:
+        panel.set_xlabel("Time since the start (s)" if origin_s else "Time (s)")
+    for panel in panels[:, 0]:
+        panel.set_ylabel("Lost of its pressure (%)")
+    _legend(figure)
+    return figure
+
+
 def responses(curves: dict[str, Columns]) -> Figure:
     """A column of two panels per corner: how the body answers the wheel, and how coherently."""
     figure = _figure(3.6 * len(curves), 5.0)

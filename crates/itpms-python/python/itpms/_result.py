@@ -63,7 +63,9 @@ class Result:
         open, too), ``{c}_level`` (what the pressure's level rests on: ``file``, ``calibration`` or
         ``reference``),
         ``{c}_axle_difference_sd_kpa`` (kPa; of what it differs by from the axle's other tire),
-        ``{c}_lost_kpa``, ``{c}_lost_sd_kpa`` (kPa; what was lost in this drive, NaN while that is not counted) and ``{c}_state`` (``fine``, ``low``,
+        ``{c}_lost_kpa``, ``{c}_lost_sd_kpa`` (kPa; what was lost in this drive, NaN while that is not counted
+        and where the tire was low before that), ``{c}_cold_pressure_kpa``, ``{c}_cold_pressure_sd_kpa`` (kPa; what the tire would have
+        cold, where the drive has ``ambient_temperature_c``) and ``{c}_state`` (``fine``, ``low``,
         ``over``, ``malfunction``, ``uncertain`` where there is a pressure that could be low as well as not, or ``unknown``).
         A drive with the speeds of four wheels has, per corner, ``{c}_radius_change`` (of the rolling radius since the calibration),
         ``{c}_lost_share`` (of its pressure, against the other tires), both with ``_sd``, ``{c}_low_probability``, and
@@ -126,16 +128,18 @@ class Result:
     def plot(self) -> Figure:
         """The pressures over time with their 95 % bands, the placard's, and the truth where the drive has it.
 
+        Of wheel speeds alone the share of its pressure that each tire has lost since the calibration, against the other tires, with its
+        95 % band, and the smallest loss that would have shown.
+
         Needs matplotlib (``pip install matplotlib``). Returns the figure; show or save it.
 
         Raises:
             SettingError: matplotlib is not installed.
         """
-        from ._plot import pressures
+        from ._plot import losses, pressures
 
         if not self.corners:
-            raise SettingError("a drive of wheel speeds alone has no pressures to plot: see columns and report()")
-
+            return losses(self.columns)
         placards = {name: corner["placard_kpa"] for name, corner in self.summary["corners"].items()}
         return pressures(self.columns, placards, None if self._source is None else columns_of(self._source))
 

@@ -1,9 +1,9 @@
-"""A map of signals that is a dict, as the file that the program reads."""
+"""A map of signals that is a dict, as the file that the program reads; which rows, as the program takes it."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from os import PathLike
 from pathlib import Path
@@ -13,6 +13,14 @@ from typing import Any
 from ._errors import SettingError
 
 Signals = str | PathLike[str] | Mapping[str, Any] | None
+Where = str | Sequence[str] | Mapping[str, Any] | None
+
+
+def rows_where(where: Where) -> list[str]:
+    """What the rows are to have, as the program takes it: ``car=A``."""
+    if isinstance(where, Mapping):
+        return [f"{column}={value}" for column, value in where.items()]
+    return [where] if isinstance(where, str) else list(where or [])
 
 
 @contextmanager

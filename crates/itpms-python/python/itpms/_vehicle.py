@@ -11,7 +11,21 @@ from . import _itpms
 from ._check import Checked, check
 from ._itpms import write
 from ._learn import Pressures, learn
-from ._signals import Signals
+from ._signals import Signals, Where
+
+
+class Fixed(dict[str, Any]):
+    """A dict to read: to write into it raises. Its copies (``dict``, ``copy.deepcopy``, pickle) are plain ones."""
+
+    def _refuse(self, *_: Any, **__: Any) -> Any:
+        raise TypeError(
+            "a Vehicle does not change: put the value into its text, Vehicle.parse(car.to_toml().replace(...))"
+        )
+
+    __setitem__ = __delitem__ = __ior__ = update = setdefault = pop = popitem = clear = _refuse
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return dict, (dict(self),)
 
 
 class Vehicle:
@@ -96,8 +110,8 @@ class Vehicle:
 
     @property
     def corners(self) -> dict[str, dict[str, float]]:
-        """Parameters by corner (``fl``, ``fr``, ``rl``, ``rr``) and name, with the units of the vehicle file."""
-        return {corner: dict(values) for corner, values in self._about["corners"].items()}
+        """Parameters by corner (``fl``, ``fr``, ``rl``, ``rr``) and name, with the units of the vehicle file; to read, as the car is."""
+        return Fixed({corner: Fixed(values) for corner, values in self._about["corners"].items()})
 
     def learn(
         self,
@@ -107,6 +121,7 @@ class Vehicle:
         trust_units: bool = False,
         dbc: str | PathLike[str] | None = None,
         signals: Signals = None,
+        where: Where = None,
         progress: bool | None = None,
     ) -> Learned:
         """Learns what drives at known pressures tell of the car, as ``itpms vehicle learn`` does; the car itself stays as it is.
@@ -122,13 +137,14 @@ class Vehicle:
             trust_units: As in :func:`itpms.estimate`, like the following.
             dbc: For CAN logs: what the frames mean.
             signals: A map of names and units, or a dict.
+            where: Which rows of a table, ``"car=A"``.
             progress: As in :func:`itpms.estimate`.
 
         Raises:
             LogError: a drive cannot be used.
             SettingError: a pressure is missing or no tire's, or a drive taught nothing.
         """
-        inner = learn(self._inner, drives, pressure_kpa, trust_units, dbc, signals, progress)
+        inner = learn(self._inner, drives, pressure_kpa, trust_units, dbc, signals, where, progress)
         return Learned(inner, Vehicle(inner.vehicle))
 
     def check(
@@ -138,6 +154,7 @@ class Vehicle:
         trust_units: bool = False,
         dbc: str | PathLike[str] | None = None,
         signals: Signals = None,
+        where: Where = None,
         progress: bool | None = None,
     ) -> Checked:
         """Holds the car's suspension against a drive, as ``itpms vehicle check`` does.
@@ -150,13 +167,14 @@ class Vehicle:
             trust_units: As in :func:`itpms.estimate`, like the following.
             dbc: For CAN logs: what the frames mean.
             signals: A map of names and units, or a dict.
+            where: Which rows of a table, ``"car=A"``.
             progress: As in :func:`itpms.estimate`.
 
         Raises:
             LogError: the drive cannot be used.
             SettingError: an argument is refused, or the drive has none of the car's corners.
         """
-        return check(self._inner, drive, trust_units, dbc, signals, progress)
+        return check(self._inner, drive, trust_units, dbc, signals, where, progress)
 
     def to_toml(self) -> str:
         """The text of a vehicle file that reads back as this car."""

@@ -60,6 +60,9 @@ COLUMNS: tuple[tuple[str, str], ...] = (
     ("start_s", "double"),
     ("calibration", "string"),
     ("concerns", "string"),
+    ("lost_share", "double"),
+    ("lost_share_sd", "double"),
+    ("detectable_loss", "double"),
     ("error", "string"),
 )
 # Only what is known at the end is wanted: hardly a row of the estimates over time is kept.
@@ -148,6 +151,7 @@ def estimate(
         "trust_units": trust_units,
         "dbc": None,
         "signals": None,
+        "rows": [],
         "pulses": None,
     }
     job = _Job(keys, car is not None, calibration, options, None if signals is None else _content(signals))
@@ -394,7 +398,7 @@ def _vehicle(text: str) -> Vehicle:
 
 def _flat(wheel: dict[str, Any]) -> dict[str, Any]:
     """A wheel's record by the names of the columns."""
-    last, lowest, fit = (wheel.pop(name) or {} for name in ("last", "lowest", "fit"))
+    last, lowest, fit, lost = (wheel.pop(name) or {} for name in ("last", "lowest", "fit", "lost"))
     return {
         **wheel,
         "pressure_kpa": last.get("pressure_kpa"),
@@ -403,5 +407,8 @@ def _flat(wheel: dict[str, Any]) -> dict[str, Any]:
         "lowest_kpa": lowest.get("pressure_kpa"),
         "lowest_sd_kpa": lowest.get("sd_kpa"),
         "lowest_time_s": lowest.get("time_s"),
+        "lost_share": lost.get("share"),
+        "lost_share_sd": lost.get("sd"),
+        "detectable_loss": lost.get("detectable"),
         **fit,
     }

@@ -12,7 +12,7 @@ use super::LogArgs;
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct ConvertArgs {
-    /// The log: .csv, .parquet, .mf4, .dat, .log, .candump, .asc, .blf, .trc.
+    /// The log: .csv, .parquet, .mf4, .dat, .mcap, .log, .candump, .asc, .blf, .trc.
     pub(crate) input: PathBuf,
     /// The file to be: .csv, .parquet, .mf4, .mcap, .log, .candump, .asc, .blf.
     pub(crate) output: PathBuf,

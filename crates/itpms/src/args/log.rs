@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use itpms_data::log::{LogOptions, UnitCheck};
+use itpms_data::log::{LogOptions, Selection, UnitCheck};
 
 #[derive(Debug, Clone, Default, clap::Args)]
 pub(crate) struct LogArgs {
@@ -12,6 +12,9 @@ pub(crate) struct LogArgs {
     /// Which signal, or column of a table with other names or units, is which of our columns. `itpms signals` writes such a map.
     #[arg(long, value_name = "MAP.toml")]
     pub(crate) signals: Option<PathBuf>,
+    /// Tables: only rows that have this value in a column, or in a key of a folder's parts (car=A/part-0.parquet).
+    #[arg(id = "where", long = "where", value_name = "COLUMN=VALUE")]
+    pub(crate) rows: Vec<Selection>,
     /// Take accelerations as m/s^2 and the speed as m/s even if they do not look like it.
     #[arg(long)]
     pub(crate) trust_units: bool,
@@ -29,6 +32,7 @@ impl LogArgs {
             units: if self.trust_units { UnitCheck::Trusting } else { UnitCheck::Suspicious },
             dbc: self.dbc.clone(),
             signals: self.signals.clone(),
+            rows: self.rows.clone(),
         }
     }
 }

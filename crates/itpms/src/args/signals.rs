@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use itpms_data::log::Selection;
+
 /// What is in a log: every signal with its rate and range, and which column of a drive log it would be.
 ///
 /// CAN logs (.log, .asc, .blf, .trc, frames in .mf4) are decoded with --dbc; without it identifiers and their rates are listed. CSV and
@@ -17,6 +19,9 @@ pub(crate) struct SignalsArgs {
     /// Which signal is which column, where the names do not say it.
     #[arg(long, value_name = "MAP.toml")]
     pub(crate) signals: Option<PathBuf>,
+    /// Tables: only rows that have this value in a column, or in a key of a folder's parts.
+    #[arg(id = "where", long = "where", value_name = "COLUMN=VALUE")]
+    pub(crate) rows: Vec<Selection>,
     /// Where the mapping that was found goes, as a map to start from.
     #[arg(long, value_name = "MAP.toml")]
     pub(crate) write_map: Option<PathBuf>,

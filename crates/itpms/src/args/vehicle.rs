@@ -41,15 +41,15 @@ pub(crate) enum VehiclePart {
   itpms vehicle init --mass 2100 --front-share 0.5 --tire 235/60R18 --class suv --placard-kpa 250 --wheelbase-m 2.87 -o suv.toml")]
 pub(crate) struct InitArgs {
     /// Mass ready to drive, from the registration papers. Without it the file is for wheel speeds alone.
-    #[arg(long, value_name = "KG", value_parser = positive, requires = "front_share", required_unless_present = "driven")]
+    #[arg(long, value_name = "KG", value_parser = positive)]
     pub(crate) mass: Option<f64>,
     /// Share of the mass that rests on the front axle: some 0.6 with the engine in front driving the front wheels, 0.5 to
     /// 0.55 otherwise.
-    #[arg(long, value_name = "SHARE", value_parser = positive, requires = "mass")]
+    #[arg(long, value_name = "SHARE", value_parser = positive)]
     pub(crate) front_share: Option<f64>,
     /// Size as on the sidewall, such as 205/55R16; front and rear: 225/45R18,255/40R18.
     #[arg(long, value_name = "SIZE[,SIZE]")]
-    pub(crate) tire: FrontRear<TireSize>,
+    pub(crate) tire: Option<FrontRear<TireSize>>,
     /// Kind of car.
     #[arg(long, value_name = "CLASS", default_value = CarClass::default().label(), value_parser = classes())]
     pub(crate) class: CarClass,
@@ -57,19 +57,19 @@ pub(crate) struct InitArgs {
     #[arg(long, value_name = "KPA[,KPA]", default_value = "240", value_parser = placard)]
     pub(crate) placard_kpa: FrontRear<f64>,
     /// Distance between the axles; typical of the class unless given. Worth measuring: front and rear are compared over it.
-    #[arg(long, value_name = "M", value_parser = positive, required_unless_present = "mass")]
+    #[arg(long, value_name = "M", value_parser = positive)]
     pub(crate) wheelbase_m: Option<f64>,
     /// Which wheels are driven; for wheel speeds.
     #[arg(long, value_name = "AXLE", value_parser = driven())]
     pub(crate) driven: Option<Driven>,
     /// Whether the wheels of a driven axle are coupled: a limited-slip or locked differential; for wheel speeds.
-    #[arg(long, requires = "driven")]
+    #[arg(long)]
     pub(crate) limited_slip: bool,
     /// Distance between the front wheels; typical unless given; for wheel speeds.
-    #[arg(long, value_name = "M", value_parser = positive, requires = "driven")]
+    #[arg(long, value_name = "M", value_parser = positive)]
     pub(crate) track_front_m: Option<f64>,
     /// Distance between the rear wheels.
-    #[arg(long, value_name = "M", value_parser = positive, requires = "driven")]
+    #[arg(long, value_name = "M", value_parser = positive)]
     pub(crate) track_rear_m: Option<f64>,
     /// What the car is called.
     #[arg(long, value_name = "TEXT")]
@@ -174,7 +174,7 @@ impl std::str::FromStr for KnownPressures {
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example: itpms vehicle check drive.csv --vehicle car.toml --report check.html")]
 pub(crate) struct CheckArgs {
-    /// The drive log: .csv, .parquet, .mf4, .dat, or a CAN log (.log, .asc, .blf, .trc, .mf4) with --dbc.
+    /// The drive log: .csv, .parquet, .mf4, .dat, .mcap, or a CAN log (.log, .asc, .blf, .trc, .mf4) with --dbc.
     pub(crate) log: PathBuf,
     /// Masses, springs, dampers and tires of the corners.
     #[arg(long, value_name = "V.toml", env = VEHICLE, hide_env_values = true)]

@@ -33,6 +33,7 @@ pub(crate) fn run(args: &FleetArgs, screen: &Screen, interrupt: &Interrupt) -> R
             estimator: args.estimator,
             regulation: args.regulation,
             pressure_unit: args.unit.pressure_unit,
+            program: concat!("itpms ", env!("ITPMS_VERSION")).to_owned(),
             ..Settings::default()
         },
         calibration: args

@@ -2,9 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use itpms_analysis::overview::{CornerSignals, Found, FoundCorner, Overview, Statistics};
+use itpms_analysis::overview::{
+    CornerSignals, Found, FoundCorner, FoundWheels, Overview, Statistics, WheelSignals,
+};
 use itpms_console::{Failure, Interrupt, Screen, names};
 use itpms_data::LogReader;
+use itpms_data::log::LogMotion;
 use itpms_data::out::AtomicFile;
 use serde_json::{Map, Value, json};
 
@@ -52,6 +55,9 @@ fn look(log: &mut LogReader, screen: &Screen, interrupt: &Interrupt) -> Result<F
             })
         });
         overview.push(row.time_s, row.speed_m_s, &corners);
+        if log.columns().motion.wheel_speeds() {
+            overview.push_wheels(row.time_s, &wheel_signals(&row.motion));
+        }
         rows += 1;
         if rows.is_multiple_of(ROWS_PER_LOOK) {
             interrupt.check()?;
@@ -60,6 +66,16 @@ fn look(log: &mut LogReader, screen: &Screen, interrupt: &Interrupt) -> Result<F
     }
     let nothing = || Failure::Usage(format!("{}: has no row that can be used", log.path().display()));
     overview.finish().ok_or_else(nothing)
+}
+
+fn wheel_signals(motion: &LogMotion) -> WheelSignals {
+    let in_rad_s = motion.wheel_speed_rad_s.iter().any(|speed| speed.is_finite());
+    WheelSignals {
+        speeds: if in_rad_s { motion.wheel_speed_rad_s } else { motion.wheel_speed_m_s },
+        in_rad_s,
+        yaw_rate_rad_s: motion.yaw_rate_rad_s,
+        accel_x_m_s2: motion.accel_x_m_s2,
+    }
 }
 
 /// Which signal was taken for what, and what was repaired.
@@ -75,6 +91,9 @@ fn remarks(args: &PlotArgs, log: &LogReader, screen: &Screen) {
 
 fn print(found: &Found, screen: &Screen) {
     screen.print(found.summary());
+    if let Some(wheels) = &found.wheels {
+        screen.print(format!("wheel speeds: {}", wheels.summary()));
+    }
     for corner in &found.corners {
         screen.print(format!("{}: {}", corner.label, corner.summary()));
     }
@@ -102,8 +121,20 @@ fn document(found: &Found) -> Value {
         "last_time_s": found.span_s.1,
         "sample_period_s": found.step_s,
         "speed_m_s": found.speed.as_ref().map(statistics),
+        "wheel_speeds": found.wheels.as_ref().map(wheels_document),
         "corners": found.corners.iter().map(corner).collect::<Map<String, Value>>(),
         "doubts": found.doubts(),
+    })
+}
+
+fn wheels_document(wheels: &FoundWheels) -> Value {
+    let optional = |found: &Option<Statistics>| found.as_ref().map(statistics);
+    json!({
+        "unit": wheels.unit,
+        "speeds": wheels.speeds.each_ref().map(optional),
+        "ratios_1e3": wheels.ratios_1e3.each_ref().map(optional),
+        "yaw_rate_rad_s": optional(&wheels.yaw_rate_rad_s),
+        "accel_x_m_s2": optional(&wheels.accel_x_m_s2),
     })
 }
 

@@ -40,7 +40,8 @@ fn lamp_of(cause: &Cause<f64>) -> Option<Lamp> {
         | Cause::FastLeak { .. }
         | Cause::AllLow { .. }
         | Cause::Flat(_)
-        | Cause::Differs { .. } => Some(Lamp::Low),
+        | Cause::Differs { .. }
+        | Cause::SlowLeak(_) => Some(Lamp::Low),
         Cause::Malfunction(_) | Cause::NoInformation { .. } => Some(Lamp::Malfunction),
         Cause::OverInflated(_) | Cause::CommonShift { .. } => None,
     }

@@ -70,6 +70,7 @@ pub(super) fn malfunction_label(cause: &Cause<f64>) -> Option<&'static str> {
         | Cause::CommonShift { .. }
         | Cause::OverInflated(_)
         | Cause::Differs { .. }
+        | Cause::SlowLeak(_)
         | Cause::Flat(_) => None,
     }
 }

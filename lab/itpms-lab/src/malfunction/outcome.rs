@@ -80,7 +80,9 @@ impl TireWarnings {
     /// Counts it, if it is of a tire.
     fn count(&mut self, cause: &Cause<f64>) {
         match cause {
-            Cause::UnderInflated(_) | Cause::Flat(_) | Cause::Differs { .. } => self.low += 1,
+            Cause::UnderInflated(_) | Cause::Flat(_) | Cause::Differs { .. } | Cause::SlowLeak(_) => {
+                self.low += 1
+            }
             Cause::FastLeak { .. } => self.fast_leak += 1,
             Cause::AllLow { .. } | Cause::CommonShift { .. } => self.all_low += 1,
             Cause::OverInflated(_) => self.over += 1,
@@ -277,6 +279,7 @@ mod tests {
             change_sd_kpa: pressure_sd_kpa,
             axle_difference_sd_kpa: None,
             loss: None,
+            cold: None,
             level: Level::Calibration,
             road_m: 0.0,
             road_sd_m: 0.01,

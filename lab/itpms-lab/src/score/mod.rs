@@ -72,6 +72,8 @@ pub enum Part {
     Disturbances,
     /// How soon a loss is warned of. Not part of the usual table.
     Detection,
+    /// How soon tires are named that lose air together, or did before the drive. Not part of the usual table.
+    Several,
     /// Cars that are not their files. Not part of the usual table.
     Car,
     /// What ten minutes at known pressures teach of a car. Not part of the usual table.
@@ -82,7 +84,7 @@ pub enum Part {
 
 impl Part {
     /// In the order of the table.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::PaperDrop,
         Self::PaperDeepDrop,
         Self::PaperDropRecover,
@@ -96,6 +98,7 @@ impl Part {
         Self::Ablation,
         Self::Disturbances,
         Self::Detection,
+        Self::Several,
         Self::Car,
         Self::Learn,
         Self::Own,
@@ -108,7 +111,13 @@ impl Part {
     pub fn is_usual(self) -> bool {
         !matches!(
             self,
-            Self::Ablation | Self::Disturbances | Self::Detection | Self::Car | Self::Learn | Self::Own
+            Self::Ablation
+                | Self::Disturbances
+                | Self::Detection
+                | Self::Several
+                | Self::Car
+                | Self::Learn
+                | Self::Own
         )
     }
 
@@ -120,6 +129,7 @@ impl Part {
                 | Self::Ablation
                 | Self::Disturbances
                 | Self::Detection
+                | Self::Several
                 | Self::Car
                 | Self::Learn
                 | Self::Own
@@ -143,6 +153,7 @@ impl Part {
             Self::Ablation => "ablation",
             Self::Disturbances => "disturbances",
             Self::Detection => "detection",
+            Self::Several => "several",
             Self::Car => "car",
             Self::Learn => "learn",
             Self::Own => "own",
@@ -182,6 +193,9 @@ impl Part {
             }
             "detection" => {
                 "A loss of a fifth, 20-120 km/h, classes A-D, both cars: seconds from the complete loss to the warning"
+            }
+            "several" => {
+                "Cars drawn as typical on journeys of their own: a fifth lost in 10 s, or a quarter before; s until all tires are named, errors in kPa"
             }
             "car" => {
                 "Cars that are not their files, 80 km/h, classes A-C in turn, 2 min, kPa while valid; worst: mean of one wheel on one drive"

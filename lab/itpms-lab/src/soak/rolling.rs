@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use itpms_core::monitor::MonitoredWheels;
 use itpms_core::warning::MonitorReport;
-use itpms_core::wheel_speed::{LoadUncertainty, RadiusReport, RadiusState};
+use itpms_core::wheel_speed::{LoadUncertainty, RadiusReport, RadiusState, WheelRadius};
 use itpms_sim::scenario::Scenario;
 use itpms_sim::simulation::Simulation;
 use itpms_sim::wheel_speeds::{DrivenWheels, WheelSpeedSpec};
@@ -127,7 +127,7 @@ impl Watch {
             return;
         }
         self.hour.known_s += step_s;
-        if radii.wheels.iter().all(|wheel| wheel.informed) {
+        if radii.wheels.iter().all(WheelRadius::informed) {
             self.hour.informed_s += step_s;
         }
         if radii.any_low_probability > self.hour.most_probable {

@@ -110,7 +110,7 @@ impl<T: Real> Coherence<T> {
             }
         }
         cholesky::root(&mut information);
-        Expectation { power, information_root: information }
+        Expectation { power, road_power: *road_power, information_root: information }
     }
 
     /// Learns from a frame and what remained of it: power over what was expected, per bin. `beside`: the other side's roads
@@ -208,7 +208,8 @@ mod tests {
             road_power: [1.0; BINS],
         };
         for _ in 0..(10.0 * seconds) as u32 {
-            let expected = Expectation { power: [1.0; BINS], information_root: Gram::zeros() };
+            let expected =
+                Expectation { power: [1.0; BINS], road_power: [1.0; BINS], information_root: Gram::zeros() };
             let record = UpdateRecord {
                 prefit: found.clone(),
                 power_ratio: [share; BINS],

@@ -39,7 +39,7 @@ impl McapResults {
     ) -> Result<Self, DataError> {
         let mut file = McapLog::create(path, *log.columns())?;
         file.set_start_ns(log.start_ns());
-        let columns = EstimateColumns::new(corners, wheel_speeds);
+        let columns = EstimateColumns::new(corners, wheel_speeds, log.columns().motion.air);
         let topics = file.add(|writer| RowTopics::create(writer, "/estimate", &columns.table()))?;
         let estimates = (columns, topics);
         let road = (!corners.is_empty()).then(|| RoadColumns::new(corners));

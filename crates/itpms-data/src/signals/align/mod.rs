@@ -7,7 +7,7 @@
 //! |---|---|
 //! | accelerations of about the slowest one's rate | as they are, each once. Messages of one cycle that come one after the other are one row; its time is the clock's, the first such acceleration's |
 //! | faster accelerations | through a low-pass of linear phase, flat to a quarter of the rows' rate (`kernel`) |
-//! | sensors in tires | each reading once, in the row after it |
+//! | sensors in tires, and of the air | each reading once, in the row after it |
 //! | speed, true pressure and road | as they are where the times agree, else on the straight line between two readings no further apart than three of their periods |
 //!
 //! Rates and offsets are measured in the first two seconds, in which no row comes out. Later a row waits for its last

@@ -340,7 +340,7 @@ fn nearest(rows: &mut VecDeque<Row>, time_s: f64, within_s: f64) -> Option<&mut 
 /// How a signal of this period comes into rows of that one.
 fn role(slot: Slot, period_s: f64, row_period_s: f64, offset_s: f64) -> Role {
     match slot.is_acceleration() {
-        _ if slot.is_tire_sensor() => Role::Sent(VecDeque::new()),
+        _ if slot.is_sparse() => Role::Sent(VecDeque::new()),
         _ if period_s.is_nan() => Role::Unknown(Vec::new()),
         true if period_s < FASTER * row_period_s => Role::Faster(Series::new(period_s)),
         true => Role::Same(offset_s),

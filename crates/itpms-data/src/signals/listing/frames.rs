@@ -39,7 +39,7 @@ struct Seen {
 
 impl FrameLister {
     pub(super) fn open(path: &Path, dbc: Option<&Path>) -> Result<Self, DataError> {
-        let dbc = dbc.map_or_else(|| attached(path), |dbc| Ok(Some(Dbc::read(dbc)?)))?;
+        let dbc = dbc.map_or_else(|| attached(path), |dbc| crate::dbc::described(dbc).map(Some))?;
         Ok(Self {
             reader: FrameReader::open(path)?,
             dbc,
@@ -132,10 +132,14 @@ impl Seen {
 
     fn listed(&self, id: CanId, bus: Option<u16>, message: Option<&Message>) -> ListedGroup {
         let name = message.map_or(String::new(), |message| message.name.clone());
-        let signals = message
-            .iter()
-            .flat_map(|message| message.signals.iter().zip(&self.ranges))
-            .map(|(signal, range)| ListedSignal::new(signal.name.clone(), signal.unit.clone(), range));
+        let firsts =
+            message.iter().flat_map(|message| message.first_layouts().map(move |first| (message, first)));
+        let signals = firsts.map(|(message, first)| {
+            let signal = &message.signals[first];
+            let ranges = message.layouts_of(first).filter_map(|place| self.ranges.get(place));
+            let range = ranges.fold(Range::default(), |all, range| all.and(range));
+            ListedSignal::new(signal.name.clone(), signal.unit.clone(), &range)
+        });
         ListedGroup {
             id: Some(id.to_string()),
             bus,
@@ -154,7 +158,7 @@ fn absent(dbc: &Dbc, seen: &BTreeMap<(CanId, u16), Seen>) -> Vec<Candidate> {
     let seen: HashSet<CanId> = messages.map(|message| message.id).collect();
     let came = |message: &Message| seen.contains(&message.id);
     let signals = dbc.messages().iter().filter(|message| !came(message)).flat_map(|message| {
-        message.signals.iter().map(|signal| Candidate {
+        message.first_layouts().map(|place| &message.signals[place]).map(|signal| Candidate {
             group: message.name.clone(),
             name: signal.name.clone(),
             unit: signal.unit.clone(),

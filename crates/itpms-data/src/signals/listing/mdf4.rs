@@ -6,7 +6,7 @@ use super::statistics::{Clock, Range};
 use super::{ListedGroup, ListedSignal, Listing};
 use crate::error::DataError;
 use crate::mdf4::{GroupCursor, Mdf4Reader};
-use crate::mdf4_contents::{is_signal, stacks, unread};
+use crate::mdf4_contents::{is_signal, signal_name, stacks, unread};
 use crate::signals::Unread;
 
 /// Values between two looks around.
@@ -95,7 +95,7 @@ impl Mdf4Lister {
             let Some(of_file) = self.reader.groups().get(group.place) else { continue };
             let signals = group.channels.iter().zip(&group.ranges).filter_map(|(channel, range)| {
                 let channel = of_file.channels.get(*channel)?;
-                Some(ListedSignal::new(channel.name.clone(), channel.unit.clone(), range))
+                Some(ListedSignal::new(signal_name(of_file, channel), channel.unit.clone(), range))
             });
             let signals = signals.collect();
             let stretch_of = listed.iter().position(|listed| self.firsts[group.place] == *listed);

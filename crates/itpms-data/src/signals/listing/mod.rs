@@ -6,6 +6,8 @@
 
 #[cfg(feature = "can")]
 mod frames;
+#[cfg(feature = "mcap")]
+mod mcap;
 #[cfg(feature = "mdf4")]
 mod mdf4;
 #[cfg(feature = "parquet")]
@@ -17,9 +19,11 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use super::{Candidate, Unread};
-use crate::error::{DataError, Problem};
-use crate::log::{Format, LogFormat};
+use crate::error::{DataError, Problem, likely_unit};
+use crate::log::{Format, LogFormat, Selection};
 use crate::signals::column_unit;
+#[cfg(feature = "mcap")]
+pub(crate) use mcap::McapLister;
 use statistics::{Clock, Range};
 
 /// A log that is being listed.
@@ -38,14 +42,16 @@ enum Source {
     Frames(Box<frames::FrameLister>),
     #[cfg(feature = "mdf4")]
     Mdf4(Box<mdf4::Mdf4Lister>),
+    #[cfg(feature = "mcap")]
+    Mcap(Box<McapLister>),
 }
 
 /// Everything in a log.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Listing {
-    /// Messages, channel groups or the one table.
+    /// Messages, channel groups, topics or the one table.
     pub groups: Vec<ListedGroup>,
-    /// What the groups are: `message`, `group` or `table`.
+    /// What the groups are: `message`, `group`, `topic` or `table`.
     pub kind: &'static str,
     /// First and last time in s, if there is any.
     pub span_s: Option<(f64, f64)>,
@@ -106,11 +112,11 @@ pub struct ListedSignal {
 }
 
 impl Lister {
-    /// Opens a log by its extension. `dbc`: what the frames of a CAN log mean.
+    /// Opens a log by its extension. `dbc`: what the frames of a CAN log mean; `rows`: which rows of a table.
     ///
     /// # Errors
     /// The log or the description cannot be read, or a description is given for something else than a CAN log.
-    pub fn open(path: &Path, dbc: Option<&Path>) -> Result<Self, DataError> {
+    pub fn open(path: &Path, dbc: Option<&Path>, rows: &[Selection]) -> Result<Self, DataError> {
         let fail = |problem| DataError::new(path, problem);
         let format = LogFormat::of_log(path, dbc)?;
         #[cfg(feature = "can")]
@@ -127,12 +133,14 @@ impl Lister {
             LogFormat::Can => Source::Frames(Box::new(frames::FrameLister::open(path, dbc)?)),
             #[cfg(feature = "mdf4")]
             LogFormat::Mdf4 => Source::Mdf4(Box::new(mdf4::Mdf4Lister::open(path)?)),
+            #[cfg(feature = "mcap")]
+            LogFormat::Mcap => Source::Mcap(Box::new(McapLister::open(path)?)),
             #[cfg(feature = "parquet")]
             LogFormat::Table(Format::Parquet) => {
-                Source::Parquet(Box::new(parquet::ParquetLister::open(path).map_err(fail)?))
+                Source::Parquet(Box::new(parquet::ParquetLister::open(path, rows).map_err(fail)?))
             }
             LogFormat::Table(Format::Csv) => {
-                Source::Table(Box::new(table::TableLister::open(path).map_err(fail)?))
+                Source::Table(Box::new(table::TableLister::open(path, rows).map_err(fail)?))
             }
         };
         Ok(Self { path: path.to_owned(), source })
@@ -151,6 +159,8 @@ impl Lister {
             Source::Frames(source) => source.step(),
             #[cfg(feature = "mdf4")]
             Source::Mdf4(source) => source.step(),
+            #[cfg(feature = "mcap")]
+            Source::Mcap(source) => source.step().map_err(|problem| DataError::new(&self.path, problem)),
         }
     }
 
@@ -165,6 +175,8 @@ impl Lister {
             Source::Frames(source) => source.progress(),
             #[cfg(feature = "mdf4")]
             Source::Mdf4(source) => source.progress(),
+            #[cfg(feature = "mcap")]
+            Source::Mcap(source) => source.progress(),
         }
     }
 
@@ -179,11 +191,20 @@ impl Lister {
             Source::Frames(source) => source.finish(),
             #[cfg(feature = "mdf4")]
             Source::Mdf4(source) => source.finish(),
+            #[cfg(feature = "mcap")]
+            Source::Mcap(source) => source.into_parts().0,
         }
     }
 }
 
 impl Listing {
+    /// The unit of a table's clock, where it does not say one and counts in none of seconds.
+    #[must_use]
+    pub fn clock_unit(&self) -> Option<&'static str> {
+        let rate_hz = self.clock.as_ref().and(self.groups.first()?.rate_hz)?;
+        likely_unit(1.0 / rate_hz).map(|(_, unit)| unit)
+    }
+
     /// All signals, group by group and then those of `absent`, as candidates for columns. A message that came on several
     /// buses, or a recording in stretches, is there once.
     #[must_use]
@@ -200,6 +221,18 @@ impl Listing {
         }
         candidates.extend(self.absent.iter().cloned());
         candidates
+    }
+
+    /// For each of [`Listing::candidates`], whether it has samples in this log.
+    #[must_use]
+    pub fn has_samples(&self) -> Vec<bool> {
+        let mut has_samples = vec![false; self.candidates().len()];
+        for (group, first) in self.groups.iter().zip(self.first_candidates()) {
+            for (signal, has) in group.signals.iter().zip(has_samples.iter_mut().skip(first)) {
+                *has |= signal.samples > 0;
+            }
+        }
+        has_samples
     }
 
     /// For each group the number of its first signal among [`Listing::candidates`]; the others follow.

@@ -5,6 +5,7 @@ use std::path::Path;
 use super::Listing;
 use super::statistics::{Clock, Range};
 use crate::error::Problem;
+use crate::log::{Clock as Counter, Selection};
 use crate::parquet_columns::{ParquetParts, Quantity};
 
 /// Rows between two looks around.
@@ -19,13 +20,14 @@ pub(super) struct ParquetLister {
     /// Which of them is the clock, and seconds per its unit.
     time: Option<(usize, f64)>,
     clock: Clock,
+    counter: Counter,
     /// The other ones, and what they hold.
     others: Vec<String>,
 }
 
 impl ParquetLister {
-    pub(super) fn open(path: &Path) -> Result<Self, Problem> {
-        let mut columns = ParquetParts::open(path)?;
+    pub(super) fn open(path: &Path, rows: &[Selection]) -> Result<Self, Problem> {
+        let mut columns = ParquetParts::open(path, rows)?;
         let clock = super::clock(columns.names(), &[]);
         let (mut leaves, mut names, mut others) = (Vec::new(), Vec::new(), Vec::new());
         let mut time = None;
@@ -48,7 +50,15 @@ impl ParquetLister {
         }
         columns.choose(&leaves, time.and_then(|(place, _)| leaves.get(place).copied()))?;
         let ranges = vec![Range::default(); names.len()];
-        Ok(Self { columns, names, ranges, time, clock: Clock::default(), others })
+        Ok(Self {
+            columns,
+            names,
+            ranges,
+            time,
+            clock: Clock::default(),
+            counter: Counter::default(),
+            others,
+        })
     }
 
     pub(super) fn step(&mut self) -> Result<bool, Problem> {
@@ -63,7 +73,7 @@ impl ParquetLister {
                     time_s = value * seconds;
                 }
             }
-            self.clock.tick(time_s);
+            self.clock.tick(self.counter.take(time_s));
         }
         Ok(true)
     }

@@ -118,6 +118,17 @@ impl Range {
         self.min = self.min.min(value);
         self.max = self.max.max(value);
     }
+
+    /// Of both together.
+    #[cfg(feature = "can")]
+    pub(super) fn and(self, other: &Self) -> Self {
+        Self {
+            samples: self.samples + other.samples,
+            missing: self.missing + other.missing,
+            min: self.min.min(other.min),
+            max: self.max.max(other.max),
+        }
+    }
 }
 
 #[cfg(test)]

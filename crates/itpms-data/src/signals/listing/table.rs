@@ -7,7 +7,7 @@ use itpms_files::input;
 use super::Listing;
 use super::statistics::{Clock, Range};
 use crate::error::Problem;
-use crate::log::{Lines, TextHead, clock_seconds};
+use crate::log::{Clock as Counter, Lines, Selection, TextHead, clock_seconds};
 
 /// Rows between two looks around.
 const ROWS_PER_STEP: usize = 1024;
@@ -20,19 +20,30 @@ pub(super) struct TableLister {
     ranges: Vec<Range>,
     time: Option<(usize, f64)>,
     clock: Clock,
+    counter: Counter,
+    /// Which rows are meant, by the columns at these places.
+    rows: Vec<(usize, Selection)>,
+    /// Where each column of the present header was in the first one.
+    places: Vec<Option<usize>>,
     /// Rows with more or fewer cells than the header.
     uneven: u64,
 }
 
 impl TableLister {
-    pub(super) fn open(path: &Path) -> Result<Self, Problem> {
+    pub(super) fn open(path: &Path, rows: &[Selection]) -> Result<Self, Problem> {
         let (file, about) = input::open(path)?;
         let mut lines = Lines::new(file);
         let nothing = || Problem::NoHeader("the names of the columns".to_owned());
         let head = TextHead::read(&mut lines)?.ok_or_else(nothing)?;
         let time = super::clock(&head.names, &head.units);
         let ranges = vec![Range::default(); head.names.len()];
-        Ok(Self { lines, head, bytes: about.len(), ranges, time, clock: Clock::default(), uneven: 0 })
+        let rows = rows
+            .iter()
+            .map(|row| Ok((row.place(&head.names)?, row.clone())))
+            .collect::<Result<_, Problem>>()?;
+        let places = (0..head.names.len()).map(Some).collect();
+        let (clock, counter) = Default::default();
+        Ok(Self { lines, head, bytes: about.len(), ranges, time, clock, counter, rows, places, uneven: 0 })
     }
 
     pub(super) fn step(&mut self) -> Result<bool, Problem> {
@@ -40,16 +51,17 @@ impl TableLister {
             if !self.lines.advance()? {
                 return Ok(false);
             }
-            if self.head.is_names(self.lines.text()) {
+            if self.is_of_the_names() || !self.is_meant() {
                 continue;
             }
             let (mut time_s, mut found) = (f64::NAN, 0);
             for cell in self.head.dialect.cells(self.lines.text()) {
                 let value = self.head.dialect.number(cell).unwrap_or(f64::NAN);
-                if let Some(range) = self.ranges.get_mut(found) {
+                let place = self.places.get(found).copied().flatten();
+                if let Some(range) = place.and_then(|place| self.ranges.get_mut(place)) {
                     range.add(value);
                 }
-                if let Some((_, seconds)) = self.time.filter(|(place, _)| *place == found) {
+                if let Some((_, seconds)) = self.time.filter(|(time, _)| Some(*time) == place) {
                     time_s = if value.is_nan() {
                         clock_seconds(cell).unwrap_or(f64::NAN)
                     } else {
@@ -58,10 +70,39 @@ impl TableLister {
                 }
                 found += 1;
             }
-            self.uneven += u64::from(found != self.head.names.len());
-            self.clock.tick(time_s);
+            self.uneven += u64::from(found != self.places.len());
+            self.clock.tick(self.counter.take(time_s));
         }
         Ok(true)
+    }
+
+    /// Whether the present line is the names once more, in any order, or says something of the columns.
+    fn is_of_the_names(&mut self) -> bool {
+        let text = self.lines.text();
+        if self.head.is_names(text) {
+            return true;
+        }
+        let is_text = self.clock.samples() == 0 || !text.first().is_some_and(u8::is_ascii_digit);
+        if !is_text || !self.head.is_without_numbers(text) {
+            return false;
+        }
+        let names = self.head.dialect.names(text);
+        let places: Vec<_> =
+            names.iter().map(|name| self.head.names.iter().position(|own| own == name)).collect();
+        let is_header = self.time.is_some_and(|(time, _)| places.contains(&Some(time)));
+        if is_header {
+            self.places = places;
+        }
+        is_header || self.clock.samples() == 0 && !self.head.units.is_empty()
+    }
+
+    fn is_meant(&self) -> bool {
+        let is = |(place, row): &(usize, Selection)| {
+            let now = self.places.iter().position(|of| *of == Some(*place));
+            let cell = now.and_then(|place| self.head.dialect.cells(self.lines.text()).nth(place));
+            cell.is_some_and(|cell| row.takes(&String::from_utf8_lossy(cell)))
+        };
+        self.rows.iter().all(is)
     }
 
     pub(super) fn progress(&self) -> f64 {
@@ -69,9 +110,12 @@ impl TableLister {
     }
 
     pub(super) fn finish(self) -> Listing {
-        let mut notes: Vec<String> = self.head.remark().into_iter().collect();
+        let mut notes: Vec<String> = self.head.remark().into_iter().chain(self.counter.remarks()).collect();
         if self.uneven > 0 {
             notes.push(format!("{} rows have more or fewer cells than the header", self.uneven));
+        }
+        if self.lines.lacks_its_end() {
+            notes.push("the file is cut off; what is whole is listed".to_owned());
         }
         let TextHead { names, units, .. } = self.head;
         let clock = self.time.and_then(|(place, _)| names.get(place).cloned());

@@ -21,6 +21,7 @@ mod wheels;
 
 use super::{Driven, Vehicle};
 use crate::error::Problem;
+use crate::pressure_unit::pressure_in_other_unit;
 
 pub use class::CarClass;
 pub use front_rear::FrontRear;
@@ -130,11 +131,20 @@ fn rounded(value: f64, multiple: f64) -> f64 {
     (value / multiple).round() * multiple
 }
 
+/// What a pressure of another unit may be, after what was expected.
+fn guess(value: f64) -> String {
+    let unit = pressure_in_other_unit(value);
+    if unit.is_empty() { unit } else { format!(" (another unit?{unit})") }
+}
+
 /// A car that no file can be made of.
 #[derive(Debug, thiserror::Error)]
 pub enum TypicalCarError {
     /// A value that no car has.
-    #[error("the {what} is {value}{}{unit}, expected {low} to {high}{}{unit}", blank(.unit), blank(.unit))]
+    #[error(
+        "the {what} is {value}{}{unit}, expected {low} to {high}{}{unit}{}",
+        blank(.unit), blank(.unit), if *.unit == "kPa" { guess(*.value) } else { String::new() }
+    )]
     Range {
         /// Which.
         what: &'static str,

@@ -48,7 +48,7 @@ async fn listen(events: &mut EventLoop, address: &BrokerAddress, shared: &Shared
     loop {
         match events.poll().await {
             Ok(Event::Incoming(Packet::ConnAck(_))) => {
-                backoff.reset();
+                backoff.connected();
                 let mut outbox = shared.lock();
                 let waiting = outbox.left();
                 outbox.connected();

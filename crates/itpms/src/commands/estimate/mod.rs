@@ -8,7 +8,7 @@ use itpms_console::{Failure, Interrupt, Screen, names, threads};
 use itpms_core::model::Corner;
 use itpms_data::{LogReader, Vehicle};
 use itpms_drive::EstimatorKind;
-use itpms_drive::learn::sensor_pressures;
+use itpms_drive::tire_sensors::sent_pressures;
 use itpms_drive::{Done, FilePaths, Files, Job, Settings, common_corners, wheel_speed_use};
 
 use super::reference;
@@ -43,7 +43,7 @@ pub(crate) fn perform(
     let mut log = LogReader::open_with(&args.log, &reading)?;
     let (corners, mut settings, paths) = (common_corners(&log, &vehicle)?, settings(args), paths(args));
     if corners.is_empty() {
-        ask_sensors(args, &log, &mut settings, screen, interrupt)?;
+        ask_sensors(args, &log, &vehicle, &mut settings, screen, interrupt)?;
     }
     let (road, report) = (paths.want_road(), paths.report.is_some());
     let job =
@@ -65,10 +65,13 @@ pub(crate) fn perform(
     remarks(screen, &log, &done.concerns);
     completed?;
     if let Some(path) = &args.save_reference {
-        screen.remark(format!(
-            "{}: holds what the calibration taught of this car; valid until tires, springs, dampers or sensors are changed",
-            path.display()
-        ));
+        let holds = match &args.reference {
+            Some(_) => "the reference with what this day has shown of the wheel speeds",
+            None => {
+                "what the calibration taught of this car; valid until tires, springs, dampers or sensors are changed"
+            }
+        };
+        screen.remark(format!("{}: holds {holds}", path.display()));
     }
     Ok(Estimated { log, done })
 }
@@ -84,6 +87,7 @@ fn settings(args: &EstimateArgs) -> Settings {
         calibration_kpa: args.pressure_kpa.map_or([None; 4], |pressures| pressures.0),
         rate_hz: args.rate,
         pressure_unit: args.unit.pressure_unit,
+        program: concat!("itpms ", env!("ITPMS_VERSION")).to_owned(),
         command: command(),
     }
 }
@@ -102,29 +106,45 @@ fn command() -> String {
     std::iter::once("itpms".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
 }
 
-/// In a calibration of wheel speeds the tires' own sensors tell the pressures, unless they are given.
+/// In a calibration of wheel speeds the tires' own sensors tell the pressures that are not given.
 fn ask_sensors(
     args: &EstimateArgs,
     log: &LogReader,
+    vehicle: &Vehicle,
     settings: &mut Settings,
     screen: &Screen,
     interrupt: &Interrupt,
 ) -> Result<(), Failure> {
     let sensors = log.columns().motion.tire_sensors.contains(&true);
-    let Some(seconds) = settings.calibrate_s.filter(|_| sensors && args.pressure_kpa.is_none()) else {
-        return Ok(());
-    };
+    let Some(seconds) = settings.calibrate_s.filter(|_| sensors) else { return Ok(()) };
     // Read beforehand: the calibration begins with the first row.
     let mut ahead = LogReader::open_with(&args.log, &args.reading.options())?;
-    settings.calibration_kpa = sensor_pressures(&mut ahead, seconds, &mut |_| interrupt.flow())?;
-    let references = Corner::ALL.iter().zip(settings.calibration_kpa);
-    let references: Vec<String> =
-        references.filter_map(|(corner, kpa)| Some(format!("{} {}", corner.label(), kpa?))).collect();
-    let path = args.log.display();
-    screen.remark(format!(
-        "{path}: calibrated at what the tires' own sensors send: {} kPa",
-        references.join(", ")
-    ));
+    let given_kpa = settings.calibration_kpa.map(|kpa| kpa.unwrap_or(f64::NAN));
+    let sent = sent_pressures(&mut ahead, vehicle, given_kpa, seconds, &mut |_| interrupt.flow())?;
+    for remark in sent.remarks {
+        screen.warn(remark);
+    }
+    if args.pressure_kpa.is_some() {
+        return Ok(());
+    }
+    settings.calibration_kpa = sent.kpa;
+    let each = |sends: bool| {
+        let of = Corner::ALL.iter().zip(sent.kpa).filter(move |(_, kpa)| kpa.is_some() == sends);
+        of.map(|(corner, kpa)| {
+            corner.label().to_owned() + &kpa.map_or(String::new(), |kpa| format!(" {kpa}"))
+        })
+        .collect::<Vec<_>>()
+        .join(", ")
+    };
+    let (sending, silent, path) = (each(true), each(false), args.log.display());
+    if !sending.is_empty() {
+        screen.remark(format!("{path}: calibrated at what the tires' own sensors send: {sending} kPa"));
+    }
+    if !silent.is_empty() {
+        screen.warn(format!(
+            "{path}: no tire sensor sends a plausible pressure of {silent}: calibrated at the placard's"
+        ));
+    }
     Ok(())
 }
 
@@ -146,7 +166,10 @@ fn check_names(args: &EstimateArgs) -> Result<(), Failure> {
     let inputs = [
         (Some(args.log.as_path()), "the drive log"),
         (Some(&args.vehicle), "the vehicle file"),
-        (args.reference.as_deref(), "the learned reference"),
+        (
+            args.reference.as_deref().filter(|path| args.save_reference.as_deref() != Some(path)),
+            "the learned reference",
+        ),
         (args.pulses.as_deref(), "the tooth pulses"),
         dbc,
         signals,

@@ -1,7 +1,7 @@
 //! What is reported at the end: a line for the drive, one per corner and one per alert, or the same as JSON.
 
 use itpms_console::Screen;
-use itpms_drive::{corner_line, summary_json, torsion_line, wheel_speed_lines};
+use itpms_drive::{summary_json, torsion_line, wheel_speed_lines};
 use serde_json::{Value, json};
 
 use super::Estimated;
@@ -30,8 +30,7 @@ pub(crate) fn corner_lines(estimated: &Estimated) -> Vec<String> {
     let Estimated { log, done } = estimated;
     let (origin_s, unit) = (done.data.drive.origin_s, done.data.pressure_unit);
     let end_s = log.last_time_s().map_or(f64::NAN, |end_s| end_s - origin_s);
-    let corners = done.data.corners.iter().map(|corner| corner_line(corner, end_s, unit));
-    let mut lines: Vec<String> = corners.collect();
+    let mut lines = itpms_drive::corner_lines(done, end_s);
     lines.extend(done.radii.iter().flat_map(wheel_speed_lines));
     lines.extend(torsion_line(done, unit));
     lines.extend(done.alerts.sentences(origin_s, unit));

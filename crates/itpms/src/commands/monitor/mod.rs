@@ -22,6 +22,7 @@ use itpms_data::out::{AtomicFile, NameLock};
 use itpms_live::LiveError;
 use itpms_live::drive::DriveOptions;
 use itpms_live::engine::Engine;
+use itpms_live::feed::Feed;
 use itpms_live::hub::Hub;
 use itpms_live::input::{Note, Say};
 use itpms_live::monitor::{End, Monitor};
@@ -70,7 +71,8 @@ pub(crate) fn run(args: &MonitorArgs, screen: &Screen, interrupt: &Interrupt) ->
     let outputs = outputs::open(args, source.can_wait(), &say, screen)?;
     let server = outputs::serve(args, &hub, screen)?;
 
-    let engine = Engine::new(vehicle, options, source.name(), saved, Arc::clone(&say));
+    let engine = Engine::new(vehicle, options, source.name(), saved, Arc::clone(&say))
+        .knowing(feed.as_ref().map_or_else(|| source.mapping().to_vec(), Feed::doubts));
     source.start(&inputs, &stop, &say);
     let mut monitor = Monitor::new(engine, hub, outputs, args.state.clone(), say);
     if let Some(feed) = feed {
@@ -105,20 +107,22 @@ fn notes(screen: Screen) -> Say {
 
 /// The vehicle becomes the one from which a reference counts.
 fn options(args: &MonitorArgs, vehicle: &mut Vehicle) -> Result<DriveOptions, Failure> {
-    let (reference, wheel_reference, torsion_reference) = match &args.reference {
+    let (reference, wheel_reference, torsion_reference, days_reference) = match &args.reference {
         Some(path) => {
             let file = args.vehicle.as_deref().unwrap_or(Path::new("--vehicle"));
             let (known, stored) = reference::of(path, vehicle, file)?;
             *vehicle = known;
-            (stored.has_corners().then_some(stored.reference), stored.wheel_speeds, stored.torsion)
+            let corners = stored.has_corners().then_some(stored.reference);
+            (corners, stored.wheel_speeds, stored.torsion, Some(stored.days))
         }
-        None => (None, None, [None; 4]),
+        None => (None, None, [None; 4], None),
     };
     Ok(DriveOptions {
         regulation: args.regulation,
         calibrate_s: args.calibrate_s,
         reference,
         wheel_reference,
+        days_reference,
         pulses: args.pulses.is_some(),
         torsion_reference,
         rate_hz: args.rate,

@@ -8,7 +8,7 @@ use itpms_console::{Failure, Screen};
 use itpms_data::DataError;
 use itpms_data::LogReader;
 use itpms_data::can::FrameReader;
-use itpms_data::dbc::{Dbc, Decoder};
+use itpms_data::dbc::Decoder;
 use itpms_data::signals::SignalMap;
 use itpms_live::broker::BrokerAddress;
 use itpms_live::feed::Feed;
@@ -87,13 +87,16 @@ fn bus(interface: &str) -> Result<Kind, Failure> {
 fn feed(args: &MonitorArgs, screen: &Screen) -> Result<Feed, Failure> {
     let needed = || Failure::Usage("frames need --dbc CAR.dbc, which says what they mean".to_owned());
     let (path, dbc) = match (&args.reading.dbc, &args.replay) {
-        (Some(path), _) => (path, Dbc::read(path).map_err(DataError::from)?),
+        (Some(path), _) => (path, itpms_data::dbc::described(path)?),
         // It may be attached to the log.
         (None, Some(log)) => (log, itpms_data::frame_description(log, None)?),
         (None, None) => return Err(needed()),
     };
     let map = args.reading.signals.as_deref().map(SignalMap::read).transpose()?;
-    let decoder = Decoder::new(dbc, map.as_ref())?;
+    let decoder = match &args.replay {
+        Some(log) => itpms_data::frame_decoder(log, dbc, map.as_ref())?,
+        None => Decoder::new(dbc, map.as_ref())?,
+    };
     if let Some(first) = decoder.problems().first() {
         let count = decoder.problems().len();
         screen.warn(format!("{}: {count} problems, the first: {first}", path.display()));
@@ -120,6 +123,14 @@ impl Source {
             Kind::Broker(address) => broker::name(address),
             #[cfg(target_os = "linux")]
             Kind::Bus(_, interface) => itpms_live::source::socketcan::name(interface),
+        }
+    }
+
+    /// What its signals were taken for, where it has rows.
+    pub(super) fn mapping(&self) -> &[String] {
+        match &self.kind {
+            Kind::Rows(log, _) => log.mapping(),
+            _ => &[],
         }
     }
 

@@ -26,7 +26,7 @@ pub(super) fn survey(
         return Err(Failure::Usage(format!("{path}: no speed_m_s, so no distance: expected --speed-m-s V")));
     }
     let corners = common_corners(&log, &vehicle)?;
-    let rate_hz = log.survey().sample_rate_hz;
+    let rate_hz = log.survey().estimator_rate_hz();
     let mut car = estimator(&vehicle, &corners, rate_hz)?;
     let mut road = RoadTrack::new(&vehicle, &corners, rate_hz)?;
     let mut wheels = Wheels::new(args, &corners, rate_hz)?;

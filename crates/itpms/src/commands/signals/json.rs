@@ -28,7 +28,7 @@ pub(super) fn value(log: &Path, listing: &Listing, resolved: &Resolved, columns:
         "last_s": listing.span_s.map(|(_, last)| last),
         "groups": groups.collect::<Vec<_>>(),
         "columns": chosen.collect::<Vec<_>>(),
-        "not_in_log": columns.not_in_log().map(|chosen| chosen.slot.name()).collect::<Vec<_>>(),
+        "not_in_log": columns.not_in_log(),
         "remarks": resolved.remarks().iter().map(ToString::to_string).collect::<Vec<_>>(),
         "unusable": resolved.unusable(),
         "absent": listing.absent.iter().map(|signal| signal.full_name()).collect::<Vec<_>>(),

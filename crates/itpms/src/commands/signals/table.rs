@@ -97,7 +97,7 @@ fn print_columns(resolved: &Resolved, columns: &Columns<'_>, screen: &Screen) {
             screen.print(line);
         }
     }
-    let missing: Vec<String> = columns.not_in_log().map(|chosen| chosen.slot.name()).collect();
+    let missing = columns.not_in_log();
     if !missing.is_empty() {
         screen.print(format!("Not in this log, though it would be a column: {}", missing.join(", ")));
     }

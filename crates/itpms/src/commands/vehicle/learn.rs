@@ -7,7 +7,8 @@ use itpms_console::{Failure, Interrupt, Screen, former, names};
 use itpms_core::model::Corner;
 use itpms_data::Vehicle;
 use itpms_data::out::AtomicFile;
-use itpms_drive::{KnownDrive, LearnedVehicle, learn};
+use itpms_drive::{KnownDrive, LearnedRadius, LearnedVehicle, learn, learn_radius};
+use serde_json::json;
 
 use crate::args::LearnArgs;
 
@@ -29,6 +30,9 @@ pub(super) fn run(args: &LearnArgs, screen: &Screen, interrupt: &Interrupt) -> R
     }
     let vehicle = Vehicle::read(from)?;
     let drives = drives(args, &vehicle)?;
+    if vehicle.corners.iter().all(Option::is_none) {
+        return radius(args, (&vehicle, from), &drives, screen, interrupt);
+    }
     let progress = screen.progress("learning");
     let learned = learn(&vehicle, &drives, &mut |share| {
         progress.set(share);
@@ -49,6 +53,46 @@ pub(super) fn run(args: &LearnArgs, screen: &Screen, interrupt: &Interrupt) -> R
     }
     screen.remark(format!(
         "{}: the car as these drives show it; a reference of another file does not fit it: calibrate anew",
+        args.output.display()
+    ));
+    Ok(())
+}
+
+/// Of wheel speeds alone: how the radii follow the pressure.
+fn radius(
+    args: &LearnArgs,
+    (vehicle, from): (&Vehicle, &Path),
+    drives: &[KnownDrive],
+    screen: &Screen,
+    interrupt: &Interrupt,
+) -> Result<(), Failure> {
+    let progress = screen.progress("learning");
+    let learned = learn_radius(vehicle, drives, &mut |share| {
+        progress.set(share);
+        interrupt.flow()
+    })?;
+    drop(progress);
+    write(&args.output, &learned.vehicle.to_toml(), screen)?;
+    for concern in &learned.concerns {
+        screen.warn(concern);
+    }
+    let LearnedRadius { before, after, .. } = &learned;
+    if args.json {
+        let of = |[value, sd]: &[f64; 2]| json!({ "value": value, "sd": sd });
+        let text = json!({ "radius_per_ln_pressure": { "before": of(before), "after": of(after) } });
+        screen.print_lines(format!("{text:#}"));
+    } else {
+        screen.print(format!(
+            "radius_per_ln_pressure {:.4} ± {:.4}, before {:.4} ± {:.4} ({})",
+            after[0],
+            after[1],
+            before[0],
+            before[1],
+            from.display()
+        ));
+    }
+    screen.remark(format!(
+        "{}: how the radii follow the pressure, as these drives show it",
         args.output.display()
     ));
     Ok(())

@@ -19,6 +19,29 @@ pub(crate) fn run(part: &VehiclePart, screen: &Screen, interrupt: &Interrupt) ->
     }
 }
 
+/// All that is not given and has to be, at once; empty: nothing.
+fn lacking(args: &InitArgs) -> String {
+    let axles = args.limited_slip || args.track_front_m.or(args.track_rear_m).is_some();
+    let weighs = args.mass.or(args.front_share).is_some();
+    let rolls = args.driven.is_some() || axles;
+    let mass = [("--mass", args.mass.is_none()), ("--front-share", args.front_share.is_none())];
+    let driven = ("--driven", args.driven.is_none());
+    let wheelbase = ("--wheelbase-m", args.wheelbase_m.is_none());
+    let mut wanted = vec![("--tire", args.tire.is_none())];
+    match (weighs, rolls) {
+        (true, false) => wanted.extend(mass),
+        (true, true) => wanted.extend(mass.into_iter().chain([driven])),
+        (false, true) => wanted.extend([driven, wheelbase]),
+        (false, false) => {
+            return "expected --tire, --mass and --front-share; for wheel speeds alone --tire, --driven and --wheelbase-m (itpms vehicle init --help)"
+                .to_owned();
+        }
+    }
+    let names: Vec<&str> = wanted.into_iter().filter_map(|(name, lacks)| lacks.then_some(name)).collect();
+    let of = if weighs { "a car" } else { "wheel speeds alone" };
+    if names.is_empty() { String::new() } else { format!("of {of} expected, too: {}", names.join(", ")) }
+}
+
 /// The file of a car whose mass is known, else of one whose wheel speeds alone are read.
 fn typical(args: &InitArgs) -> Result<String, Failure> {
     let axles = args.driven.map(|driven| AxleWheels {
@@ -26,7 +49,11 @@ fn typical(args: &InitArgs) -> Result<String, Failure> {
         driven,
         limited_slip: args.limited_slip,
     });
-    let (name, tire, placard_kpa) = (args.name.clone(), args.tire, args.placard_kpa);
+    let (name, placard_kpa) = (args.name.clone(), args.placard_kpa);
+    let lacking = lacking(args);
+    let (Some(tire), "") = (args.tire, lacking.as_str()) else {
+        return Err(Failure::Usage(lacking));
+    };
     let file = match (args.mass, args.front_share, axles, args.wheelbase_m) {
         (Some(mass_kg), Some(front_share), wheels, wheelbase_m) => {
             let class = args.class;
@@ -36,11 +63,7 @@ fn typical(args: &InitArgs) -> Result<String, Failure> {
         (_, _, Some(axles), Some(wheelbase_m)) => {
             WheelsOfACar { name, tire, wheelbase_m, axles, placard_kpa }.vehicle_file()
         }
-        _ => {
-            let what =
-                "expected --mass and --front-share, or --wheelbase-m and --driven for wheel speeds alone";
-            return Err(Failure::Usage(what.to_owned()));
-        }
+        _ => return Err(Failure::Usage(lacking)),
     };
     Ok(file.map_err(|error| Failure::Usage(error.to_string()))?.0)
 }

@@ -12,6 +12,7 @@
 //! | `disturb` | the same while something differs from what the estimator is given |
 //! | `limit` | what cannot be done better |
 //! | `learn`, `learned_car` | what ten minutes at known pressures teach of a car, and what that is worth later |
+//! | `several` | tires that lose air together, or did before the drive, on cars that are not their files |
 //! | `real`, `real_list` | cars that are not their files: level, honesty and warnings with each deviation |
 
 mod detect;
@@ -23,6 +24,7 @@ mod limit;
 mod puncture;
 mod real;
 mod real_list;
+mod several;
 
 use itpms_core::car::{EstimatorOptions, Sources};
 use itpms_core::model::CarEstimate;
@@ -235,6 +237,7 @@ pub(super) struct Plan {
     detection: detect::Plan,
     real: real::Plan,
     learn: learn::Plan,
+    several: several::Plan,
 }
 
 impl Plan {
@@ -269,12 +272,20 @@ impl Plan {
             true => learn::Plan::new(seeds, only),
             false => learn::Plan::default(),
         };
-        Ok(Self { errors, detection, real, learn })
+        let several = match wanted(Part::Several) {
+            true => several::Plan::new(seeds, only),
+            false => several::Plan::default(),
+        };
+        Ok(Self { errors, detection, real, learn, several })
     }
 
     /// Drives in all.
     pub(super) fn drives(&self) -> u64 {
-        self.errors.drives() + self.detection.drives() + self.real.drives() + self.learn.drives()
+        self.errors.drives()
+            + self.detection.drives()
+            + self.real.drives()
+            + self.learn.drives()
+            + self.several.drives()
     }
 
     pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, ScoreError> {
@@ -282,6 +293,7 @@ impl Plan {
         rows.extend(self.detection.rows(runner)?);
         rows.extend(self.real.rows(runner)?);
         rows.extend(self.learn.rows(runner)?);
+        rows.extend(self.several.rows(runner)?);
         Ok(rows)
     }
 }

@@ -1,0 +1,91 @@
+//! Which tires have too little air: sixteen sets of low tires, weighed against what is known of all four together
+//! (docs/math/decision.md).
+//!
+//! Called by the monitor with what accelerations tell of levels and losses, and by [`crate::wheel_speed`] for its prior. Knows shares of pressures and their
+//! covariance; nothing of where they come from, and of no moment but this one.
+
+mod shares;
+
+pub(crate) use self::shares::{Shares, Since};
+use crate::memory::Blank;
+use crate::model::Corner;
+use crate::real::Real;
+
+/// Sets of tires: bit `i` of a set's number is tire `i`.
+pub(crate) const SETS: usize = 16;
+/// Prior of one tire that loses its air in a drive, and of one that was low before: of the cars on the road one in ten has one that lacks a quarter.
+pub(crate) const ONE_LOSES: f64 = 1e-3;
+pub(crate) const ONE_IS_LOW: f64 = 0.025;
+/// And of two tires of an axle or a side, of all four, and of any others, over that of one.
+const PAIR_LOW: f64 = 0.3;
+const ALL_LOW: f64 = 0.5;
+const OTHERS_LOW: f64 = 0.05;
+const AXLES_AND_SIDES: [usize; 4] = [0b0011, 0b1100, 0b0101, 0b1010];
+/// Of a loss that has to be warned of, the share that a low tire lacks at the least.
+pub(crate) const DECISIVE: f64 = 0.6;
+/// Probability from which a tire is called low, below which it no longer is, and below which it may be called fine.
+pub(crate) const SURELY_LOW: f64 = 0.99;
+pub(crate) const HARDLY_LOW: f64 = 0.5;
+pub(crate) const SURELY_NOT_LOW: f64 = 0.05;
+
+/// Log of how probable it is before anything is seen that these tires are low, against none, if it is `one` of one tire.
+pub(crate) fn log_prior<T: Real>(set: usize, one: f64) -> T {
+    let is_pair = AXLES_AND_SIDES.contains(&set);
+    let share = match set.count_ones() {
+        0 => return T::zero(),
+        1 => 1.0,
+        2 if is_pair => PAIR_LOW,
+        4 => ALL_LOW,
+        _ => OTHERS_LOW,
+    };
+    T::lit(share * one).ln_fast()
+}
+
+/// How probable each set is, and what its tires lack.
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Probabilities<T> {
+    /// Of the sets; the rest is what none of them explains.
+    of_set: [T; SETS],
+    /// Whether each tire lacks enough to be low, as far as is known: what lacks a little less is neither low nor as it should be.
+    lacks: [bool; 4],
+}
+
+impl<T: Real> Probabilities<T> {
+    /// Before anything is seen.
+    pub(crate) fn of_nothing() -> Self {
+        Self::of(
+            &core::array::from_fn(|set| log_prior(set, ONE_IS_LOW)),
+            T::lit(f64::NEG_INFINITY),
+            [true; 4],
+        )
+    }
+
+    /// Of sets of these log-likelihoods, prior included, and that of pressures that no set explains.
+    fn of(log: &[T; SETS], unexplained: T, lacks: [bool; 4]) -> Self {
+        let best = log.iter().fold(unexplained, |best, &log| best.at_least(log));
+        let weight = log.map(|log| (log - best).exp_fast());
+        let total = weight.iter().fold((unexplained - best).exp_fast(), |sum, &weight| sum + weight);
+        Self { of_set: weight.map(|weight| weight / total), lacks }
+    }
+
+    /// That this tire is low.
+    pub(crate) fn low(&self, tire: Corner) -> T {
+        if self.lacks[tire.index()] { self.sum(|set| set & (1 << tire.index()) != 0) } else { T::zero() }
+    }
+
+    /// That any is.
+    pub(crate) fn any_low(&self) -> T {
+        self.sum(|set| set != 0)
+    }
+
+    /// That all four are.
+    pub(crate) fn all_low(&self) -> T {
+        if self.lacks == [true; 4] { self.sum(|set| set + 1 == SETS) } else { T::zero() }
+    }
+
+    fn sum(&self, is: impl Fn(usize) -> bool) -> T {
+        let counted = self.of_set.iter().enumerate().filter(|(set, _)| is(*set));
+        counted.fold(T::zero(), |sum, (_, p)| sum + *p)
+    }
+}

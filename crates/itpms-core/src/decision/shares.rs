@@ -1,0 +1,259 @@
+//! Shares of their pressures that tires lack, as one Gaussian, held against every set of low tires (docs/math/decision.md, eq. 1-4).
+
+use nalgebra::{Matrix4, Vector4};
+
+use super::{DECISIVE, ONE_IS_LOW, ONE_LOSES, Probabilities, SETS, log_prior};
+use crate::model::Corner;
+use crate::real::Real;
+
+/// What a low tire lacks, and its sd, in the losses that have to be warned of; the same of one that is nearly flat, and its prior over that of one that is not.
+const LOW: [f64; 2] = [1.25, 0.42];
+const FLAT: [f64; 2] = [3.0, 1.5];
+const NEARLY_FLAT: f64 = 0.5;
+/// What nobody explains may do to each tire, as an sd of its share, and its prior over that of one low tire.
+const UNEXPLAINED_SD: f64 = 0.3;
+const UNEXPLAINED: f64 = 0.01;
+/// What a tire that is not low lacks of its share, as an sd: gauges, and a little warmth of its own.
+const FINE_SD: f64 = 0.013;
+/// What all tires lack of their references because they are colder than these, as an sd: 5 K are 1.8 %.
+const WARMTH_SD: f64 = 0.018;
+/// What a car that has changed since a calibration makes all tires lack, and an axle's more than the other's, as sds; its prior.
+const CHANGED_SD: f64 = 0.2;
+const CHANGED_AXLE_SD: f64 = 0.1;
+const CHANGED: f64 = 0.1;
+/// Variance of a share of which nothing is known.
+const UNKNOWN: f64 = 1e4;
+
+/// Since when tires lack what they lack.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Since {
+    /// They have lost it in this drive.
+    Beginning,
+    /// It may have been before: they are held against the file, or a calibration of this drive.
+    Ever,
+    /// The same, against a calibration of an earlier day: the car as a whole or one of its axles may have changed since.
+    EarlierDay,
+}
+
+impl Since {
+    fn prior_of_one(self) -> f64 {
+        if self == Self::Beginning { ONE_LOSES } else { ONE_IS_LOW }
+    }
+}
+
+/// What tires lack, as shares of what they should have.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Shares<T: Real> {
+    lacking: Vector4<T>,
+    covariance: Matrix4<T>,
+}
+
+impl<T: Real> Shares<T> {
+    /// Of each tire what it lacks and the sd of that, if something is known of it, and the correlation of the errors.
+    pub(crate) fn new(lacking: &[Option<[T; 2]>; 4], correlation: &[[T; 4]; 4]) -> Self {
+        let known =
+            |i: usize| lacking.get(i).copied().flatten().filter(|[less, sd]| (*less + *sd).is_finite());
+        let covariance = Matrix4::from_fn(|i, j| match (known(i), known(j)) {
+            (Some([_, a]), Some([_, b])) => correlation[i][j] * a * b,
+            _ if i == j => T::lit(UNKNOWN),
+            _ => T::zero(),
+        });
+        Self { lacking: Vector4::from_fn(|i, _| known(i).map_or(T::zero(), |[less, _]| less)), covariance }
+    }
+
+    /// How probable each set is; `loss`: the share of its pressure that a low tire has to be warned of.
+    pub(crate) fn probabilities(&self, loss: T, since: Since) -> Option<Probabilities<T>> {
+        let mut weighed = Weighed::new();
+        // What is lost since the drive began knows of the tires' warmth.
+        let warmth = if since == Since::Beginning { T::zero() } else { T::lit(WARMTH_SD * WARMTH_SD) };
+        let plain = self.covariance.map(|covariance| covariance + warmth);
+        self.weigh(&plain, loss, since, T::zero(), &mut weighed)?;
+        if since == Since::EarlierDay {
+            let (common, axle) = (T::lit(CHANGED_SD * CHANGED_SD), T::lit(CHANGED_AXLE_SD * CHANGED_AXLE_SD));
+            let covariance = Matrix4::from_fn(|i, j| {
+                let same = Corner::ALL[i].axle() == Corner::ALL[j].axle();
+                plain[(i, j)] + common + if same { axle } else { -axle }
+            });
+            self.weigh(&covariance, loss, since, T::lit(CHANGED).ln_fast(), &mut weighed)?;
+        }
+        let least = T::lit(DECISIVE) * loss;
+        let lacks = weighed.lacking.data.0[0].map(|lacking| lacking > least);
+        Some(Probabilities::of(&weighed.log, self.unexplained(&plain, since)?, lacks))
+    }
+
+    /// Weighs every set of low tires, and of tires that are nearly flat.
+    fn weigh(
+        &self,
+        covariance: &Matrix4<T>,
+        loss: T,
+        since: Since,
+        log: T,
+        weighed: &mut Weighed<T>,
+    ) -> Option<()> {
+        let flat = log + T::lit(NEARLY_FLAT).ln_fast();
+        for (kind, log) in [(LOW, log), (FLAT, flat)] {
+            let [mean, sd] = kind.map(|losses| T::lit(losses) * loss);
+            self.likelihoods(covariance, mean, sd * sd, |set, likelihood, lacking| {
+                // What is not low is not nearly flat either.
+                if set > 0 || kind == LOW {
+                    weighed.add(set, log + likelihood + log_prior(set, since.prior_of_one()), lacking);
+                }
+            })?;
+        }
+        Some(())
+    }
+
+    /// Log-likelihood of every set, without constants, and what its tires lack, if low tires lack `mean` with this variance. A low tire has that
+    /// variance in place of a fine one's: one number on the diagonal, so each set's inverse is that of the set without its first tire,
+    /// less a product.
+    fn likelihoods(
+        &self,
+        covariance: &Matrix4<T>,
+        mean: T,
+        variance: T,
+        mut each: impl FnMut(usize, T, Vector4<T>),
+    ) -> Option<()> {
+        let fine = T::lit(FINE_SD * FINE_SD);
+        let plain = (covariance + Matrix4::from_diagonal_element(fine)).cholesky()?;
+        let diagonal = plain.l_dirty().diagonal();
+        let mut inverse = [Matrix4::<T>::zeros(); SETS];
+        let mut half_log_determinant = [T::zero(); SETS];
+        inverse[0] = plain.inverse();
+        half_log_determinant[0] = diagonal.iter().fold(T::zero(), |sum, x| sum + x.ln_fast());
+        for set in 0..SETS {
+            if set > 0 {
+                let (tire, without, more) = (set.trailing_zeros() as usize, set & (set - 1), variance - fine);
+                let before = inverse[without];
+                let column = before.column(tire);
+                let grown = T::one() + more * column[tire];
+                if !(grown > T::zero()) {
+                    return None;
+                }
+                inverse[set] = before - column * column.transpose() * (more / grown);
+                half_log_determinant[set] = half_log_determinant[without] + T::lit(0.5) * grown.ln_fast();
+            }
+            let is_low = |i: usize| set & (1 << i) != 0;
+            let expected = Vector4::from_fn(|i, _| if is_low(i) { mean } else { T::zero() });
+            let off = self.lacking - expected;
+            let weighted = inverse[set] * off;
+            let lacking =
+                Vector4::from_fn(|i, _| expected[i] + weighted[i] * if is_low(i) { variance } else { fine });
+            each(set, T::lit(-0.5) * off.dot(&weighted) - half_log_determinant[set], lacking);
+        }
+        Some(())
+    }
+
+    /// Log-likelihood, with its prior, of pressures that no set explains.
+    fn unexplained(&self, covariance: &Matrix4<T>, since: Since) -> Option<T> {
+        let by_itself = Matrix4::from_diagonal_element(T::lit(UNEXPLAINED_SD * UNEXPLAINED_SD));
+        let root = (covariance + by_itself).cholesky()?;
+        let half_log_determinant =
+            root.l_dirty().diagonal().iter().fold(T::zero(), |sum, x| sum + x.ln_fast());
+        let square = self.lacking.dot(&root.solve(&self.lacking));
+        Some(
+            T::lit(-0.5) * square - half_log_determinant
+                + T::lit(UNEXPLAINED * since.prior_of_one()).ln_fast(),
+        )
+    }
+}
+
+/// Log of the probability of every set, and what the tires lack by the likeliest way.
+struct Weighed<T: Real> {
+    log: [T; SETS],
+    best: T,
+    lacking: Vector4<T>,
+}
+
+impl<T: Real> Weighed<T> {
+    fn new() -> Self {
+        let none = T::lit(f64::NEG_INFINITY);
+        Self { log: [none; SETS], best: none, lacking: Vector4::zeros() }
+    }
+
+    /// Adds a way in which a set may be low.
+    fn add(&mut self, set: usize, log: T, lacking: Vector4<T>) {
+        if log > self.best {
+            (self.best, self.lacking) = (log, lacking);
+        }
+        if let Some(sum) = self.log.get_mut(set) {
+            let most = sum.at_least(log);
+            *sum = most + ((*sum - most).exp_fast() + (log - most).exp_fast()).ln_fast();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NONE: [[f64; 4]; 4] =
+        [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
+
+    fn shares(lacking: [f64; 4], sd: f64, correlation: f64) -> Shares<f64> {
+        let correlation =
+            core::array::from_fn(|i| core::array::from_fn(|j| if i == j { 1.0 } else { correlation }));
+        Shares::new(&lacking.map(|less| Some([less, sd])), &correlation)
+    }
+
+    /// Against the density written out: determinant and inverse of each set's own covariance.
+    #[test]
+    fn likelihoods_are_those_of_the_density() {
+        let shares = shares([0.1, 0.22, -0.04, 0.3], 0.06, 0.7);
+        let mut log = [0.0; SETS];
+        shares
+            .likelihoods(&shares.covariance, 0.25, 0.084 * 0.084, |set, found, _| log[set] = found)
+            .unwrap();
+        for (set, log) in log.into_iter().enumerate() {
+            let is_low = |i: usize| set & (1 << i) != 0;
+            let covariance = Matrix4::from_fn(|i, j| {
+                let own = if is_low(i) { 0.084 * 0.084 } else { 0.013 * 0.013 };
+                0.0036 * if i == j { 1.0 } else { 0.7 } + if i == j { own } else { 0.0 }
+            });
+            let off = Vector4::new(0.1, 0.22, -0.04, 0.3)
+                - Vector4::from_fn(|i, _| if is_low(i) { 0.25 } else { 0.0 });
+            let expected = -0.5
+                * (off.dot(&(covariance.try_inverse().unwrap() * off)) + f64::ln(covariance.determinant()));
+            assert!((log - expected).abs() < 1e-9, "{set:04b}: {log} {expected}");
+        }
+    }
+
+    #[test]
+    fn every_set_is_named_that_is_known_well() {
+        for set in 0..SETS {
+            let lacking = core::array::from_fn(|i| if set & (1 << i) == 0 { 0.0 } else { 0.22 });
+            let found = shares(lacking, 0.02, 0.3).probabilities(0.2, Since::Beginning).unwrap();
+            for tire in Corner::ALL {
+                let low = set & (1 << tire.index()) != 0;
+                assert_eq!(found.low(tire) > 0.99, low, "{set:04b} {tire:?}");
+            }
+            assert_eq!(found.all_low() > 0.99, set + 1 == SETS);
+        }
+    }
+
+    /// A level that is not known to a fifth says nothing of all four, and of one against the others what their differences say.
+    #[test]
+    fn what_all_are_wrong_by_alike_cancels_between_tires() {
+        let all = shares([0.22; 4], 0.1, 0.95).probabilities(0.2, Since::Beginning).unwrap();
+        assert!(all.any_low() < 0.5, "{all:?}");
+        let one = shares([0.02, 0.02, 0.3, 0.02], 0.1, 0.95).probabilities(0.2, Since::Beginning).unwrap();
+        assert!(one.low(Corner::RearLeft) > 0.99 && one.low(Corner::FrontLeft) < 0.01, "{one:?}");
+    }
+
+    /// After a night all four reading low is more likely another car; one of them against the others is still that one.
+    #[test]
+    fn a_car_that_has_changed_hides_no_single_tire() {
+        let found = |lacking| shares(lacking, 0.03, 0.3).probabilities(0.2, Since::EarlierDay).unwrap();
+        assert!(found([0.18; 4]).all_low() < 0.5);
+        assert!(found([0.15, 0.15, 0.0, 0.0]).any_low() < 0.5);
+        let one = found([0.15, 0.4, 0.15, 0.15]);
+        assert!(one.low(Corner::FrontRight) > 0.99 && one.low(Corner::FrontLeft) < 0.5, "{one:?}");
+    }
+
+    #[test]
+    fn a_tire_of_which_nothing_is_known_is_as_likely_low_as_ever() {
+        let known = [Some([0.0, 0.02]), None, Some([0.25, 0.02]), Some([f64::NAN, 0.02])];
+        let found = Shares::new(&known, &NONE).probabilities(0.2, Since::Beginning).unwrap();
+        assert!(found.low(Corner::RearLeft) > 0.99 && found.low(Corner::FrontLeft) < 0.01);
+        assert!(found.low(Corner::FrontRight) < 0.3 && found.low(Corner::RearRight) < 0.3, "{found:?}");
+    }
+}

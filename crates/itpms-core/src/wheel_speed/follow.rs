@@ -1,0 +1,300 @@
+//! Whether the wheels of each axle follow the car's bends and accelerations as wheels do (docs/math/wheel-speed.md, eq. 7d): a speed that comes
+//! late, or one wheel's under another's name, does not, and would be a loss whenever the car speeds up or turns.
+
+use super::block::{BLOCK_S, Block, LEAST_SPEED_M_S};
+use super::config::{DrivenAxle, WheelSpeedConfig};
+use super::state::{AXLE, FRONT, REAR, SCALE};
+use crate::diagnosis::{Malfunction, Place, Sensor};
+use crate::memory::Blank;
+use crate::model::{Corner, Wheels};
+use crate::real::Real;
+
+/// Time in s after which a ratio counts as usual, and after which what was seen is forgotten.
+const USUAL_S: f64 = 10.0;
+const MEMORY_S: f64 = 30.0;
+/// What has to be seen: of the accelerations over the speed, as a sum of squares in 1/s²; of the ratios that bends make, in 1e-6.
+const SPEEDING_SEEN: f64 = 0.003;
+const BENDS_SEEN: f64 = 1000.0;
+const FIRST_BENDS: f64 = 100.0;
+/// Lateral acceleration in m/s², and a ratio in thousandths, up to which a block counts.
+const MOST_LATERAL_M_S2: f64 = 2.5;
+const MOST_RATIO: f64 = 150.0;
+/// Delay in s from which on a speed comes late, and a loss may be one. The wheels of a driven axle slip unequally in proportion to the
+/// acceleration, by this share of the slip at most.
+const LATE_S: f64 = 0.06;
+const UNEQUAL_SLIP: f64 = 0.5;
+const DOUBTED_S: f64 = 0.03;
+/// The same where front and rear show it against each other, as slip does where a front and a rear wheel are exchanged.
+const EXCHANGED_S: f64 = 0.03;
+const MAYBE_EXCHANGED_S: f64 = 0.012;
+/// Share of a bend that wheels follow which are exchanged left for right, at most; of which front over rear follows where two are exchanged
+/// across; and below which it is doubtful.
+const TURNED_ROUND: f64 = -0.5;
+const ACROSS: f64 = 0.5;
+const MAYBE_TURNED: f64 = -0.2;
+
+/// See the [module](self).
+#[derive(Debug, Clone, Copy, Blank)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Following<T> {
+    begun: bool,
+    yaw_known: bool,
+    /// Usual ratios, what bends make of them, and the acceleration over the speed.
+    usual: [T; 3],
+    usual_bend: [T; 2],
+    usual_speeding: T,
+    /// Sums of what a bend leaves of each ratio times the acceleration over the speed, and of the square of that.
+    late: [T; 2],
+    speeding: T,
+    /// Sums of each ratio times what bends make of it, and of the square of that.
+    turned: [T; 3],
+    bends: [T; 2],
+}
+
+/// What does not follow.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Astray {
+    /// This wheel's speed comes late.
+    Late(Corner),
+    /// These two are exchanged, of an axle or across.
+    Exchanged([Corner; 2]),
+    /// Front and rear of a side are exchanged.
+    Axles,
+}
+
+impl<T: Real> Following<T> {
+    /// The next block does not follow the last one.
+    pub(super) fn interrupt(&mut self) {
+        self.begun = false;
+    }
+
+    /// Takes a block, braking or not, with the offset of its yaw rate, and whether that is believed.
+    pub(super) fn take(
+        &mut self,
+        block: &Block<T>,
+        config: &WheelSpeedConfig<T>,
+        bias_rad_s: T,
+        believed: bool,
+    ) {
+        let v = block.speed_m_s;
+        let ratio = block.ratio;
+        let sane = ratio.iter().all(|ratio| ratio.abs() < T::lit(MOST_RATIO));
+        if !(v > T::lit(LEAST_SPEED_M_S) && block.lateral_m_s2 < T::lit(MOST_LATERAL_M_S2) && sane) {
+            return;
+        }
+        self.yaw_known = believed && block.yaw_rate_rad_s.is_some();
+        let yaw = block.yaw_rate_rad_s.map_or(T::zero(), |yaw| yaw - bias_rad_s);
+        let bend = [config.track_front_m, config.track_rear_m].map(|track| -T::lit(SCALE) * track * yaw / v);
+        let speeding = block.slope_m_s2 / v;
+        if !self.begun {
+            (self.usual, self.usual_bend, self.usual_speeding, self.begun) = (ratio, bend, speeding, true);
+            return;
+        }
+        let kept = T::lit(1.0 - BLOCK_S / MEMORY_S);
+        let follow = |usual: &mut T, now: T| {
+            let beyond = now - *usual;
+            *usual += T::lit(BLOCK_S / USUAL_S) * beyond;
+            beyond
+        };
+        let speeding = follow(&mut self.usual_speeding, speeding);
+        self.speeding = kept * self.speeding + speeding * speeding;
+        let between = follow(&mut self.usual[AXLE], ratio[AXLE]);
+        let mut mean_bend = T::zero();
+        for i in [FRONT, REAR] {
+            let bend = follow(&mut self.usual_bend[i], bend[i]);
+            let ratio = follow(&mut self.usual[i], ratio[i]);
+            let known_bend = if self.yaw_known { bend } else { T::zero() };
+            self.late[i] = kept * self.late[i] + (ratio - known_bend) * speeding;
+            mean_bend += T::lit(0.5) * bend;
+            self.turned[i] = kept * self.turned[i] + ratio * bend;
+            self.bends[i] = kept * self.bends[i] + bend * bend;
+        }
+        self.turned[AXLE] = kept * self.turned[AXLE] + between * mean_bend;
+    }
+
+    /// Delay in s of the left wheel of each axle against the right one; without a yaw rate, which takes bends off, all of it of the axle
+    /// that shows more. `None` where too little was seen.
+    fn delays_s(&self) -> Option<[T; 2]> {
+        if !(self.speeding > T::lit(SPEEDING_SEEN)) {
+            return None;
+        }
+        let [front, rear] = self.late.map(|late| -late / (T::lit(SCALE) * self.speeding));
+        Some(match self.yaw_known {
+            true => [front, rear],
+            // A bend does the same to both.
+            false => [front - rear, T::zero()],
+        })
+    }
+
+    /// Whether a ratio follows at least this share of what bends make of the ratio of an axle.
+    fn follows(&self, ratio: usize, axle: usize, share: f64) -> bool {
+        self.turned[ratio] > T::lit(share) * self.bends[axle]
+    }
+
+    /// The two wheels across that are exchanged: what bends do to the axles is between them.
+    fn across(&self, bends: f64) -> Option<[Corner; 2]> {
+        let [fl, fr, rl, rr] = Corner::ALL;
+        let stays = |i: usize| self.bends[i] > T::lit(bends) && !self.follows(i, i, ACROSS);
+        if !(stays(FRONT) && stays(REAR)) {
+            return None;
+        }
+        if self.follows(AXLE, FRONT, ACROSS) {
+            return Some([fr, rl]);
+        }
+        (!self.follows(AXLE, FRONT, -ACROSS)).then_some([fl, rr])
+    }
+
+    /// Whether what looks like a loss may be a speed that does not follow.
+    pub(super) fn is_doubtful(&self) -> bool {
+        let turned = |i: usize| self.bends[i] > T::lit(FIRST_BENDS) && !self.follows(i, i, MAYBE_TURNED);
+        if turned(FRONT) || turned(REAR) || self.across(FIRST_BENDS).is_some() {
+            return true;
+        }
+        let Some([front, rear]) = self.delays_s() else { return false };
+        let late = [front, rear].iter().any(|delay| delay.abs() > T::lit(DOUBTED_S));
+        late || exchanged([front, rear], MAYBE_EXCHANGED_S)
+    }
+
+    /// What surely does not follow; on a slippery road the driven wheels may do as they like.
+    /// `slip_s`: the slip per m/s² times the speed, as which it looks like a delay.
+    pub(super) fn astray(&self, driven: DrivenAxle, slippery: bool, slip_s: T) -> Option<Astray> {
+        let seen = |i: usize| self.bends[i] > T::lit(BENDS_SEEN);
+        let [fl, fr, rl, rr] = Corner::ALL;
+        for (i, other, axle) in [(FRONT, REAR, [fl, fr]), (REAR, FRONT, [rl, rr])] {
+            let alone = !self.follows(i, i, TURNED_ROUND) && self.follows(other, other, -TURNED_ROUND);
+            if seen(i) && seen(other) && alone {
+                return Some(Astray::Exchanged(axle));
+            }
+        }
+        if let Some(two) = self.across(BENDS_SEEN) {
+            return Some(Astray::Exchanged(two));
+        }
+        if !self.yaw_known {
+            return None;
+        }
+        let delays = self.delays_s()?;
+        if !slippery && exchanged(delays, EXCHANGED_S) {
+            return Some(Astray::Axles);
+        }
+        let [front, rear] = delays.map(|delay| delay.abs());
+        let (axle, delay, other) = if front > rear { (0, delays[0], rear) } else { (1, delays[1], front) };
+        // What both axles do is a bend.
+        let alone = other < T::lit(0.5) * delay.abs();
+        let is_driven = match driven {
+            DrivenAxle::Front => axle == 0,
+            DrivenAxle::Rear => axle == 1,
+            DrivenAxle::Both => true,
+        };
+        let by_slip_s = if is_driven { T::lit(UNEQUAL_SLIP) * slip_s } else { T::zero() };
+        let late = alone && delay.abs() > T::lit(LATE_S) + by_slip_s && !slippery;
+        let corner = *Corner::ALL.get(2 * axle + usize::from(!(delay > T::zero())))?;
+        late.then_some(Astray::Late(corner))
+    }
+}
+
+/// Whether front and rear lag by about as much, in opposite directions.
+fn exchanged<T: Real>([front, rear]: [T; 2], least_s: f64) -> bool {
+    let (small, large) = (front.abs().at_most(rear.abs()), front.abs().at_least(rear.abs()));
+    front * rear < T::zero() && small > T::lit(least_s) && small > T::lit(0.5) * large
+}
+
+impl Astray {
+    /// As the monitor reports it.
+    pub(super) fn malfunction<T>(self) -> (Wheels, Malfunction<T>) {
+        let sensor = |corner: Corner| Sensor { corner, place: Place::WheelSpeed };
+        match self {
+            Astray::Late(corner) => (corner.into(), Malfunction::Inconsistent(corner)),
+            Astray::Exchanged([a, b]) => {
+                (Wheels::from(a) | Wheels::from(b), Malfunction::Swapped(sensor(a), sensor(b)))
+            }
+            Astray::Axles => (Corner::ALL.into_iter().collect(), Malfunction::SwappedAxles),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    // Where another crate of the build brings `std`, numbers have these functions by themselves.
+    #[allow(unused_imports)]
+    use nalgebra::ComplexField;
+
+    use super::*;
+
+    const TRACK: f64 = 1.55;
+
+    /// Speeds of the four wheels of a car that speeds up, slows down and turns, on tires of unequal size; `slip`: of the front wheels.
+    fn speeds(time_s: f64, slip: f64) -> ([f64; 4], f64, f64) {
+        let v = 15.0 + 4.0 * (time_s / 7.0).sin();
+        let slope = 4.0 / 7.0 * (time_s / 7.0).cos();
+        let yaw = 0.08 * (time_s / 5.0).sin();
+        let side = 0.5 * TRACK * yaw;
+        let front = 1.0 + slip * slope;
+        ([1.001 * front * (v - side), front * (v + side), 0.9995 * (v - side), v + side], yaw, slope)
+    }
+
+    fn driven(
+        config: &WheelSpeedConfig<f64>,
+        wheel: impl Fn(usize, f64) -> f64,
+        yaw_gain: f64,
+    ) -> Following<f64> {
+        let mut following = Following::<f64>::BLANK;
+        for k in 0..240 {
+            let time_s = 0.5 * f64::from(k);
+            let [fl, fr, rl, rr] = core::array::from_fn(|i| wheel(i, time_s));
+            let ratio =
+                [(fl / fr).ln(), (rl / rr).ln(), 0.5 * (fl * fr / (rl * rr)).ln()].map(|ln| SCALE * ln);
+            let (_, yaw, slope) = speeds(time_s, 0.0);
+            let speed_m_s = 15.0 + 4.0 * (time_s / 7.0).sin();
+            let yaw_rate_rad_s = Some(yaw_gain * yaw);
+            let block = Block { ratio, speed_m_s, yaw_rate_rad_s, slope_m_s2: slope, ..Block::BLANK };
+            following.take(&block, config, 0.0, true);
+        }
+        following
+    }
+
+    #[test]
+    fn a_late_speed_is_known_by_its_delay_and_an_exchanged_one_by_the_bends() {
+        let config = WheelSpeedConfig::new(2.7, TRACK, TRACK, DrivenAxle::Front);
+        let astray = |following: &Following<f64>| following.astray(DrivenAxle::Front, false, 3.5e-3 * 15.0);
+        let usual = |i: usize, time_s: f64| speeds(time_s, 3.5e-3).0[i];
+        let right = driven(&config, usual, 1.0);
+        assert!(astray(&right).is_none() && !right.is_doubtful(), "{right:?}");
+        for (late, corner) in [(0, Corner::FrontLeft), (1, Corner::FrontRight), (3, Corner::RearRight)] {
+            for delay_s in [0.1, 0.2, 0.5] {
+                let wheel =
+                    |i: usize, time_s: f64| usual(i, if i == late { time_s - delay_s } else { time_s });
+                let following = driven(&config, wheel, 1.0);
+                let found = following.delays_s().unwrap()[late / 2];
+                let expected = if late % 2 == 0 { delay_s } else { -delay_s };
+                // To first order; what is usual follows by 10 s.
+                assert!((found / expected - 1.0).abs() < 0.15, "{late} {delay_s}: {found}");
+                assert_eq!(astray(&following), Some(Astray::Late(corner)), "{late} {delay_s}");
+            }
+        }
+        // A tire that has lost a third is none of this.
+        let low = driven(&config, |i, time_s| usual(i, time_s) * if i == 2 { 1.003 } else { 1.0 }, 1.0);
+        assert!(astray(&low).is_none() && !low.is_doubtful());
+        let exchanged = |a: usize, b: usize| {
+            let of = move |i: usize| {
+                if i == a {
+                    b
+                } else if i == b {
+                    a
+                } else {
+                    i
+                }
+            };
+            driven(&config, |i, time_s| usual(of(i), time_s), 1.0)
+        };
+        let [fl, fr, rl, rr] = Corner::ALL;
+        assert_eq!(astray(&exchanged(0, 1)), Some(Astray::Exchanged([fl, fr])));
+        assert_eq!(astray(&exchanged(2, 3)), Some(Astray::Exchanged([rl, rr])));
+        assert_eq!(astray(&exchanged(0, 3)), Some(Astray::Exchanged([fl, rr])));
+        assert_eq!(astray(&exchanged(1, 2)), Some(Astray::Exchanged([fr, rl])));
+        // Front and rear of a side differ by their slip alone: 3.5e-3 per m/s² at 15 m/s are 50 ms.
+        assert_eq!(astray(&exchanged(0, 2)), Some(Astray::Axles));
+        assert!(exchanged(0, 2).is_doubtful());
+        // A sensor turned round is another matter: both axles do the same.
+        assert!(astray(&driven(&config, usual, -1.0)).is_none());
+    }
+}

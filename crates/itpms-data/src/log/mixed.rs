@@ -1,0 +1,248 @@
+//! Several recordings in one log, their rows in turns: two cars, a table beside the one that it replaced, a drive whose halves were sorted into
+//! each other.
+//!
+//! Called by the reader with the rows of every source, in the order of their times. What a car's sensors show goes on from one sample to
+//! the next. Where two recordings take turns, a row is unlike its neighbor, as unlike as any two, while it goes on from the one before that.
+//! Up to four recordings are looked for, more than two in fixed turns. Measured is, over pairs of rows and all accelerations and wheel speeds, each over its variance: the mean square between the two of a pair,
+//! over that to the next pair, its rows in the order in which they go on best. One recording shows .3 to 1.3, noise alone 1.2 to 1.6, two
+//! 4 to 30.
+
+use super::row::{LogColumns, LogRow, Slot};
+use crate::error::Problem;
+
+/// Rows of a stretch.
+const ROWS: usize = 1024;
+/// Every stretch is looked at up to here, then one of so many.
+const FIRST: usize = 4;
+const EVERY: usize = 8;
+/// Rows that decide at least.
+const FEWEST: usize = 128;
+const MOST_RATIO: f64 = 2.5;
+/// Recordings whose turns are looked for.
+const MOST_RECORDINGS: usize = 4;
+/// Mean square between neighbors over that of any two rows, as it is where they have nothing in common. Where two recordings differ in what
+/// their sensors show at rest it is up to twice that; so it is of one with a buzz near half the rate, which no wheel of a moving car has.
+const UNLIKE: std::ops::RangeInclusive<f64> = 0.4..=2.05;
+const UNLIKE_AT_REST: f64 = 1.5;
+/// Share of the columns in which neighbors are as unlike as that.
+const MOST_COLUMNS: f64 = 0.75;
+const UNLIKE_COLUMN: f64 = 0.3;
+/// Slowest speed in m/s of a car that moves.
+const MOVING_M_S: f64 = 5.0;
+
+/// See the [module](self).
+#[derive(Debug)]
+pub(super) struct Mixed {
+    slots: Vec<Slot>,
+    stretches: usize,
+    rows: usize,
+    moves: bool,
+    begin_s: f64,
+    /// Row after row, what the slots have.
+    values: Vec<f64>,
+}
+
+impl Mixed {
+    /// Of a log with these columns.
+    pub(super) fn new(columns: &LogColumns) -> Self {
+        let slots: Vec<Slot> =
+            columns.slots().filter(|slot| slot.is_acceleration() || slot.is_wheel_speed()).collect();
+        let values = Vec::with_capacity(ROWS * slots.len());
+        Self { slots, stretches: 0, rows: 0, moves: true, begin_s: f64::NAN, values }
+    }
+
+    /// Takes the next row.
+    pub(super) fn take(&mut self, row: &LogRow) -> Result<(), Problem> {
+        if self.rows == 0 {
+            self.begin_s = row.time_s;
+        }
+        self.rows += 1;
+        self.moves &= row.speed_m_s > MOVING_M_S;
+        if self.stretches < FIRST || self.stretches.is_multiple_of(EVERY) {
+            self.values.extend(self.slots.iter().map(|slot| row.value(*slot)));
+        }
+        if self.rows < ROWS {
+            return Ok(());
+        }
+        self.judge(row.time_s)
+    }
+
+    /// There are no more rows, or these are to be judged.
+    pub(super) fn judge(&mut self, end_s: f64) -> Result<(), Problem> {
+        let found = ratio(&self.values, self.slots.len(), self.moves);
+        self.values.clear();
+        (self.rows, self.moves, self.stretches) = (0, true, self.stretches + 1);
+        match found.filter(|ratio| *ratio > MOST_RATIO) {
+            Some(ratio) => Err(Problem::TwoRecordings {
+                ratio,
+                from_s: self.begin_s,
+                to_s: end_s,
+                way_out: "convert or export each recording for itself".to_owned(),
+            }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// What tells several recordings from one, of rows of so many values; `None` of too few, or where neighbors have too much in common.
+fn ratio(values: &[f64], width: usize, moves: bool) -> Option<f64> {
+    let weights: Vec<f64> = (0..width).map(|column| weight(values, width, column)).collect();
+    let used = weights.iter().filter(|weight| **weight > 0.0).count();
+    // A value that is missing counts as one that goes on.
+    let squares = |one: &[f64], other: &[f64]| -> f64 {
+        let square = |((a, b), weight): ((&f64, &f64), &f64)| {
+            let off = a - b;
+            if off.is_finite() && *weight > 0.0 { weight * off * off } else { 0.0 }
+        };
+        one.iter().zip(other).zip(&weights).map(square).sum()
+    };
+    if used == 0 || values.len() / width < FEWEST {
+        return None;
+    }
+    let rows: Vec<&[f64]> = values.chunks_exact(width).collect();
+    let of = |recordings: usize, phase: usize| {
+        let (mut within, mut onwards, mut pairs) = (0.0, 0.0, 0.0);
+        for rows in rows[phase..].windows(2 * recordings).step_by(recordings) {
+            let (now, next) = rows.split_at(recordings);
+            let neighbors = || now.windows(2).map(|pair| squares(pair[0], pair[1]));
+            let straight: f64 = now.iter().zip(next).map(|(one, other)| squares(one, other)).sum();
+            let onward = match (now, next) {
+                // A sort by stamps that are the same leaves two in any order.
+                ([a, b], [c, d]) => straight.min(squares(a, d) + squares(b, c)),
+                _ => straight,
+            };
+            within += neighbors().sum::<f64>() / (recordings - 1) as f64;
+            onwards += onward / recordings as f64;
+            pairs += 1.0;
+        }
+        let unlike = within / (2.0 * pairs * used as f64);
+        let of_column = |column: usize| {
+            let square = |pair: &[&[f64]]| (pair[0][column] - pair[1][column]).powi(2);
+            let pairs_of = rows[phase..].windows(2).step_by(recordings);
+            let squares = pairs_of.map(square).filter(|square| square.is_finite());
+            weights[column] * squares.sum::<f64>() / (2.0 * pairs)
+        };
+        let unlike_columns = (0..width).filter(|column| of_column(*column) > UNLIKE_COLUMN).count();
+        let is_unlike = UNLIKE.contains(&unlike)
+            && (moves || unlike <= UNLIKE_AT_REST)
+            && unlike_columns as f64 >= MOST_COLUMNS * used as f64;
+        (is_unlike && onwards > 0.0).then_some(within / onwards)
+    };
+    // A buzz at a third or a quarter of the rate looks like three or four, which the wheels of a moving car hardly have.
+    let most = if moves { MOST_RECORDINGS } else { 2 };
+    let all = (2..=most).flat_map(|recordings| (0..recordings).map(move |phase| (recordings, phase)));
+    all.filter_map(|(recordings, phase)| of(recordings, phase)).reduce(f64::max)
+}
+
+/// One over the variance of a column; zero where it hardly has values, or one alone.
+fn weight(values: &[f64], width: usize, column: usize) -> f64 {
+    let all = || values.iter().skip(column).step_by(width).copied().filter(|value| value.is_finite());
+    let count = all().count() as f64;
+    let mean = all().sum::<f64>() / count;
+    let variance = all().map(|value| (value - mean).powi(2)).sum::<f64>() / count;
+    let rows = (values.len() / width) as f64;
+    if variance > 0.0 && 2.0 * count >= rows { 1.0 / variance } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WIDTH: usize = 8;
+
+    /// Uniform in -0.5 to 0.5, by two numbers.
+    fn uniform(seed: u64, k: u64) -> f64 {
+        let mut x = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ k.wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        x = (x ^ (x >> 30)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((x ^ (x >> 31)) >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+    }
+
+    /// A wheel's hop of a random width, beside noise, at this rate: row `k` of a recording.
+    fn drive(recording: u64, rate_hz: f64, noise: f64) -> impl Fn(usize) -> Vec<f64> {
+        move |k| {
+            let t = k as f64 / rate_hz;
+            let sensor = |column: u64| {
+                let seed = 100 * recording + column;
+                let wave = |i: u64| {
+                    let hz = 9.0 + 6.0 * (uniform(seed, i) + 0.5);
+                    (std::f64::consts::TAU * (hz * t + uniform(seed, 50 + i))).sin()
+                };
+                (0..6).map(wave).sum::<f64>() + noise * uniform(seed, 1000 + k as u64)
+            };
+            (0..WIDTH as u64).map(sensor).collect()
+        }
+    }
+
+    fn of(rows: impl Iterator<Item = Vec<f64>>, width: usize) -> f64 {
+        let values: Vec<f64> = rows.take(ROWS).flat_map(|row| row[..width].to_vec()).collect();
+        ratio(&values, width, false).unwrap_or(0.0)
+    }
+
+    #[test]
+    fn two_recordings_are_told_from_one() {
+        for rate_hz in [50.0, 100.0, 200.0, 1000.0] {
+            for width in [2, WIDTH] {
+                let (a, b) = (drive(1, rate_hz, 0.3), drive(2, rate_hz, 0.3));
+                let one = of((0..).map(&a), width);
+                assert!(one < 1.7, "{rate_hz} {width}: {one}");
+                if rate_hz < 100.0 {
+                    continue;
+                }
+                let in_turns = of((0..).flat_map(|k| [a(k), b(k)]), width);
+                let any_order =
+                    |k: usize| if uniform(7, k as u64) > 0.0 { [a(k), b(k)] } else { [b(k), a(k)] };
+                let sorted = of((0..).flat_map(any_order), width);
+                assert!(
+                    in_turns > MOST_RATIO && sorted > MOST_RATIO,
+                    "{rate_hz} {width}: {in_turns} {sorted}"
+                );
+                // One of the two a second later.
+                let later = of((0..).flat_map(|k| [a(k), a(k + rate_hz as usize)]), width);
+                assert!(later > MOST_RATIO, "{rate_hz} {width}: {later}");
+            }
+        }
+    }
+
+    #[test]
+    fn sensors_that_show_something_else_at_rest_are_two_where_the_car_moves() {
+        let (a, b) = (drive(1, 200.0, 0.3), drive(2, 200.0, 0.3));
+        let with_gravity = |k| b(k).into_iter().map(|value| value + 9.81).collect();
+        let values: Vec<f64> = (0..512).flat_map(|k| [a(k), with_gravity(k)]).flatten().collect();
+        assert!(ratio(&values, WIDTH, true).unwrap() > MOST_RATIO);
+        assert_eq!(ratio(&values, WIDTH, false), None);
+    }
+
+    #[test]
+    fn three_and_four_recordings_are_told_from_one_in_a_car_that_moves() {
+        for rate_hz in [100.0, 200.0, 1000.0] {
+            let all = [1, 2, 3, 4].map(|recording| drive(recording, rate_hz, 0.3));
+            let one: Vec<f64> = (0..ROWS).flat_map(&all[0]).collect();
+            assert!(ratio(&one, WIDTH, true).unwrap_or(0.0) < 1.9, "{rate_hz}");
+            for many in [3, 4] {
+                let turns = (0..ROWS).flat_map(|k| all[k % many](k / many));
+                let found = ratio(&turns.collect::<Vec<_>>(), WIDTH, true).unwrap_or(0.0);
+                assert!(found > MOST_RATIO, "{rate_hz} {many}: {found}");
+            }
+        }
+    }
+
+    #[test]
+    fn noise_a_buzz_and_a_sensor_that_stands_still_are_one() {
+        let noise = |k: usize| (0..WIDTH as u64).map(|c| uniform(c, k as u64)).collect::<Vec<_>>();
+        for width in [1, 2, WIDTH] {
+            let found = of((0..).map(noise), width);
+            assert!(found < MOST_RATIO, "{width}: {found}");
+        }
+        // An engine's buzz at each share of the rate, above all else.
+        for share in 1..50 {
+            let buzz = |k: usize| {
+                let phase =
+                    |c: usize| std::f64::consts::TAU * (share as f64 / 100.0 * k as f64 + 0.1 * c as f64);
+                (0..WIDTH).map(|c| phase(c).sin() + 0.1 * uniform(c as u64, k as u64)).collect::<Vec<_>>()
+            };
+            let found = of((0..).map(buzz), WIDTH);
+            assert!(found < MOST_RATIO, "{share}: {found}");
+        }
+        assert_eq!(of((0..).map(|_| vec![1.0; WIDTH]), WIDTH), 0.0);
+    }
+}

@@ -1,0 +1,110 @@
+//! Text behind gzip whose end is missing, padded or without an end; and what lies beside the parts of a table.
+#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
+
+use std::fs;
+use std::io::Write as _;
+use std::path::PathBuf;
+
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use itpms_data::LogReader;
+
+fn table(rows: u32) -> String {
+    let row = |k: u32| {
+        let wave = f64::from(k * 7919 % 1001) / 100.0 - 5.0;
+        format!("{:.3},20.0,{:.2},{wave:.2}\n", f64::from(k) * 0.005, wave / 9.0)
+    };
+    "time_s,speed_m_s,fl_body_accel_m_s2,fl_wheel_accel_m_s2\n".to_owned()
+        + &(0..rows).map(row).collect::<String>()
+}
+
+fn packed(text: &str) -> Vec<u8> {
+    let mut encoder = GzEncoder::new(Vec::new(), Compression::default());
+    encoder.write_all(text.as_bytes()).unwrap();
+    encoder.finish().unwrap()
+}
+
+struct Bench(tempfile::TempDir);
+
+impl Bench {
+    /// How many rows a file has, and what is said of it.
+    fn read(&self, bytes: &[u8]) -> Result<(u64, String), String> {
+        let path: PathBuf = self.0.path().join("drive.csv.gz");
+        fs::write(&path, bytes).unwrap();
+        let mut log = LogReader::open(&path).map_err(|error| error.to_string())?;
+        while log.next_row().map_err(|error| error.to_string())?.is_some() {}
+        Ok((log.repairs().rows_read, log.repairs().warnings().join("\n")))
+    }
+}
+
+#[test]
+fn a_packed_table_is_read_up_to_its_last_whole_row() {
+    let bench = Bench(tempfile::tempdir().unwrap());
+    let text = table(20_000);
+    let whole = packed(&text);
+    assert_eq!(bench.read(&whole).unwrap(), (20_000, String::new()));
+    for share in [0.3, 0.7, 0.99] {
+        let (rows, said) = bench.read(&whole[..(share * whole.len() as f64) as usize]).unwrap();
+        // Deflate holds back some kilobytes.
+        let expected = share * 20_000.0;
+        assert!((rows as f64) < expected * 1.05 && rows as f64 > expected - 3000.0, "{share}: {rows}");
+        assert!(said.contains("cut off"), "{said}");
+    }
+    // Only the checksum is missing: every row is there, and so is the word.
+    let (rows, said) = bench.read(&whole[..whole.len() - 6]).unwrap();
+    assert!(rows == 20_000 && said.contains("cut off"), "{rows} {said}");
+    // Padding, and members one after the other, as pigz and loggers write them.
+    let padded = |zeros: usize| [whole.clone(), vec![0; zeros]].concat();
+    for zeros in [1, 511, 200_000] {
+        assert_eq!(bench.read(&padded(zeros)).unwrap(), (20_000, String::new()), "{zeros}");
+    }
+    let (first, second) = text.split_at(text.len() / 2);
+    let members = [packed(first), vec![0; 100], packed(second)].concat();
+    assert_eq!(bench.read(&members).unwrap(), (20_000, String::new()));
+    let text = bench.read(&[whole.clone(), b"rest".to_vec()].concat()).unwrap_err();
+    assert!(text.contains("something else than gzip follows"), "{text}");
+}
+
+#[test]
+fn what_unpacks_without_an_end_is_refused() {
+    let bench = Bench(tempfile::tempdir().unwrap());
+    let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
+    encoder.write_all(table(4000).as_bytes()).unwrap();
+    let comment = [&b"#"[..], &[b' '; 4094], b"\n"].concat().repeat(256);
+    for _ in 0..420 {
+        encoder.write_all(&comment).unwrap();
+    }
+    let bytes = encoder.finish().unwrap();
+    let text = bench.read(&bytes).unwrap_err();
+    assert!(text.contains("bytes unpack to more than") && text.contains("gunzip"), "{text}");
+}
+
+#[cfg(feature = "parquet")]
+#[test]
+fn a_folder_names_what_it_leaves_out() {
+    use std::ops::ControlFlow;
+
+    use itpms_data::convert::{Request, convert};
+    use itpms_data::log::LogOptions;
+    use itpms_data::out::Packing;
+
+    let folder = tempfile::tempdir().unwrap();
+    let parts = folder.path().join("drive");
+    fs::create_dir(&parts).unwrap();
+    let text = folder.path().join("b.csv");
+    fs::write(&text, table(4000)).unwrap();
+    let options = LogOptions::default();
+    let output = parts.join("a.parquet");
+    let request = Request { input: &text, output: &output, options: &options, packing: Packing::Plain };
+    convert(&request, &mut |_| ControlFlow::Continue(())).unwrap().unwrap().file.commit().unwrap();
+    let said = || {
+        let mut log = LogReader::open(&parts).unwrap();
+        while log.next_row().unwrap().is_some() {}
+        log.repairs().warnings().join("\n")
+    };
+    fs::write(parts.join("_SUCCESS"), "").unwrap();
+    assert_eq!(said(), "");
+    fs::copy(&text, parts.join("b.csv")).unwrap();
+    fs::write(parts.join("c.mf4"), "x").unwrap();
+    assert!(said().contains("2 files of the folder are no Parquet and were left out: "), "{}", said());
+}
