@@ -95,7 +95,7 @@ impl LogReader {
     ) -> Result<Self, DataError> {
         let source =
             MemorySource::new(name, names, rows, pieces, options.any_map()?.as_ref(), &options.rows)?;
-        Self::of(name, Source::of_table(Table::Memory(source)), options.units)
+        Self::of(name, Source::of_table(Table::Memory(Box::new(source))), options.units)
     }
 
     fn of(path: &Path, source: Source, units: UnitCheck) -> Result<Self, DataError> {
