@@ -22,7 +22,7 @@ fuzz_target!(|bytes: &[u8]| {
         }
         log.repairs().warnings().iter().for_each(|warning| assert!(!warning.is_empty()));
     }
-    let Ok(mut lister) = Lister::open(&log, Some(&dbc)) else { return };
+    let Ok(mut lister) = Lister::open(&log, Some(&dbc), &[]) else { return };
     while let Ok(true) = lister.step() {}
     let listing = lister.finish();
     assert_eq!(listing.candidates().len(), listing.has_samples().len());

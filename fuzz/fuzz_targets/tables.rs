@@ -24,7 +24,7 @@ pub fn read(name: &str, bytes: &[u8]) {
             }
         }
     }
-    let Ok(mut lister) = Lister::open(&path, None) else { return };
+    let Ok(mut lister) = Lister::open(&path, None, &[]) else { return };
     while let Ok(true) = lister.step() {}
     let _ = lister.finish();
 }

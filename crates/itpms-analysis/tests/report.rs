@@ -253,6 +253,20 @@ fn monitored(origin_s: f64) -> ReportData {
 }
 
 #[test]
+fn a_wheel_that_is_not_estimated_is_in_the_title() {
+    let mut data = monitored(0.0);
+    data.corners.remove(0);
+    assert!(headline(&data).starts_with("All 3 tires are fine"), "{}", headline(&data));
+    data.not_estimated = vec![Corner::FrontLeft];
+    assert_eq!(headline(&data), "3 tires are fine; front left is not estimated");
+    data.not_estimated.push(Corner::RearLeft);
+    data.corners.remove(1);
+    data.corners.remove(1);
+    let title = headline(&data);
+    assert!(title.ends_with("; front left, rear left are not estimated"), "{title}");
+}
+
+#[test]
 fn what_the_monitor_said_is_a_table_and_a_time_line() {
     for origin_s in [0.0, 1.7e9] {
         let data = monitored(origin_s);

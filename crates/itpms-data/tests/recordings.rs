@@ -332,6 +332,29 @@ fn two_recordings_in_one_table_are_refused_and_the_way_out_gives_one() {
         assert!(text.contains("two recordings in turns, or more"), "{text}");
     }
 
+    // Slow ones, of which some stand.
+    for (speeds, text) in [
+        ([3.0, 3.5, 4.0], "three that are slow"),
+        ([20.0, 0.0, 0.0], "one of three that moves"),
+        ([0.0, 20.0, 15.0], "one of three that stands"),
+    ] {
+        let at = |k: usize| {
+            let of = |(rows, speed): (&Vec<[f64; 6]>, f64)| {
+                let still = if speed > 0.0 { 1.0 } else { 0.05 };
+                let [time, _, rest @ ..] = rows[k];
+                let [a, b, c, d] = rest.map(|value: f64| (value * still * 100.0).round() / 100.0);
+                [time, speed, a, b, c, d]
+            };
+            [&a, &b, &c].into_iter().zip(speeds).map(of).collect::<Vec<_>>()
+        };
+        let three: Vec<[f64; 6]> = (0..a.len()).flat_map(at).collect();
+        let found = read(&bench.write("slow.csv", plain(&three))).err();
+        assert!(
+            found.as_ref().is_some_and(|found| found.contains("two recordings in turns, or more")),
+            "{text}: {found:?}"
+        );
+    }
+
     // A clock that begins again: cut there, each part is a drive; sorted, the halves are in turns.
     let (first, second) = (&a[..3000], &a[3000..]);
     let again: Vec<[f64; 6]> = second
@@ -401,6 +424,17 @@ fn folders_of_parts_hold_one_recording_or_say_which() {
     bench.parquet("beside/b.parq", &b, true);
     let text = read(&bench.0.path().join("beside")).err().unwrap();
     assert!(text.contains("the parts a.parquet and b.parq have rows of the same time"), "{text}");
+
+    // The same part under two names, and its rows in another file.
+    fs::create_dir_all(bench.0.path().join("twice/again")).unwrap();
+    bench.parquet("twice/a.parquet", &a, true);
+    fs::copy(bench.0.path().join("twice/a.parquet"), bench.0.path().join("twice/again/a (1).parquet"))
+        .unwrap();
+    let text = read(&bench.0.path().join("twice")).err().unwrap();
+    assert!(text.contains("a.parquet and") && text.contains("a (1).parquet have the same bytes"), "{text}");
+    bench.parquet("twice/again/a (1).parquet", &a[1000..], true);
+    let text = read(&bench.0.path().join("twice")).err().unwrap();
+    assert!(text.contains("the parts a.parquet and a (1).parquet have rows of the same time"), "{text}");
 
     // What a later part has first.
     bench.parquet("later/part-0.parquet", &a[..3000], false);

@@ -202,13 +202,15 @@ pub(crate) fn conclude(
     concerns.extend(concerns::of_tire_sensors(&data));
     concerns.extend(concerns::of_level(&data));
     data.concerns.clone_from(&concerns);
+    let not_estimated = concerns::not_estimated(job, log);
+    data.not_estimated = not_estimated.iter().map(|(corner, _)| *corner).collect();
     let fits = Corner::ALL.map(|corner| drive.fit(corner));
     let placards_kpa = Corner::ALL.map(|corner| job.vehicle.placard_kpa(corner));
     Ok(Done {
         data,
         alerts,
         concerns,
-        not_estimated: concerns::not_estimated(job, log),
+        not_estimated,
         fits,
         learned: drive.learned(),
         placards_kpa,

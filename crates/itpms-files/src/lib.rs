@@ -9,6 +9,7 @@ pub mod input;
 mod leftovers;
 mod lock;
 mod place;
+mod same;
 mod text;
 
 pub use atomic::{AtomicFile, NewFolder, abandon_all};
@@ -17,4 +18,5 @@ pub use checksum::crc64;
 pub use error::{FileError, FileProblem, sentence};
 pub use lock::NameLock;
 pub use place::Place;
+pub use same::have_same_bytes;
 pub use text::{decoded, nearest, shortened};

@@ -394,9 +394,11 @@ impl Engine {
             snapshot.tracks = describe::tracks(drive);
             snapshot.alerts = describe::alerts(drive.report());
             snapshot.sensors = describe::sensors(drive);
+            // A wheel of which nothing is known may be the one that is low.
             snapshot.all_fine = self.source.state == SourceState::Live
                 && drive.report().is_all_fine()
-                && !drive.clock.corners.is_empty();
+                && !drive.clock.corners.is_empty()
+                && self.not_estimated.is_empty();
         }
         Arc::new(snapshot)
     }

@@ -41,7 +41,7 @@ pub struct Snapshot {
     pub sensors: Vec<SensorHealth>,
     /// Corners of the vehicle file that do not come, and why.
     pub not_estimated: BTreeMap<&'static str, String>,
-    /// Whether every wheel is known to be fine and the source is live: the only time to say "all good".
+    /// Whether every wheel of the vehicle file comes and is known to be fine, and the source is live: the only time to say "all good".
     pub all_fine: bool,
 }
 

@@ -17,6 +17,7 @@ mod identify_bump;
 mod lab;
 mod mcap;
 mod monitor;
+mod owners_path;
 mod plot;
 mod program;
 mod pulses;

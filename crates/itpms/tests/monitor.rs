@@ -430,12 +430,15 @@ fn a_corner_that_is_not_estimated_has_its_reason_as_estimate_has_it() {
         assert!(outcome.stderr.lines().any(|found| found == line), "{}", outcome.stderr);
         for estimate in estimates(&bench, &format!("{log}.jsonl")) {
             assert_eq!(estimate["not_estimated"], serde_json::json!({ corner: reason }));
+            assert_eq!(estimate["all_fine"], false, "the wheel that is not estimated may be low");
         }
     }
     // Where one of the two comes it is that one, live as in a file.
     let live = "monitor --replay drive.log --dbc never.dbc --speed max --vehicle car.toml --json all.jsonl";
     bench.run(live).success();
-    let last = lines(&bench, "all.jsonl", "estimate").pop().unwrap();
+    let all = lines(&bench, "all.jsonl", "estimate");
+    assert!(all.iter().any(|estimate| estimate["all_fine"] == true));
+    let last = all.last().unwrap();
     assert_eq!(last["wheels"].as_array().unwrap().len(), 4);
     assert_eq!(last["not_estimated"], serde_json::json!({}));
 }

@@ -79,6 +79,8 @@ pub struct ReportData {
     pub speed_m_s: Vec<f64>,
     /// The corners that were estimated.
     pub corners: Vec<CornerReport>,
+    /// The corners of the vehicle that were not.
+    pub not_estimated: Vec<Corner>,
     /// What the monitor reported; `None` where there was none.
     pub watch: Option<WatchReport>,
     /// What should be known before believing it, a sentence each.

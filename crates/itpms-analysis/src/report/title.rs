@@ -16,6 +16,13 @@ pub(super) fn title(data: &ReportData) -> String {
     let alike: Vec<&str> =
         corners.iter().filter(|c| Status::of(c) == status).map(|c| corner_name(c.corner)).collect();
     match (status, alike.len()) {
+        // A wheel of which nothing is known may be the one that is low.
+        (Status::Fine, n) if n == corners.len() && !data.not_estimated.is_empty() => {
+            let fine = if n == 1 { sentence(first) } else { format!("{n} tires are fine") };
+            let others: Vec<&str> = data.not_estimated.iter().map(|corner| corner_name(*corner)).collect();
+            let is = if others.len() == 1 { "is" } else { "are" };
+            format!("{fine}; {} {is} not estimated", lower(&others.join(", ")))
+        }
         (_, 1) => sentence(first),
         (Status::Fine, n) if n == corners.len() => {
             let lowest = corners

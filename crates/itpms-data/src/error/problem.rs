@@ -32,8 +32,8 @@ pub enum Problem {
     NotApplicable(&'static str),
 
     // --- drive logs: the table ---
-    /// What spreadsheets call Unicode text.
-    #[error("the text is UTF-16, expected UTF-8")]
+    /// What spreadsheets call Unicode text, behind gzip.
+    #[error("the packed text is UTF-16, expected UTF-8: unpack it (gunzip), then it is read")]
     Utf16,
     /// Zero bytes or blank lines only.
     #[error("the file is empty, expected a header line with time_s and the accelerations of a corner")]
@@ -201,6 +201,21 @@ pub enum Problem {
         rows: u64,
         /// The first such row.
         place: Place,
+    },
+    /// The same in a folder of parts, where two begin before the other has ended.
+    #[error(
+        "{repeated} of the {rows} rows read have the time of another one, and the parts {one} and {other} have rows of the same time, expected each row once: \
+         move one of the two elsewhere"
+    )]
+    PartsRepeat {
+        /// Rows with the time of another one.
+        repeated: u64,
+        /// Rows read.
+        rows: u64,
+        /// A part.
+        one: String,
+        /// Another one.
+        other: String,
     },
     /// The clock counts in steps longer than the samples' period, and these did not come evenly.
     #[error(

@@ -49,7 +49,8 @@ impl Dialect {
     pub(crate) fn number(self, cell: &[u8]) -> Option<f64> {
         let decimal = || {
             let text = std::str::from_utf8(cell).ok()?;
-            let (whole, fraction) = text.split_once(',').filter(|_| self.separator != b',')?;
+            let parts = text.split_once(',').filter(|_| self.separator != b',' && text != ",");
+            let (whole, fraction) = parts?;
             number(format!("{whole}.{fraction}").as_bytes())
         };
         number(cell).or_else(decimal)
@@ -73,17 +74,24 @@ fn cells_by(line: &[u8], separator: u8) -> impl Iterator<Item = &[u8]> {
     })
 }
 
-/// How programs write that there is no value, in any case: R, pandas, spreadsheets, Excel's error, Python, C libraries of
-/// Windows and of others, databases; and a dash.
-const MISSING: [&str; 16] = [
-    "-",
+/// How programs write that there is no value, in any case: R, pandas, spreadsheets and their errors, Python, C libraries of
+/// Windows and of others, databases.
+const MISSING: [&str; 23] = [
     "na",
     "n/a",
+    "n.a.",
     "#n/a",
     "#na",
+    "#div/0!",
+    "#value!",
+    "#num!",
+    "#ref!",
     "<na>",
     "none",
     "null",
+    "(null)",
+    "<null>",
+    "\\n",
     "nil",
     "nat",
     "-nan",
@@ -107,8 +115,15 @@ pub(crate) fn number(cell: &[u8]) -> Option<f64> {
     if let Some(value) = typeset(cell) {
         return Some(value);
     }
-    let missing = cell.is_empty() || MISSING.iter().any(|word| cell.eq_ignore_ascii_case(word.as_bytes()));
+    let missing =
+        is_placeholder(cell) || MISSING.iter().any(|word| cell.eq_ignore_ascii_case(word.as_bytes()));
     missing.then_some(f64::NAN)
+}
+
+/// A cell that is empty or holds marks alone, as displays and programs fill it where a sensor gives no value: `-`, `--`, `--.-`, `?`, `***`.
+fn is_placeholder(cell: &[u8]) -> bool {
+    let is_mark = |c: char| matches!(c, '-' | '\u{2212}' | '\u{2013}' | '\u{2014}' | '?' | '*' | '.' | '_');
+    std::str::from_utf8(cell).is_ok_and(|text| text.chars().all(is_mark))
 }
 
 /// A number with a minus as typesetters have it, or an exponent as Fortran has it: `2.5D+01`.
@@ -146,6 +161,15 @@ mod tests {
             "<NA>",
             "NaT",
             "-",
+            "--",
+            "--.-",
+            "?",
+            "***",
+            ".",
+            "\u{2212}",
+            "\u{2014}",
+            "\\N",
+            "#DIV/0!",
             "-nan(ind)",
             "-1.#IND",
         ] {
@@ -158,7 +182,7 @@ mod tests {
             assert_eq!(number(text.as_bytes()), Some(value), "{text}");
         }
         assert_eq!((number(b"True"), number(b"FALSE")), (Some(1.0), Some(0.0)));
-        for text in ["fast", "1,5", "0x10", "12 m", "--", "d", "3 d", "\u{2212}"] {
+        for text in ["fast", "1,5", "0x10", "12 m", "--5", "1?", "d", "3 d", "\u{2212}d"] {
             assert!(number(text.as_bytes()).is_none(), "{text}");
         }
     }

@@ -1,4 +1,4 @@
-//! The lines of a text table: plain or behind gzip, without comments, blank lines and what a power cut leaves.
+//! The lines of a text table: plain, in UTF-16 or behind gzip, without comments, blank lines and what a power cut leaves.
 //!
 //! A line is a row, as everywhere with measurements; therefore lines are split here, and every message can name the line an editor
 //! shows. (General CSV readers count records, and lose count at comments and blank lines.)
@@ -10,6 +10,7 @@ use std::io::{self, BufRead, BufReader, Read, Seek};
 use itpms_files::input::MOST_OF_A_LINE;
 
 use super::packed::{GZIP, Packed};
+use super::wide::{Order, Wide};
 use crate::error::{FileProblem, Problem};
 
 /// Zeros that are passed over, at most.
@@ -37,6 +38,7 @@ pub(crate) struct Lines {
 enum Input {
     Plain(BufReader<File>),
     Packed(Box<BufReader<Packed>>),
+    Wide(Box<BufReader<Wide<BufReader<File>>>>),
 }
 
 impl Read for Input {
@@ -44,6 +46,7 @@ impl Read for Input {
         match self {
             Input::Plain(input) => input.read(bytes),
             Input::Packed(input) => input.read(bytes),
+            Input::Wide(input) => input.read(bytes),
         }
     }
 }
@@ -53,6 +56,7 @@ impl BufRead for Input {
         match self {
             Input::Plain(input) => input.fill_buf(),
             Input::Packed(input) => input.fill_buf(),
+            Input::Wide(input) => input.fill_buf(),
         }
     }
 
@@ -60,6 +64,7 @@ impl BufRead for Input {
         match self {
             Input::Plain(input) => input.consume(count),
             Input::Packed(input) => input.consume(count),
+            Input::Wide(input) => input.consume(count),
         }
     }
 }
@@ -75,11 +80,12 @@ impl Lines {
         let probe = file.try_clone().ok();
         let mut plain = BufReader::with_capacity(BUFFER, file);
         // What cannot be read is reported with the first line.
-        let packed = plain.fill_buf().is_ok_and(|bytes| bytes.starts_with(GZIP));
-        let input = if packed {
-            Input::Packed(Box::new(BufReader::with_capacity(BUFFER, Packed::new(plain))))
-        } else {
-            Input::Plain(plain)
+        let first = plain.fill_buf().unwrap_or_default();
+        let (packed, wide) = (first.starts_with(GZIP), Order::of(first));
+        let input = match wide {
+            _ if packed => Input::Packed(Box::new(BufReader::with_capacity(BUFFER, Packed::new(plain)))),
+            Some(order) => Input::Wide(Box::new(BufReader::with_capacity(BUFFER, Wide::new(plain, order)))),
+            None => Input::Plain(plain),
         };
         Self {
             input,

@@ -27,8 +27,8 @@ const UNLIKE_AT_REST: f64 = 1.5;
 /// Share of the columns in which neighbors are as unlike as that.
 const MOST_COLUMNS: f64 = 0.75;
 const UNLIKE_COLUMN: f64 = 0.3;
-/// Slowest speed in m/s of a car that moves.
-const MOVING_M_S: f64 = 5.0;
+/// Slowest speed in m/s of a car that moves: slower ones show nothing of their tires.
+const MOVING_M_S: f64 = 2.8;
 
 /// See the [module](self).
 #[derive(Debug)]
@@ -36,10 +36,10 @@ pub(super) struct Mixed {
     slots: Vec<Slot>,
     stretches: usize,
     rows: usize,
-    moves: bool,
     begin_s: f64,
-    /// Row after row, what the slots have.
+    /// Row after row, what the slots have, and whether the car moves.
     values: Vec<f64>,
+    moving: Vec<bool>,
 }
 
 impl Mixed {
@@ -48,7 +48,7 @@ impl Mixed {
         let slots: Vec<Slot> =
             columns.slots().filter(|slot| slot.is_acceleration() || slot.is_wheel_speed()).collect();
         let values = Vec::with_capacity(ROWS * slots.len());
-        Self { slots, stretches: 0, rows: 0, moves: true, begin_s: f64::NAN, values }
+        Self { slots, stretches: 0, rows: 0, begin_s: f64::NAN, values, moving: Vec::with_capacity(ROWS) }
     }
 
     /// Takes the next row.
@@ -57,9 +57,10 @@ impl Mixed {
             self.begin_s = row.time_s;
         }
         self.rows += 1;
-        self.moves &= row.speed_m_s > MOVING_M_S;
         if self.stretches < FIRST || self.stretches.is_multiple_of(EVERY) {
             self.values.extend(self.slots.iter().map(|slot| row.value(*slot)));
+            let wheels = row.motion.wheel_speed_m_s;
+            self.moving.push(row.speed_m_s > MOVING_M_S || wheels.iter().any(|speed| *speed > MOVING_M_S));
         }
         if self.rows < ROWS {
             return Ok(());
@@ -69,9 +70,10 @@ impl Mixed {
 
     /// There are no more rows, or these are to be judged.
     pub(super) fn judge(&mut self, end_s: f64) -> Result<(), Problem> {
-        let found = ratio(&self.values, self.slots.len(), self.moves);
+        let found = ratio(&self.values, self.slots.len(), &self.moving);
         self.values.clear();
-        (self.rows, self.moves, self.stretches) = (0, true, self.stretches + 1);
+        self.moving.clear();
+        (self.rows, self.stretches) = (0, self.stretches + 1);
         match found.filter(|ratio| *ratio > MOST_RATIO) {
             Some(ratio) => Err(Problem::TwoRecordings {
                 ratio,
@@ -84,8 +86,9 @@ impl Mixed {
     }
 }
 
-/// What tells several recordings from one, of rows of so many values; `None` of too few, or where neighbors have too much in common.
-fn ratio(values: &[f64], width: usize, moves: bool) -> Option<f64> {
+/// What tells several recordings from one, of rows of so many values, and for each whether the car moves; `None` of too few, or where neighbors have
+/// too much in common.
+fn ratio(values: &[f64], width: usize, moving: &[bool]) -> Option<f64> {
     let weights: Vec<f64> = (0..width).map(|column| weight(values, width, column)).collect();
     let used = weights.iter().filter(|weight| **weight > 0.0).count();
     // A value that is missing counts as one that goes on.
@@ -100,6 +103,11 @@ fn ratio(values: &[f64], width: usize, moves: bool) -> Option<f64> {
         return None;
     }
     let rows: Vec<&[f64]> = values.chunks_exact(width).collect();
+    // Beside a car that moves another one may stand.
+    let one_moves = |recordings: usize| {
+        let of_one = |phase: usize| moving.iter().skip(phase).step_by(recordings).all(|moves| *moves);
+        (0..recordings).any(of_one)
+    };
     let of = |recordings: usize, phase: usize| {
         let (mut within, mut onwards, mut pairs) = (0.0, 0.0, 0.0);
         for rows in rows[phase..].windows(2 * recordings).step_by(recordings) {
@@ -124,13 +132,13 @@ fn ratio(values: &[f64], width: usize, moves: bool) -> Option<f64> {
         };
         let unlike_columns = (0..width).filter(|column| of_column(*column) > UNLIKE_COLUMN).count();
         let is_unlike = UNLIKE.contains(&unlike)
-            && (moves || unlike <= UNLIKE_AT_REST)
+            && (unlike <= UNLIKE_AT_REST || one_moves(recordings))
             && unlike_columns as f64 >= MOST_COLUMNS * used as f64;
         (is_unlike && onwards > 0.0).then_some(within / onwards)
     };
     // A buzz at a third or a quarter of the rate looks like three or four, which the wheels of a moving car hardly have.
-    let most = if moves { MOST_RECORDINGS } else { 2 };
-    let all = (2..=most).flat_map(|recordings| (0..recordings).map(move |phase| (recordings, phase)));
+    let numbers = (2..=MOST_RECORDINGS).filter(|recordings| *recordings == 2 || one_moves(*recordings));
+    let all = numbers.flat_map(|recordings| (0..recordings).map(move |phase| (recordings, phase)));
     all.filter_map(|(recordings, phase)| of(recordings, phase)).reduce(f64::max)
 }
 
@@ -175,8 +183,11 @@ mod tests {
 
     fn of(rows: impl Iterator<Item = Vec<f64>>, width: usize) -> f64 {
         let values: Vec<f64> = rows.take(ROWS).flat_map(|row| row[..width].to_vec()).collect();
-        ratio(&values, width, false).unwrap_or(0.0)
+        ratio(&values, width, &STANDS).unwrap_or(0.0)
     }
+
+    const STANDS: [bool; ROWS] = [false; ROWS];
+    const MOVES: [bool; ROWS] = [true; ROWS];
 
     #[test]
     fn two_recordings_are_told_from_one() {
@@ -208,8 +219,8 @@ mod tests {
         let (a, b) = (drive(1, 200.0, 0.3), drive(2, 200.0, 0.3));
         let with_gravity = |k| b(k).into_iter().map(|value| value + 9.81).collect();
         let values: Vec<f64> = (0..512).flat_map(|k| [a(k), with_gravity(k)]).flatten().collect();
-        assert!(ratio(&values, WIDTH, true).unwrap() > MOST_RATIO);
-        assert_eq!(ratio(&values, WIDTH, false), None);
+        assert!(ratio(&values, WIDTH, &MOVES).unwrap() > MOST_RATIO);
+        assert_eq!(ratio(&values, WIDTH, &STANDS), None);
     }
 
     #[test]
@@ -217,12 +228,30 @@ mod tests {
         for rate_hz in [100.0, 200.0, 1000.0] {
             let all = [1, 2, 3, 4].map(|recording| drive(recording, rate_hz, 0.3));
             let one: Vec<f64> = (0..ROWS).flat_map(&all[0]).collect();
-            assert!(ratio(&one, WIDTH, true).unwrap_or(0.0) < 1.9, "{rate_hz}");
+            assert!(ratio(&one, WIDTH, &MOVES).unwrap_or(0.0) < 1.9, "{rate_hz}");
             for many in [3, 4] {
                 let turns = (0..ROWS).flat_map(|k| all[k % many](k / many));
-                let found = ratio(&turns.collect::<Vec<_>>(), WIDTH, true).unwrap_or(0.0);
+                let found = ratio(&turns.collect::<Vec<_>>(), WIDTH, &MOVES).unwrap_or(0.0);
                 assert!(found > MOST_RATIO, "{rate_hz} {many}: {found}");
             }
+        }
+    }
+
+    #[test]
+    fn cars_that_stand_beside_one_that_moves_are_recordings_of_their_own() {
+        let quiet = |recording: u64, k: usize, rest: f64| -> Vec<f64> {
+            (0..WIDTH as u64).map(|c| rest + 0.3 * uniform(100 * recording + c, k as u64)).collect()
+        };
+        let moves = drive(1, 200.0, 0.3);
+        for many in 2..=MOST_RECORDINGS {
+            let rows = (0..ROWS).flat_map(|k| match k % many {
+                0 => moves(k / many),
+                other => quiet(other as u64, k, 9.81),
+            });
+            let values: Vec<f64> = rows.collect();
+            let moving: Vec<bool> = (0..ROWS).map(|k| k % many == 0).collect();
+            let found = ratio(&values, WIDTH, &moving).unwrap_or(0.0);
+            assert!(found > MOST_RATIO, "{many}: {found}");
         }
     }
 

@@ -74,6 +74,7 @@ mod text_head;
 mod twins;
 mod units;
 mod vbox;
+mod wide;
 
 #[cfg(feature = "can")]
 pub(crate) use bus::attached;

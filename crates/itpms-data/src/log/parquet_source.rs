@@ -50,7 +50,9 @@ impl ParquetSource {
     pub(super) fn repairs(&self) -> Vec<String> {
         let say = |(column, parts): &(String, usize)| {
             let parts = if *parts == 1 { "one part".to_owned() } else { format!("{parts} parts") };
-            format!("column {column} is not in {parts} of the folder: its values are missing there")
+            format!(
+                "column {column} is not in {parts} of the folder: its values are missing there, and a sensor that is reported to lose samples for as long is not at fault"
+            )
         };
         self.columns.lacking().iter().map(say).collect()
     }

@@ -95,7 +95,7 @@ impl LogReader {
     ) -> Result<Self, DataError> {
         let source =
             MemorySource::new(name, names, rows, pieces, options.any_map()?.as_ref(), &options.rows)?;
-        Self::of(name, Source::of_table(Table::Memory(source)), options.units)
+        Self::of(name, Source::of_table(Table::Memory(Box::new(source))), options.units)
     }
 
     fn of(path: &Path, source: Source, units: UnitCheck) -> Result<Self, DataError> {
@@ -203,7 +203,7 @@ impl LogReader {
         while self.ahead.is_empty() && !self.exhausted {
             self.pull()
                 .and_then(|()| self.order.check(Stage::Reading))
-                .map_err(|problem| DataError::new(&self.path, problem))?;
+                .map_err(|problem| DataError::new(&self.path, self.with_way_out(problem)))?;
         }
         let Some(row) = self.ahead.pop_front() else {
             let failed = self.failed.take().map(|problem| DataError::new(&self.path, problem));
@@ -245,7 +245,7 @@ impl LogReader {
         }
         // Two recordings make a clock look as odd as it does.
         self.are_of_one_recording().map_err(|problem| self.with_way_out(problem))?;
-        read?;
+        read.map_err(|problem| self.with_way_out(problem))?;
         self.survey = Survey::of(&self.ahead).map_err(|problem| self.of_the_clock(problem))?;
         self.regular = Regular::new(1.0 / self.survey.sample_rate_hz);
         self.report.same_columns = twins::of(&self.ahead, &self.source.header().columns);
@@ -265,8 +265,13 @@ impl LogReader {
         self.mixed.judge(end_s)
     }
 
-    /// Of two recordings, with what tells them apart.
+    /// Of two recordings, with what tells them apart; of rows that come twice, with the parts that have them.
     fn with_way_out(&self, mut problem: Problem) -> Problem {
+        if let Problem::TimeRepeats { repeated, rows, .. } = problem
+            && let Some((one, other)) = self.source.overlap()
+        {
+            return Problem::PartsRepeat { repeated, rows, one, other };
+        }
         if let Problem::TwoRecordings { way_out, .. } = &mut problem
             && let Some(found) = self.source.one_of_two(&self.path)
         {

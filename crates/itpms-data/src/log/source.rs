@@ -141,15 +141,23 @@ impl Source {
 
     /// What to do where the rows are of two recordings.
     pub(super) fn one_of_two(&self, path: &Path) -> Option<String> {
-        let table = match self {
-            Source::Table(source) => Some(&**source),
-            Source::Signals(source) => source.of_table(),
-        }?;
-        match table.overlap() {
+        match self.overlap() {
             Some((one, other)) => Some(format!(
                 "the parts {one} and {other} have rows of the same time: give one of the two, or a folder for each recording"
             )),
-            None => table.format().and_then(|format| telling::way_out(path, format)),
+            None => self.table()?.format().and_then(|format| telling::way_out(path, format)),
+        }
+    }
+
+    /// Two parts of a folder that have rows of the same time.
+    pub(super) fn overlap(&self) -> Option<(String, String)> {
+        self.table()?.overlap().cloned()
+    }
+
+    fn table(&self) -> Option<&TableSource> {
+        match self {
+            Source::Table(source) => Some(&**source),
+            Source::Signals(source) => source.of_table(),
         }
     }
 

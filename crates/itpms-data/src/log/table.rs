@@ -65,8 +65,8 @@ impl Rows {
 /// The formats of tables.
 #[derive(Debug)]
 pub(super) enum Table {
-    Csv(CsvSource),
-    Memory(MemorySource),
+    Csv(Box<CsvSource>),
+    Memory(Box<MemorySource>),
     #[cfg(feature = "parquet")]
     Parquet(Box<ParquetSource>),
 }
@@ -78,7 +78,8 @@ impl Table {
         match format {
             Format::Csv => {
                 let (file, about) = input::open(path).map_err(fail)?;
-                CsvSource::new(path, file, about.len(), map.as_ref(), rows).map(Table::Csv)
+                CsvSource::new(path, file, about.len(), map.as_ref(), rows)
+                    .map(|source| Table::Csv(Box::new(source)))
             }
             #[cfg(feature = "parquet")]
             Format::Parquet => {

@@ -3,7 +3,7 @@
 //! Called by the reader of parts. A folder that is a table of a format with a log of its own is refused: which of its parts are valid
 //! is not to be seen in them.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -64,7 +64,25 @@ pub(super) fn parts(path: &Path, selections: &[Selection]) -> Result<(Vec<Part>,
             "the folder holds several recordings, {all}: say which one is meant, --where {key}={first} (--where {key}=* where all are of one drive)"
         )));
     }
+    refuse_copies(&parts)?;
     Ok((parts, left))
+}
+
+/// A part that is there under two names would be two recordings of the same.
+fn refuse_copies(parts: &[Part]) -> Result<(), Problem> {
+    let mut by_length: BTreeMap<u64, Vec<&Path>> = BTreeMap::new();
+    for part in parts {
+        let Ok(about) = part.path.metadata() else { continue };
+        let alike = by_length.entry(about.len()).or_default();
+        if let Some(other) = alike.iter().find(|other| itpms_files::have_same_bytes(other, &part.path)) {
+            let [one, other] = [*other, part.path.as_path()].map(Path::display);
+            return Err(Problem::UnusableSignals(format!(
+                "the parts {one} and {other} have the same bytes, expected each part once: move one of the two elsewhere"
+            )));
+        }
+        alike.push(&part.path);
+    }
+    Ok(())
 }
 
 /// Whether there are any in a folder.

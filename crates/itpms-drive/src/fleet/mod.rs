@@ -5,6 +5,7 @@
 //! |---|---|
 //! | [`found`] | which files are meant, in which order |
 //! | [`cars`] | whose drive a file is |
+//! | `copies` | files that hold a drive once more |
 //! | [`record`] | what is kept of a drive, and the file that keeps it |
 //! | `one` | one drive |
 //! | `crew` | several at a time |
@@ -19,6 +20,7 @@
 //! results, whatever the number of threads and however often the run was stopped.
 
 pub mod cars;
+mod copies;
 mod crew;
 pub mod days;
 pub mod found;
@@ -188,6 +190,12 @@ fn assign<'a>(plan: &'a Plan, failed: &mut BTreeMap<usize, Failed>) -> Vec<Assig
         }
         match plan.cars.of(&file.path) {
             Ok(car) => {
+                let earlier = assigned.iter().filter(|earlier| std::ptr::eq(earlier.car, car));
+                if let Some(why) = copies::copy_of(file, earlier.map(|earlier| earlier.file)) {
+                    let why = format!("{}: {why}", file.path.display());
+                    failed.insert(number, Failed { file: file.path.clone(), car: Some(car.id.clone()), why });
+                    continue;
+                }
                 let calibrate = match &plan.calibration {
                     None => false,
                     Some(Calibration { drives: Some(pattern), .. }) => pattern.matches_path(&file.path),
@@ -296,22 +304,32 @@ fn heading(plan: &Plan) -> Result<Value, DriveError> {
     }))
 }
 
-/// Drives in the order of their cars; a drive that begins before the one before it, by a clock that counts from an epoch,
-/// says so.
+/// Drives in the order of their cars; a drive that begins before the one before it, or before that has ended, by a clock that counts from
+/// an epoch, says so.
 fn in_order(mut drives: Vec<DriveRecord>) -> Vec<DriveRecord> {
-    let mut last: BTreeMap<String, (f64, String)> = BTreeMap::new();
+    let mut last: BTreeMap<String, (f64, f64, String)> = BTreeMap::new();
     for drive in &mut drives {
         if drive.origin_s == 0.0 {
             continue;
         }
-        if let Some((start_s, file)) = last.get(&drive.car)
-            && drive.start_s < *start_s
-        {
-            drive.concerns.push(format!(
-                "begins before {file}, whose name comes first: the drives of a car are taken in the order of their names"
-            ));
+        let end_s = drive.start_s + drive.duration_s;
+        if let Some((start_s, until_s, file)) = last.get(&drive.car) {
+            // Seconds that two logs share are how a logger cuts them.
+            let shared_s = until_s.min(end_s) - start_s.max(drive.start_s);
+            if shared_s > SHARED * drive.duration_s.min(until_s - start_s) {
+                drive.concerns.push(format!(
+                    "{shared_s:.0} s of it are at the same time as {file}: a car has one drive at a time, so one of the two is a copy, or another car's; give one"
+                ));
+            } else if drive.start_s < *start_s {
+                drive.concerns.push(format!(
+                    "begins before {file}, whose name comes first: the drives of a car are taken in the order of their names"
+                ));
+            }
         }
-        last.insert(drive.car.clone(), (drive.start_s, drive.file.clone()));
+        last.insert(drive.car.clone(), (drive.start_s, end_s, drive.file.clone()));
     }
     drives
 }
+
+/// Share of the shorter of two drives that the two have in common, at most.
+const SHARED: f64 = 0.5;

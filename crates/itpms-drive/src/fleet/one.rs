@@ -87,6 +87,7 @@ pub(super) fn run(
         rate_hz: drive.rate_hz,
         distance_m: Some(drive.distance_m).filter(|distance| distance.is_finite()),
         wheels: wheels(&done, &sink.begun),
+        not_estimated: done.not_estimated.iter().map(|(corner, _)| corner.label().to_owned()).collect(),
         alerts: done.alerts.sentences(drive.origin_s, settings.pressure_unit).collect(),
         concerns: std::mem::take(&mut done.concerns),
         day: DayRecord::of(&done.learned),

@@ -149,6 +149,9 @@ pub struct DriveRecord {
     pub distance_m: Option<f64>,
     /// The wheels that were estimated.
     pub wheels: Vec<WheelRecord>,
+    /// The wheels of the vehicle file that were not.
+    #[serde(default)]
+    pub not_estimated: Vec<String>,
     /// What the monitor reported, a sentence each.
     pub alerts: Vec<String>,
     /// What should be known before believing it, a sentence each.

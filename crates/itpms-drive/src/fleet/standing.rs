@@ -54,10 +54,11 @@ impl State {
         }
     }
 
-    /// That of a drive: its worst wheel's.
+    /// That of a drive: its worst wheel's. A wheel that was not estimated may be the one that is low.
     #[must_use]
     pub fn of_drive(drive: &DriveRecord) -> Self {
-        drive.wheels.iter().map(Self::of_wheel).min().unwrap_or(Self::Unknown)
+        let missing = (!drive.not_estimated.is_empty()).then_some(Self::Unknown);
+        drive.wheels.iter().map(Self::of_wheel).chain(missing).min().unwrap_or(Self::Unknown)
     }
 }
 
