@@ -203,6 +203,7 @@ pub(crate) fn fit_json((fit, misfit): &Fit) -> Value {
         "incoherence": fit.incoherence,
         "unexplained": fit.unexplained,
         "hop_excess": fit.hop_excess,
+        "response_error": fit.response_error,
         "friction_n": fit.friction_n,
         "misfit": misfit.map(|misfit| misfit.to_string()),
     })

@@ -15,6 +15,7 @@ mod malfunction;
 mod observability_page;
 mod paper;
 mod rear_load;
+mod unnamed_faults;
 
 /// What `common` runs.
 const PROGRAM: &str = env!("CARGO_BIN_EXE_itpms-lab");

@@ -7,7 +7,7 @@ use super::fusion::{FusedEstimate, Fusion, SingleWheelEstimate};
 use super::{CarEstimator, Sources};
 use crate::estimator::{CornerConclusion, FusedStiffness};
 use crate::memory::{Blank, Placed};
-use crate::model::{CarSample, Corner, CornerEstimate, Level, Side, TrackState};
+use crate::model::{AxleFit, CarSample, Corner, CornerEstimate, Level, Side, TrackState};
 use crate::real::Real;
 
 /// What was concluded last: of each corner, and of what they have in common.
@@ -57,8 +57,9 @@ impl<T: Real> CarEstimator<T> {
                 has_signal: fusion.has_signal(corner) && (learning || !fusion.is_slow()),
             }
         });
-        let hop_excess = fusion.and_then(|fusion| fusion.hop_excess(corner.side()));
-        let concluded = estimator.conclude(time_s, fused.as_ref(), hop_excess);
+        let paired = fusion.filter(|fusion| fusion.has_partner(corner));
+        let fit = paired.map_or(AxleFit::unknown(), |fusion| fusion.axle_fit(corner.side()));
+        let concluded = estimator.conclude(time_s, fused.as_ref(), &fit);
         self.concluded.corners[corner].place(|place| *place = concluded);
     }
 

@@ -10,8 +10,8 @@ use crate::conditioning::wheel_lift::ContactWatch;
 use crate::conditioning::{GridSample, LEAST_GRID_HZ, Resampler, SampleCounts};
 use crate::memory::{Blank, Placed};
 use crate::model::{
-    BodyFit, Corner, CornerConfig, CornerSample, Level, Misfit, ParameterError, QuarterCar, Validity,
-    positive,
+    AxleFit, BodyFit, Corner, CornerConfig, CornerSample, Level, Misfit, ParameterError, QuarterCar,
+    Validity, positive,
 };
 use crate::real::Real;
 use crate::single_wheel::{Informed, OutsideStiffness, Pace, StiffnessPseudoMeasurement};
@@ -259,13 +259,13 @@ impl<T: Real> CornerEstimator<T> {
         self.resampler.grid_period_s()
     }
 
-    /// Concludes what is known now, the second part of [`Estimator::update`]: with a `fused` stiffness, if there is one, and how much more
-    /// front and rear disagree near wheel hop than beside it.
+    /// Concludes what is known now, the second part of [`Estimator::update`]: with a `fused` stiffness, if there is one, and how
+    /// well front and rear of the side go together.
     pub(crate) fn conclude(
         &mut self,
         time_s: f64,
         fused: Option<&FusedStiffness<T>>,
-        hop_excess: Option<T>,
+        axles: &AxleFit<T>,
     ) -> CornerConclusion<T> {
         let Reading { stiffness_n_per_m, stiffness_sd_n_per_m, .. } = self.reading;
         if !(stiffness_n_per_m.is_finite() && stiffness_sd_n_per_m.is_finite()) {
@@ -277,7 +277,8 @@ impl<T: Real> CornerEstimator<T> {
             None => reading.stiffness_sd_n_per_m = self.with_friction(reading.stiffness_sd_n_per_m),
         }
         (self.fit.incoherence, self.fit.averages) = (self.strut.incoherence(), self.strut.averages());
-        self.fit.hop_excess = hop_excess;
+        (self.fit.hop_excess, self.fit.response_error) = (axles.hop_excess, axles.response_error);
+        self.fit.is_apart = axles.is_apart;
         self.misfit.set(self.fit.misfit(self.misfit.get()));
         let (considered, level) = self.considered(time_s, &reading, fused);
         self.concluded(time_s, reading, considered, level)

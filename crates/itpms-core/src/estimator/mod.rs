@@ -12,7 +12,7 @@ pub(crate) use self::fused_stiffness::FusedStiffness;
 use self::pulses::PulseLevel;
 use crate::conditioning::{SampleClock, SampleCounts, estimators_rate};
 use crate::memory::Blank;
-use crate::model::{Corner, CornerConfig, CornerEstimate, CornerSample, ParameterError, QuarterCar};
+use crate::model::{AxleFit, Corner, CornerConfig, CornerEstimate, CornerSample, ParameterError, QuarterCar};
 use crate::real::Real;
 pub(crate) use crate::single_wheel::Pace;
 pub use crate::single_wheel::{CALIBRATION_SD, OutsideStiffness, StiffnessPseudoMeasurement};
@@ -96,7 +96,7 @@ impl<T: Real> Estimator<T> {
             self.corner.set_strut(&self.body_equation, Corner::FrontLeft);
         }
         let with_pulses = self.corner.with_pulses(&mut self.pulses, at.now_s);
-        self.corner.conclude(at.now_s, with_pulses.as_ref(), None).at(time_s)
+        self.corner.conclude(at.now_s, with_pulses.as_ref(), &AxleFit::unknown()).at(time_s)
     }
 
     /// Takes a piece of what the tooth pulses of its wheel show, calibrated at the placard pressure

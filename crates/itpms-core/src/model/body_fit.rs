@@ -16,6 +16,9 @@ const MOST_UNEXPLAINED: [f64; 2] = [0.6, 0.55];
 /// The same of the axles' disagreement near wheel hop over that beside it: 2.5 at most where wheels are masses on tires, 10 where one
 /// axle has tuned dampers.
 const MOST_HOP_EXCESS: [f64; 2] = [5.0, 4.0];
+/// The same of how far the wheels' answers to their road are from the quarter car's: 0.1 to 0.45 in cars that differ from their files as typical
+/// ones do, 0.57 to 1 where the sensors of an axle have another gain, another low pass or a mount that rings.
+const MOST_RESPONSE_ERROR: [f64; 2] = [0.55, 0.48];
 
 /// Bins over which the two shares are averaged.
 const COHERENCE_BINS: f64 = 5.0;
@@ -33,10 +36,30 @@ pub struct BodyFit<T> {
     pub unexplained: Option<T>,
     /// How much more front and rear disagree about their road near wheel hop than beside it; `None` as long as too little was shared.
     pub hop_excess: Option<T>,
+    /// How far the accelerations of the side's wheels are from what the quarter car makes of the road that both share, as a share of that (rms
+    /// from 5 to 25 Hz, the farther axle); `None` as long as too little was shared.
+    pub response_error: Option<T>,
+    /// Whether front and rear of neither side have met the same road, though the car drove at a known speed.
+    pub is_apart: bool,
     /// Number of independent averages behind both shares: by so much are they uncertain.
     pub averages: T,
     /// Friction of the strut in N, as the body's motion tells it.
     pub friction_n: T,
+}
+
+/// How well front and rear of a side go together on their road: the fields of [`BodyFit`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct AxleFit<T> {
+    pub(crate) hop_excess: Option<T>,
+    pub(crate) response_error: Option<T>,
+    pub(crate) is_apart: bool,
+}
+
+impl<T> AxleFit<T> {
+    /// Nothing was seen yet, or there is no other corner on the side.
+    pub(crate) fn unknown() -> Self {
+        Self { hop_excess: None, response_error: None, is_apart: false }
+    }
 }
 
 /// What does not fit.
@@ -50,6 +73,10 @@ pub enum Misfit {
     Unexplained,
     /// Front and rear answer the road differently near wheel hop.
     Hop,
+    /// The wheels do not answer the road that front and rear share as a mass on a tire does, whatever the pressure.
+    Response,
+    /// Front and rear do not meet the same road.
+    Apart,
     /// The four struts' forces explain most of how the body moves, not all.
     PartlyUnexplained,
 }
@@ -59,7 +86,8 @@ impl Misfit {
     /// has set the level whatever the car is; what is left are 5 to 8 kPa of it and 10 to 20 of a change by a fifth.
     pub(crate) fn doubt(self, level: Level) -> Option<f64> {
         match (self, level) {
-            (Self::Incoherent | Self::Unexplained, _) | (Self::Hop, Level::VehicleFile) => None,
+            (Self::Incoherent | Self::Unexplained | Self::Response | Self::Apart, _)
+            | (Self::Hop, Level::VehicleFile) => None,
             (Self::PartlyUnexplained, Level::VehicleFile) => Some(0.08),
             (Self::Hop | Self::PartlyUnexplained, _) => Some(0.035),
         }
@@ -74,6 +102,12 @@ impl core::fmt::Display for Misfit {
             }
             Self::Hop => {
                 "front and rear wheels do not respond near wheel hop as a mass on a tire does: look for tuned dampers, loose parts and the unsprung masses in the vehicle file"
+            }
+            Self::Response => {
+                "front and rear wheels do not answer their common road as masses on tires do, whatever the pressures: look at the wheel sensors' scales, filters and mounts, and whether the speed is late"
+            }
+            Self::Apart => {
+                "front and rear do not meet the same road: look whether corners are exchanged, at the wheelbase, at the speed's unit, and whether all sensors have one clock, or drive on a rougher road"
             }
             Self::PartlyUnexplained => {
                 "the struts' forces do not explain all of how the body moves: a body that bends, sensors on soft mounts, or masses in the vehicle file that are far off"
@@ -92,6 +126,8 @@ impl<T: Real> BodyFit<T> {
             incoherence: None,
             unexplained: None,
             hop_excess: None,
+            response_error: None,
+            is_apart: false,
             averages: T::zero(),
             friction_n: T::zero(),
         }
@@ -133,6 +169,8 @@ impl<T: Real> BodyFit<T> {
                 .filter(|_| incoherent().is_some()),
             None => incoherent(),
         }
+        .or_else(|| self.is_apart.then_some(Misfit::Apart))
+        .or_else(|| over(self.response_error, MOST_RESPONSE_ERROR, Misfit::Response))
         .or_else(|| over(self.hop_excess, MOST_HOP_EXCESS, Misfit::Hop))
         .or_else(|| over(self.unexplained, PARTLY_UNEXPLAINED, Misfit::PartlyUnexplained))
     }
@@ -157,6 +195,14 @@ mod tests {
         assert_eq!(body(0.02).misfit(None), None);
         let hop = BodyFit { hop_excess: Some(9.0), ..fit(0.3) };
         assert_eq!(hop.misfit(None), Some(Misfit::Hop));
+        // Nothing is believed of wheels that are no masses on tires, or never on one road, calibrated or not.
+        let response = BodyFit { response_error: Some(0.6), ..hop };
+        assert_eq!(response.misfit(None), Some(Misfit::Response));
+        let apart = BodyFit { is_apart: true, ..response };
+        assert_eq!(apart.misfit(None), Some(Misfit::Apart));
+        for misfit in [Misfit::Response, Misfit::Apart] {
+            assert_eq!(misfit.doubt(Level::Calibration), None);
+        }
         assert_eq!(BodyFit::<f64>::unknown().misfit(None), None);
     }
 }

@@ -18,6 +18,7 @@ mod wheels;
 
 pub(crate) use self::air::SEA_LEVEL_KPA;
 pub use self::air::{Air, standard_atmosphere_kpa};
+pub(crate) use self::body_fit::AxleFit;
 pub use self::body_fit::{BodyFit, Misfit};
 pub(crate) use self::calibration::UNCALIBRATED_BIAS_SD;
 pub use self::calibration::{CalibrationError, CornerCalibration, Learned, VehicleCalibration};

@@ -174,6 +174,7 @@ impl<T: Real> Monitor<T> {
             let faulty = faulty.fold(Wheels::NONE, |all, wheels| all | wheels);
             self.suspects = self.diagnosis.suspects() | faulty;
             self.request_rollback(at.now_s);
+            self.retract_beside_faults();
             self.faulted = self.faulted | faulty;
         }
         let (mut at, mut screened) = (*at, *sample);
@@ -190,6 +191,19 @@ impl<T: Real> Monitor<T> {
             }
         }
         (at, screened)
+    }
+
+    /// Takes back what was reported of a wheel because the other one of its side was believed, whose sensor turns out to be wrong.
+    fn retract_beside_faults(&mut self) {
+        for fault in self.faults.iter().flatten() {
+            let wheels = fault.malfunction.wheels();
+            for wheel in wheels.iter().filter(|wheel| !self.faulted.contains(*wheel)).map(Corner::same_side) {
+                if !wheels.contains(wheel) {
+                    self.wheels[wheel].retract_beside(fault.since_s);
+                    self.leaks.forget(wheel);
+                }
+            }
+        }
     }
 
     /// Notes the corners whose sensors were wrong for seconds before it showed. One that comes and goes is noted once.
@@ -296,6 +310,9 @@ impl<T: Real> Monitor<T> {
             if let Some(corner) = &estimate.corners[i] {
                 around[i].doubted |= i.others().into_iter().any(|other| hard[other]);
                 self.wheels[i].update(step_s, corner, self.reference_kpa[i], &around[i], &limits);
+                if self.wheels[i].is_unfit(corner) {
+                    self.leaks.retract(i);
+                }
             }
         }
         let heights = Corner::ALL.map(|corner| self.height(estimate, corner, &around[corner]));

@@ -68,6 +68,12 @@ impl<T: Real> LeakWatch<T> {
         }
     }
 
+    /// The same, and what was reported of it was no tire's.
+    pub(crate) fn retract(&mut self, wheel: Corner) {
+        self.forget(wheel);
+        self.leaks[wheel] = Debouncer::new();
+    }
+
     /// Takes what is known of the wheels.
     pub(crate) fn update(
         &mut self,

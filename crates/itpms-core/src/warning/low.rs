@@ -27,8 +27,12 @@ const LEARNING: f64 = 0.1;
 const SHOULD_LEARN_M_S: f64 = 5.5;
 /// Seconds of standing after which what a tire had when the car stopped is no longer what it has.
 const STANDING_S: f64 = 30.0;
-/// Seconds for which a corner has to have fitted before a warning stands whatever comes: the memory of what tells a misfit.
+/// Seconds by which a corner has to have fitted longer than not before a warning stands, the memory of what tells a misfit; and the most that
+/// count.
 const FITTED_S: f64 = 20.0;
+const MOST_FITTED_S: f64 = 2.0 * FITTED_S;
+/// Evidence for a low tire that began so many seconds before that of a sensor's fault on its side, or since, is the fault's.
+const BESIDE_A_FAULT_S: f64 = 30.0;
 /// Seconds of learning after which what had been forgotten, as after a night, is known anew: not by its first frame.
 const ANEW_S: f64 = 2.0;
 
@@ -123,7 +127,7 @@ impl WheelWatch {
         if learning {
             let forgotten = self.is_forgotten(time_s);
             (self.driven_s, self.stood_s) = (0.0, 0.0);
-            self.fitted_s += step_s;
+            self.fitted_s = (self.fitted_s + step_s).min(MOST_FITTED_S);
             self.anew_s = if forgotten { self.anew_s + step_s } else { 0.0 };
             if !forgotten || self.anew_s >= ANEW_S {
                 self.informed_s = time_s;
@@ -138,9 +142,14 @@ impl WheelWatch {
         let silent = self.driven_s >= limits.no_information_s;
         let uninformed = if silent { Evidence::Prefailed } else { Evidence::Prepassed };
         self.uninformed.update(time_s, step_s, uninformed, UNINFORMED);
-        // What was seen of a corner that has never fitted for long was no tire.
-        if estimate.validity == Validity::Misfit && self.fitted_s < FITTED_S {
-            (self.low, self.over) = (Debouncer::new(), Debouncer::new());
+        // What was seen of a corner that has never fitted for long, or no longer does, was no tire.
+        if estimate.validity == Validity::Misfit {
+            if around.speed_m_s > T::lit(SHOULD_LEARN_M_S) {
+                self.fitted_s = (self.fitted_s - step_s).max(0.0);
+            }
+            if self.is_unfit(estimate) {
+                (self.low, self.over) = (Debouncer::new(), Debouncer::new());
+            }
         }
         if !learning {
             return;
@@ -175,6 +184,20 @@ impl WheelWatch {
         self.side_is_off = around.is_hard(limits) && around.is_side_over(limits);
         let weight = if self.side_is_off { 1.0 / TOGETHER } else { 1.0 };
         self.flat.update(time_s, weight * step_s, flat, FLAT);
+    }
+
+    /// Whether the corner does not fit, and has not for longer than before: nothing that was seen of it was a tire.
+    pub(crate) fn is_unfit<T: Real>(&self, estimate: &CornerEstimate<T>) -> bool {
+        estimate.validity == Validity::Misfit && self.fitted_s < FITTED_S
+    }
+
+    /// A sensor of the side's other wheel is wrong, and seems to have been since then: what was held against it says nothing.
+    pub(crate) fn retract_beside(&mut self, fault_since_s: f64) {
+        for verdict in [&mut self.low, &mut self.over] {
+            if verdict.is_suspected() && verdict.since_s() > fault_since_s - BESIDE_A_FAULT_S {
+                *verdict = Debouncer::new();
+            }
+        }
     }
 
     /// Whether what was learned of the wheel is too long ago to be shown: no one has looked at a tire since the car stopped.

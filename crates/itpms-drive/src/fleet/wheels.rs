@@ -125,6 +125,8 @@ fn fitted((fit, misfit): &Fit) -> FitRecord {
         Misfit::Unexplained => "unexplained",
         Misfit::PartlyUnexplained => "partly-unexplained",
         Misfit::Hop => "hop",
+        Misfit::Response => "response",
+        Misfit::Apart => "apart",
     };
     FitRecord {
         incoherence: fit.incoherence,

@@ -31,7 +31,8 @@ use crate::inter_axle::alignment::speed_latency::SpeedLatency;
 use crate::inter_axle::{Aligned, HOP_S, InterAxle};
 use crate::memory::Blank;
 use crate::model::{
-    CalibrationError, CarConfig, Corner, Inflation, Level, QuarterCar, Side, TrackState, VehicleCalibration,
+    AxleFit, CalibrationError, CarConfig, Corner, Inflation, Level, QuarterCar, Side, TrackState,
+    VehicleCalibration,
 };
 use crate::real::Real;
 use crate::spectrum::SIGNALS;
@@ -39,6 +40,8 @@ use crate::suspension::BodyEquation;
 
 /// Seconds of driving after which the shared road is given up if it was not found.
 const PATIENCE_S: f64 = 6.0;
+/// The same after which front and rear do not meet the same road.
+const APART_S: f64 = 20.0;
 /// Sd in s of the first delay that was found.
 const FOUND_SD_S: f64 = 1e-3;
 
@@ -227,9 +230,21 @@ impl<T: Real> Fusion<T> {
         self.belief.level()
     }
 
-    /// How much more the axles of a side disagree near wheel hop than beside it, once enough was seen.
-    pub(super) fn hop_excess(&self, side: Side) -> Option<T> {
-        self.inter_axle.pairs[side].hop_excess()
+    /// How well front and rear of a side go together on their road.
+    pub(super) fn axle_fit(&self, side: Side) -> AxleFit<T> {
+        let pair = &self.inter_axle.pairs[side];
+        AxleFit {
+            hop_excess: pair.hop_excess(),
+            response_error: pair.response_error(),
+            is_apart: self.is_apart(),
+        }
+    }
+
+    /// Whether front and rear have never met the same road, though the car drove at a known speed.
+    fn is_apart(&self) -> bool {
+        let (aligned, travel) = (AxlePair::is_aligned, self.inter_axle.travel());
+        let known = travel.speed_m_s().is_finite() && travel.unshared_s() > T::lit(APART_S);
+        known && !self.inter_axle.pairs.iter().any(aligned)
     }
 
     /// Whether a corner has a partner on its side.

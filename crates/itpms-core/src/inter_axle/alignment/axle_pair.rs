@@ -324,6 +324,11 @@ impl<T: Real> AxlePair<T> {
         self.hop_excess.value()
     }
 
+    /// How far the wheels' answers to the shared road are from the quarter car's, once enough was seen.
+    pub(crate) fn response_error(&self) -> Option<T> {
+        self.frf_correction.response_error()
+    }
+
     /// Incoherence near wheel hop.
     pub(crate) fn incoherence(&self) -> T {
         self.coherence.near_wheel_hop()

@@ -16,6 +16,8 @@ const REMEMBERED: f64 = 200.0;
 const COUNTED: f64 = 5.0;
 /// Largest difference from the quarter car, as a share of it.
 const LARGEST: f64 = 0.5;
+/// Frames from which on it shows how far the wheels' answers are from it.
+const ENOUGH: f64 = 0.3 * REMEMBERED;
 
 /// What each signal of both axles is on the common road, over what the instruments make of it, bin by bin.
 pub(crate) type FrfRatios<T> = [[Complex<T>; BOTH]; BINS];
@@ -46,8 +48,7 @@ impl<T: Real> FrfCorrection<T> {
         let largest = T::lit(LARGEST);
         core::array::from_fn(|bin| {
             let mut frf_ratios = core::array::from_fn(|column| {
-                let (measured, foretold) = (self.measured.at(bin, column), self.foretold.at(bin, column));
-                let more = (measured / foretold - one) * share;
+                let more = self.more(bin, column) * share;
                 let size = more.norm_sqr().sqrt();
                 match size {
                     size if size <= largest => one + more,
@@ -61,6 +62,25 @@ impl<T: Real> FrfCorrection<T> {
             }
             frf_ratios
         })
+    }
+
+    /// By how much a signal is more than the quarter car's, as a share of that, by all frames.
+    fn more(&self, bin: usize, column: usize) -> Complex<T> {
+        self.measured.at(bin, column) / self.foretold.at(bin, column) - Complex::new(T::one(), T::zero())
+    }
+
+    /// How far the wheels' accelerations are from the quarter car's, as a share of these: rms over the bins, the farther axle; `None` before so many frames
+    /// were seen that they outweigh it.
+    pub(crate) fn response_error(&self) -> Option<T> {
+        if !(self.frames >= T::lit(ENOUGH)) {
+            return None;
+        }
+        let share = self.frames / (self.frames + T::lit(COUNTED));
+        let squares = |wheel: usize| {
+            let more = |bin| self.more(bin, wheel).norm_sqr();
+            (0..BINS).fold(T::zero(), |sum, bin| sum + more(bin)) * share * share
+        };
+        Some((squares(0).max(squares(SEEN)) / T::lit(BINS as f64)).sqrt())
     }
 
     /// Learns from a frame, given the road that both axles agree on and how far the frame is trusted.
@@ -91,6 +111,10 @@ mod tests {
     /// Frames on roads of any size whose signals, for all but the other side's, are `ratio` times what the instruments
     /// have, and on top of it what is not on the common road, now this way and now that.
     fn answered(ratio: C, frames: usize) -> FrfRatios<f64> {
+        correction(ratio, frames).frf_ratios()
+    }
+
+    fn correction(ratio: C, frames: usize) -> FrfCorrection<f64> {
         let mut frf_correction = FrfCorrection::<f64>::new();
         for i in 0..frames {
             let road = C::new(0.3 + i as f64, 0.1);
@@ -107,7 +131,18 @@ mod tests {
             }
             frf_correction.learn(&frame, &[road; BINS], 1.0);
         }
-        frf_correction.frf_ratios()
+        frf_correction
+    }
+
+    /// However far it is: only what is made of it has a limit.
+    #[test]
+    fn the_error_of_the_response_is_how_far_the_answer_is() {
+        for ratio in [C::new(0.8, 0.1), C::new(-3.0, 2.0), ONE] {
+            let error = correction(ratio, 2000).response_error().unwrap();
+            let expected = (ratio - ONE).norm_sqr().sqrt();
+            assert!((error - expected).abs() < 0.01 + 0.03 * expected, "{error} {expected}");
+        }
+        assert_eq!(correction(ONE, 10).response_error(), None);
     }
 
     #[test]

@@ -1,0 +1,126 @@
+//! Sensors that are wrong in ways no detector looks for: what no pressure of a tire explains must not become one.
+#![allow(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
+
+use itpms_core::model::{CarConfig, CarSample, Corner, Misfit};
+use itpms_core::monitor::{MonitorConfig, MonitoredCar};
+use itpms_core::warning::WheelState;
+use itpms_sim::scenario::{Scenario, ToleranceSpec};
+use itpms_sim::simulation::Simulation;
+
+const DRIVE_S: f64 = 160.0;
+/// Seconds after which it has to have been seen, and what was reported before taken back.
+const SEEN_S: f64 = 80.0;
+/// Error in kPa of a pressure that is absurd: three standard deviations of one that rests on a file of confidence `typical`.
+const ABSURD_KPA: f64 = 60.0;
+/// Samples of 20 ms.
+const AVERAGED: usize = 5;
+
+/// A sample as a wrong sensor or a wrong cable gives it, from the last of which the newest is the last.
+type Spoil = fn(&[CarSample<f64>]) -> CarSample<f64>;
+
+fn newest(samples: &[CarSample<f64>]) -> CarSample<f64> {
+    *samples.last().unwrap()
+}
+
+/// Sensors of the front axle's wheels that read too little.
+fn front_gain(samples: &[CarSample<f64>]) -> CarSample<f64> {
+    let mut sample = newest(samples);
+    sample.corners[..2].iter_mut().flatten().for_each(|corner| corner.wheel_accel_m_s2 *= 0.75);
+    sample
+}
+
+/// A wheel's sensor that averages.
+fn averaged(samples: &[CarSample<f64>]) -> CarSample<f64> {
+    let mut sample = newest(samples);
+    let last = &samples[samples.len().saturating_sub(AVERAGED)..];
+    let sum: f64 = last.iter().map(|sample| sample.corners[0].unwrap().wheel_accel_m_s2).sum();
+    sample.corners[0].as_mut().unwrap().wheel_accel_m_s2 = sum / last.len() as f64;
+    sample
+}
+
+fn exchanged(samples: &[CarSample<f64>], corners: [[usize; 2]; 2]) -> CarSample<f64> {
+    let mut sample = newest(samples);
+    corners.iter().for_each(|&[one, other]| sample.corners.swap(one, other));
+    sample
+}
+
+fn diagonal_exchanged(samples: &[CarSample<f64>]) -> CarSample<f64> {
+    exchanged(samples, [[0, 3], [1, 1]])
+}
+
+fn axles_exchanged(samples: &[CarSample<f64>]) -> CarSample<f64> {
+    exchanged(samples, [[0, 2], [1, 3]])
+}
+
+/// A speed in other units than stated.
+fn fast(samples: &[CarSample<f64>]) -> CarSample<f64> {
+    let sample = newest(samples);
+    CarSample { speed_m_s: 1.3 * sample.speed_m_s, ..sample }
+}
+
+/// What is found on a drive of a car that is about as its file says and has all its air.
+struct Found {
+    /// Seconds in which a wheel was low, and in which a pressure that may be shown was absurd, once that has to have been seen.
+    low_s: f64,
+    absurd_s: f64,
+    /// What does not fit, of each corner at the end.
+    misfits: [Option<Misfit>; 4],
+    valid_s: f64,
+}
+
+fn drive(spoil: Spoil) -> Found {
+    const SEED: u64 = 1;
+    let mut scenario = Scenario::builtin("drive-normal").unwrap();
+    let mut file = CarConfig { corners: [None; 4], wheelbase_m: Some(scenario.wheelbase_m) };
+    for (corner, _) in scenario.corner.iter() {
+        file.corners[corner.index()] = Some(scenario.corner_config(corner).unwrap());
+    }
+    scenario.journey.as_mut().unwrap().tolerances = None;
+    ToleranceSpec::typical().apply(SEED, &mut scenario);
+    scenario.duration_s = DRIVE_S;
+    let step_s = 1.0 / scenario.rate_hz;
+    let mut car = Box::new(MonitoredCar::unconfigured());
+    car.configure(&MonitorConfig::new(&file), scenario.rate_hz).unwrap();
+    let mut found = Found { low_s: 0.0, absurd_s: 0.0, misfits: [None; 4], valid_s: 0.0 };
+    let mut samples = vec![];
+    for row in Simulation::new(&scenario, SEED).unwrap() {
+        samples.push(row.car_sample());
+        let estimate = car.update(&spoil(&samples));
+        if row.time_s < SEEN_S {
+            continue;
+        }
+        for (i, (estimate, truth)) in estimate.corners.iter().zip(&row.corners).enumerate() {
+            let (estimate, truth) = (estimate.unwrap(), truth.unwrap());
+            let valid = estimate.validity.is_valid();
+            let absurd = valid && (estimate.pressure_kpa - truth.pressure_kpa).abs() > ABSURD_KPA;
+            found.valid_s += if valid { 0.25 * step_s } else { 0.0 };
+            found.absurd_s += if absurd { step_s } else { 0.0 };
+            let low = car.report().wheels[i].unwrap().state == WheelState::Low;
+            found.low_s += if low { step_s } else { 0.0 };
+        }
+    }
+    found.misfits = Corner::ALL.map(|corner| car.estimator().fit(corner).unwrap().1);
+    found
+}
+
+#[test]
+fn a_fault_that_no_tire_explains_is_no_pressure() {
+    let healthy = drive(newest);
+    assert_eq!((healthy.low_s, healthy.absurd_s, healthy.misfits), (0.0, 0.0, [None; 4]));
+    assert!(healthy.valid_s > 0.8 * (DRIVE_S - SEEN_S), "{}", healthy.valid_s);
+    let [left, all] = [[0, 2].as_slice(), &[0, 1, 2, 3]];
+    let faults: [(&str, Spoil, Misfit, &[usize]); 5] = [
+        ("front wheels x 0.75", front_gain, Misfit::Response, left),
+        ("front left wheel averaged", averaged, Misfit::Response, left),
+        ("corners exchanged across", diagonal_exchanged, Misfit::Apart, all),
+        ("axles exchanged", axles_exchanged, Misfit::Apart, all),
+        ("speed x 1.3", fast, Misfit::Apart, all),
+    ];
+    for (name, spoil, misfit, corners) in faults {
+        let found = drive(spoil);
+        for &corner in corners {
+            assert_eq!(found.misfits[corner], Some(misfit), "{name}, corner {corner}");
+        }
+        assert_eq!((found.low_s, found.absurd_s), (0.0, 0.0), "{name}");
+    }
+}
