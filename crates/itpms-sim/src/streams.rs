@@ -36,6 +36,10 @@ pub(crate) enum Purpose {
     WheelSpeeds = 12,
     /// How tires warm up on a journey.
     WarmUp = 13,
+    /// Surfaces and strips under the wheels.
+    WheelConditions = 14,
+    /// Conditions of a drive, and of a car, that are drawn.
+    DrawnConditions = 15,
 }
 
 /// A generator for one purpose; `index` tells apart sides, segments and blocks of a road, corners and sensors.
@@ -93,6 +97,8 @@ mod tests {
                 Purpose::WheelCar,
                 Purpose::WheelSpeeds,
                 Purpose::WarmUp,
+                Purpose::WheelConditions,
+                Purpose::DrawnConditions,
             ] {
                 for index in [[0, 0], [0, 1], [1, 0]] {
                     first.push(generator(seed, purpose, index).next_u64());

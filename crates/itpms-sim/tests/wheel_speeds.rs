@@ -4,7 +4,7 @@
 use itpms_sim::scenario::Scenario;
 use itpms_sim::simulation::Simulation;
 use itpms_sim::time_profile::{Pressure, Speed};
-use itpms_sim::wheel_speeds::{WheelSpeedRow, WheelSpeedSpec};
+use itpms_sim::wheel_speeds::{ConditionsSpec, WheelSpeedRow, WheelSpeedSpec};
 
 /// On an even road without wind, seen without errors but the wheels' own noise.
 const STILL: WheelSpeedSpec = WheelSpeedSpec {
@@ -33,6 +33,7 @@ const STILL: WheelSpeedSpec = WheelSpeedSpec {
     wind_m_s: 0.0,
     steering_m_s2: 0.0,
     load_share: 0.0,
+    conditions: ConditionsSpec::OFF,
 };
 
 /// A car on a flat road: 240.8 and 216 kg over a front and a rear wheel, 56.9 and 50 kg of wheel.

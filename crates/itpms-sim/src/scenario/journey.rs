@@ -3,12 +3,14 @@
 //! Called by the simulation before a drive starts, and by whoever wants to know what a seed composes
 //! ([`Scenario::composed`](super::Scenario::composed)). What comes out is an ordinary scenario with every point written out.
 
+use std::f64::consts::FRAC_PI_2;
+
 use rand::RngExt;
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 
 use super::tolerance::named_or_table;
-use super::{ToleranceSpec, is_zero};
+use super::{ToleranceSpec, is_one, is_zero};
 use crate::car::PayloadSpec;
 use crate::error::{InvalidValue, within};
 use crate::road::{AfterLast, Amplitude, RoadClass, Segment, Segments};
@@ -32,6 +34,15 @@ pub struct JourneySpec {
     /// By how many K tires warm up at 90 km/h; less when slower, and a little unequally. Where it is 0, they do not.
     #[serde(skip_serializing_if = "is_zero")]
     pub warms_by_k: f64,
+    /// By how many K the air of the day is warmer than where the pressures were set.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub air_k: f64,
+    /// Chance that a right-angle turn at 5 to 7 m/s follows a while at one speed, in town.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub junction_chance: f64,
+    /// How strongly one brakes and speeds up, over the usual.
+    #[serde(skip_serializing_if = "is_one")]
+    pub gentle: f64,
     /// How far each seed's car may differ from what its estimator is given; not at all, if not given.
     #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "named_or_table")]
     pub tolerances: Option<ToleranceSpec>,
@@ -46,6 +57,9 @@ impl Default for JourneySpec {
             load_chance: 0.3,
             load_kg: 100.0,
             warms_by_k: 0.0,
+            air_k: 0.0,
+            junction_chance: 0.0,
+            gentle: 1.0,
             tolerances: None,
         }
     }
@@ -72,6 +86,14 @@ const KINDS: [Kind; 5] = [
 /// part of the corners' sprung masses.
 const PLACES: [[f64; 2]; 4] = [[1.3, -0.36], [2.15, 0.36], [2.15, -0.36], [3.2, 0.0]];
 
+/// Fastest speed of a kind of stretch that has junctions; radii in m of the turns there and speeds in m/s, time in s into and out of one.
+const TOWN_KM_H: f64 = 50.0;
+const JUNCTION_M: [f64; 2] = [8.0, 16.0];
+const JUNCTION_M_S: [f64; 2] = [5.0, 7.0];
+const JUNCTION_RAMP_S: f64 = 0.8;
+/// Fastest acceleration across at which one turns there, in m/s², where one drives as usual.
+const JUNCTION_M_S2: f64 = 3.2;
+
 /// A composed journey.
 pub(crate) struct Journey {
     pub(crate) points_s_km_h: Vec<[f64; 2]>,
@@ -91,6 +113,9 @@ impl JourneySpec {
         within("lateral_m_s2", self.lateral_m_s2, 0.0, 8.0, "an acceleration from 0 to 8 m/s2")?;
         within("load_chance", self.load_chance, 0.0, 1.0, "a chance from 0 to 1")?;
         within("warms_by_k", self.warms_by_k, 0.0, 60.0, "a temperature from 0 to 60 K")?;
+        within("air_k", self.air_k, -60.0, 60.0, "a temperature from -60 to 60 K")?;
+        within("junction_chance", self.junction_chance, 0.0, 1.0, "a chance from 0 to 1")?;
+        within("gentle", self.gentle, 0.05, 2.0, "a number from 0.05 to 2")?;
         within("load_kg", self.load_kg, 0.0, 300.0, "a mass from 0 to 300 kg")?;
         self.tolerances.map_or(Ok(()), |tolerances| tolerances.validate().map_err(|e| e.within("tolerances")))
     }
@@ -174,6 +199,12 @@ impl<'a> Composer<'a> {
         }
         loop {
             self.drive_on();
+            if self.spec.junction_chance > 0.0
+                && kind.km_h[1] <= TOWN_KM_H
+                && self.chance(self.spec.junction_chance)
+            {
+                self.junction();
+            }
             if self.chance(kind.stop_chance) {
                 self.stop();
             }
@@ -207,7 +238,7 @@ impl<'a> Composer<'a> {
 
     fn change_speed(&mut self, to_m_s: f64) {
         let rate = if to_m_s < self.speed_m_s { self.between([0.7, 2.5]) } else { self.between([0.5, 1.8]) };
-        let takes_s = ((to_m_s - self.speed_m_s).abs() / rate).max(0.5);
+        let takes_s = ((to_m_s - self.speed_m_s).abs() / (self.spec.gentle * rate)).max(0.5);
         self.time_s += takes_s;
         self.distance_m += 0.5 * (self.speed_m_s + to_m_s) * takes_s;
         self.speed_m_s = to_m_s;
@@ -236,6 +267,26 @@ impl<'a> Composer<'a> {
                 [starts_s + lasts_s, 0.0],
             ]);
         }
+    }
+
+    /// Turns by a right angle to one side.
+    fn junction(&mut self) {
+        let radius_m = self.between(JUNCTION_M);
+        let most_m_s = (JUNCTION_M_S2 * self.spec.gentle * radius_m).sqrt();
+        let speed_m_s = self.between(JUNCTION_M_S).min(most_m_s);
+        let side = if self.chance(0.5) { 1.0 } else { -1.0 };
+        self.change_speed(speed_m_s);
+        let lateral = side * speed_m_s * speed_m_s / radius_m;
+        // The ramps turn it by as much as one of them at full curvature.
+        let full_s = FRAC_PI_2 * radius_m / speed_m_s - JUNCTION_RAMP_S;
+        let from_s = self.time_s + 0.1;
+        self.hold(full_s + 2.0 * JUNCTION_RAMP_S + 0.2);
+        self.lateral.extend([
+            [from_s, 0.0],
+            [from_s + JUNCTION_RAMP_S, lateral],
+            [from_s + JUNCTION_RAMP_S + full_s, lateral],
+            [from_s + 2.0 * JUNCTION_RAMP_S + full_s, 0.0],
+        ]);
     }
 
     /// Stops for a while; people may get in or out.
@@ -274,5 +325,43 @@ impl<'a> Composer<'a> {
             },
             payload,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::time_profile::TimeProfile;
+
+    #[test]
+    fn a_junction_turns_by_a_right_angle() {
+        for (gentle, slowest) in [(1.0, 4.9), (0.35, 2.9)] {
+            let spec = JourneySpec { gentle, ..JourneySpec::default() };
+            let mut composer = Composer::new(&spec, 3);
+            composer.junction();
+            let [v, a] = [&composer.speed, &composer.lateral].map(|points| TimeProfile::new(points).unwrap());
+            let mut heading = 0.0;
+            for i in 0..200_000 {
+                let at_s = (f64::from(i) + 0.5) * 2e-4;
+                let speed = v.value(at_s).max(0.1) / 3.6;
+                heading += 2e-4 * a.value(at_s) / speed;
+                assert!(a.value(at_s).abs() <= JUNCTION_M_S2 * gentle + 1e-9);
+                assert!(a.value(at_s) == 0.0 || (slowest..7.0).contains(&speed), "{speed}");
+            }
+            assert!((heading.abs() - FRAC_PI_2).abs() < 1e-4, "{heading}");
+        }
+    }
+
+    #[test]
+    fn a_journey_has_junctions_only_if_it_says_so() {
+        let usual = JourneySpec::default();
+        let with = JourneySpec { junction_chance: 0.5, ..usual.clone() };
+        let sharp = |spec: &JourneySpec| {
+            let lateral = spec.compose(5, 3600.0).lateral_points_s_m_s2;
+            let points = lateral.iter().filter(|point| point[1].abs() > spec.lateral_m_s2);
+            points.count()
+        };
+        assert_eq!(sharp(&usual), 0);
+        assert!(sharp(&with) > 10, "{}", sharp(&with));
     }
 }

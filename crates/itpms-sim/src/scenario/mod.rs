@@ -113,6 +113,10 @@ fn is_zero(value: &f64) -> bool {
     *value == 0.0
 }
 
+fn is_one(value: &f64) -> bool {
+    *value == 1.0
+}
+
 impl Scenario {
     /// Checks every number.
     ///
@@ -140,8 +144,8 @@ impl Scenario {
             }
             scenario.speed = Speed::PointsSKmH(journey.points_s_km_h);
             scenario.road.surface = Surface::Segments(journey.segments);
-            if spec.warms_by_k > 0.0 {
-                warm_up::warm(spec.warms_by_k, seed, &mut scenario);
+            if spec.warms_by_k > 0.0 || spec.air_k != 0.0 {
+                warm_up::warm([spec.air_k, spec.warms_by_k], seed, &mut scenario);
             }
             if let Some(car) = &mut scenario.car {
                 car.lateral_points_s_m_s2 = journey.lateral_points_s_m_s2;

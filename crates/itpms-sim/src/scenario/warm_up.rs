@@ -18,8 +18,9 @@ const SPREAD: f64 = 0.1;
 /// Time in s between two points of a pressure.
 const STEP_S: f64 = 30.0;
 
-/// Absolute pressure goes with absolute temperature at constant volume (Gay-Lussac). Pressures that change already are left.
-pub(super) fn warm(by_k: f64, seed: u64, scenario: &mut Scenario) {
+/// Absolute pressure goes with absolute temperature at constant volume (Gay-Lussac). Pressures that change already are left. By how many
+/// K the air is warmer than where the pressures were set, and the tires at 90 km/h than the air.
+pub(super) fn warm([air_k, by_k]: [f64; 2], seed: u64, scenario: &mut Scenario) {
     let Ok(speed_m_s) = scenario.speed.profile_m_s() else { return };
     let mut random = generator(seed, Purpose::WarmUp, [0, 0]);
     for corner in Corner::ALL {
@@ -29,7 +30,7 @@ pub(super) fn warm(by_k: f64, seed: u64, scenario: &mut Scenario) {
         let warms_by_k = by_k * (1.0 + SPREAD * drawn.clamp(-2.5, 2.5));
         let points = warmer_k(&speed_m_s, scenario.duration_s)
             .map(|[time_s, share]| {
-                let warmed = 1.0 + warms_by_k * share / COLD_K;
+                let warmed = 1.0 + (air_k + warms_by_k * share) / COLD_K;
                 [time_s, (cold_kpa + ATMOSPHERE_KPA) * warmed - ATMOSPHERE_KPA]
             })
             .collect();
@@ -81,5 +82,10 @@ mod tests {
             let most = points.iter().map(|[_, kpa]| *kpa).fold(0.0, f64::max);
             assert!(most > 245.0 && most < 241.3 + 1.25 * 23.4 * 1.3, "{most}");
         }
+        // Ten K of 293 colder, and standing: (241.3 + 101.3) 10 / 293.15 less.
+        scenario.journey.as_mut().unwrap().air_k = -10.0;
+        let cold = scenario.composed(3).unwrap();
+        let Pressure::PointsSKpa(points) = &cold.corner.rr.as_ref().unwrap().pressure else { panic!() };
+        assert!((points[0][1] - (241.3 - 342.625 * 10.0 / 293.15)).abs() < 1e-9);
     }
 }

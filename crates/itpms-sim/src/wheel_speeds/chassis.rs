@@ -11,6 +11,11 @@ const FRONT_ROLL_SHARE: f64 = 0.55;
 /// Drag per squared air speed in N s²/m², rolling resistance over load.
 const DRAG_N_S2_PER_M2: f64 = 0.4;
 const ROLLING: f64 = 0.011;
+/// Force of a wind across per product of speed and wind, in N s²/m²: a car's side at small angles, on its body's center.
+const SIDE_N_S2_PER_M2: f64 = 3.2;
+/// Where a trailer pulls: m behind the rear axle, and over the road.
+const HITCH_BEHIND_M: f64 = 1.0;
+const HITCH_HEIGHT_M: f64 = 0.4;
 /// What an engine that is not fed holds back, in m/s²; more is braked.
 const ENGINE_M_S2: f64 = 0.25;
 /// Share of the brakes' force that is in front.
@@ -30,8 +35,31 @@ pub(crate) struct Chassis {
     pub(crate) driven: DrivenWheels,
     pub(crate) locking_n: f64,
     pub(crate) locking_share: f64,
+    /// How far the front wheels are steered each about the turn's center.
+    pub(crate) ackermann: f64,
+    pub(crate) trailer: Trailer,
     /// Static loads in N of the unloaded car.
     pub(crate) static_n: [f64; 4],
+}
+
+/// What the car pulls.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Trailer {
+    /// Mass in kg on its own wheels, and on the hitch.
+    pub(crate) rolling_kg: f64,
+    pub(crate) tongue_kg: f64,
+    pub(crate) drag_n_s2_per_m2: f64,
+}
+
+impl Trailer {
+    /// Force in N with which the car pulls it.
+    pub(crate) fn pull_n(&self, moving: &Moving) -> f64 {
+        let air_m_s = moving.speed_m_s + moving.wind_m_s;
+        let weight_n = GRAVITY_M_S2 * self.rolling_kg;
+        self.rolling_kg * moving.accel_m_s2[0]
+            + weight_n * (moving.grade + if moving.speed_m_s > 0.0 { ROLLING } else { 0.0 })
+            + self.drag_n_s2_per_m2 * air_m_s * air_m_s.abs()
+    }
 }
 
 /// How the car moves at an instant.
@@ -45,6 +73,31 @@ pub(crate) struct Moving {
     pub(crate) cross_slope: f64,
     /// Against the car.
     pub(crate) wind_m_s: f64,
+    /// From the right, to the left.
+    pub(crate) side_wind_m_s: f64,
+    /// Rolling resistance over load under the wheels of each side, beside that of a dry road.
+    pub(crate) rolling: [f64; 2],
+}
+
+impl Moving {
+    /// At a speed on a flat road.
+    #[cfg(test)]
+    pub(crate) fn still(speed_m_s: f64) -> Self {
+        Self {
+            speed_m_s,
+            accel_m_s2: [0.0; 2],
+            grade: 0.0,
+            cross_slope: 0.0,
+            wind_m_s: 0.0,
+            side_wind_m_s: 0.0,
+            rolling: [0.0; 2],
+        }
+    }
+
+    /// Force in N of the wind across, to the left.
+    pub(crate) fn side_n(&self) -> f64 {
+        SIDE_N_S2_PER_M2 * self.speed_m_s * self.side_wind_m_s
+    }
 }
 
 /// What pushes the wheels along the road.
@@ -71,6 +124,12 @@ impl Chassis {
             driven: spec.driven,
             locking_n: spec.locking_n,
             locking_share: spec.locking_share,
+            ackermann: spec.conditions.ackermann,
+            trailer: Trailer {
+                rolling_kg: (1.0 - spec.conditions.tongue_share) * spec.conditions.trailer_kg,
+                tongue_kg: spec.conditions.tongue_share * spec.conditions.trailer_kg,
+                drag_n_s2_per_m2: spec.conditions.trailer_drag_n_s2_per_m2,
+            },
             static_n,
         }
     }
@@ -88,18 +147,30 @@ impl Chassis {
         }
         let mass_kg = loads_n.iter().sum::<f64>() / GRAVITY_M_S2;
         let [along, across] = moving.accel_m_s2;
+        let [hitched_front_n, hitched_rear_n] = self.hitched_n(moving);
         let pitch_n =
             0.5 * mass_kg * self.height_m * (along + GRAVITY_M_S2 * moving.grade) / self.wheelbase_m;
-        let roll_n_m = mass_kg * self.height_m * (across + GRAVITY_M_S2 * moving.cross_slope);
+        // A wind to the left acts where the body's inertia does and presses on the left wheels.
+        let roll_n_m = mass_kg * self.height_m * (across + GRAVITY_M_S2 * moving.cross_slope)
+            - self.height_m * moving.side_n();
         for (i, load_n) in loads_n.iter_mut().enumerate() {
             let (share, to_rear) =
                 if i < 2 { (FRONT_ROLL_SHARE, -1.0) } else { (1.0 - FRONT_ROLL_SHARE, 1.0) };
             let to_right = if i % 2 == 0 { -1.0 } else { 1.0 };
+            *load_n += 0.5 * if i < 2 { hitched_front_n } else { hitched_rear_n };
             *load_n += to_rear * pitch_n + to_right * share * roll_n_m / self.tracks_m[i / 2];
             // A wheel that nearly lifts still rolls.
             *load_n = load_n.max(0.05 * self.static_n[i]);
         }
         loads_n
+    }
+
+    /// What a trailer puts on the front and the rear axle, in N: its tongue behind the rear axle, its pull above the road.
+    fn hitched_n(&self, moving: &Moving) -> [f64; 2] {
+        let tongue_n = GRAVITY_M_S2 * self.trailer.tongue_kg;
+        let moved_n =
+            (tongue_n * HITCH_BEHIND_M + self.trailer.pull_n(moving) * HITCH_HEIGHT_M) / self.wheelbase_m;
+        [-moved_n, tongue_n + moved_n]
     }
 
     /// Forces that move the car so; `brakes`: each brake's share of what half an axle's brakes do.
@@ -120,7 +191,10 @@ impl Chassis {
         };
         let wanted_n = mass_kg * (moving.accel_m_s2[0] + GRAVITY_M_S2 * moving.grade)
             + DRAG_N_S2_PER_M2 * air_m_s * air_m_s.abs()
-            + ROLLING * pushed_n;
+            + ROLLING * pushed_n
+            + moving.rolling[0] * (fl + rl)
+            + moving.rolling[1] * (fr + rr)
+            + self.trailer.pull_n(moving);
         let engine_n = wanted_n.max(-ENGINE_M_S2 * mass_kg);
         let braked_n = wanted_n - engine_n;
         let brake = |i: usize| {
@@ -162,24 +236,30 @@ impl Chassis {
     /// Speeds of the wheels' centers along their planes, over the car's, at a yaw rate over the speed.
     ///
     /// The car's speed is that of the rear axle's middle along the car. Axles drift outwards, and the front wheels point
-    /// their slip angle further in than they go.
+    /// their slip angle further in than they go. `lateral_m_s2`: the tires' force across over the mass.
     pub(crate) fn ways(&self, curvature_per_m: f64, lateral_m_s2: f64) -> [f64; 4] {
         let drift = -self.rear_slip_rad_per_m_s2 * lateral_m_s2;
         let across = drift + self.wheelbase_m * curvature_per_m;
         // Direction of the front axle's middle, and of its wheels.
-        let steered = across.atan() + FRONT_SLIP_RAD_PER_M_S2 * lateral_m_s2;
-        let (sin, cos) = steered.sin_cos();
+        let middle = across.atan();
+        let steered = middle + FRONT_SLIP_RAD_PER_M_S2 * lateral_m_s2;
         let along = |i: usize| {
             let left_m = 0.5 * self.tracks_m[i / 2] * (if i.is_multiple_of(2) { 1.0 } else { -1.0 });
             1.0 - left_m * curvature_per_m
         };
-        [along(0) * cos + across * sin, along(1) * cos + across * sin, along(2), along(3)]
+        let front = |i: usize| {
+            // Fully steered about the turn's center a wheel points where its hub goes, but for its slip angle.
+            let own = if self.ackermann > 0.0 { across.atan2(along(i)) - middle } else { 0.0 };
+            let (sin, cos) = (steered + self.ackermann * own).sin_cos();
+            along(i) * cos + across * sin
+        };
+        [front(0), front(1), along(2), along(3)]
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::tire::slip;
+    use super::super::tire::{DRY_FRICTION, slip};
     use super::*;
 
     fn chassis() -> Chassis {
@@ -191,12 +271,14 @@ mod tests {
             driven: DrivenWheels::Front,
             locking_n: 0.0,
             locking_share: 0.0,
+            ackermann: 0.0,
+            trailer: Trailer { rolling_kg: 0.0, tongue_kg: 0.0, drag_n_s2_per_m2: 0.0 },
             static_n: [3000.0, 3000.0, 2500.0, 2500.0],
         }
     }
 
     fn coasting(speed_m_s: f64) -> Moving {
-        Moving { speed_m_s, accel_m_s2: [0.0; 2], grade: 0.0, cross_slope: 0.0, wind_m_s: 0.0 }
+        Moving::still(speed_m_s)
     }
 
     #[test]
@@ -252,7 +334,8 @@ mod tests {
     #[test]
     fn an_open_differential_halves_and_a_locked_one_turns_both_alike() {
         let stiffness_n = [150_000.0, 170_000.0];
-        let slips = |forces_n: [f64; 2]| [0, 1].map(|i| slip(forces_n[i], 3000.0, stiffness_n[i]));
+        let slips =
+            |forces_n: [f64; 2]| [0, 1].map(|i| slip(forces_n[i], 3000.0, stiffness_n[i], DRY_FRICTION));
         let shared = |car: Chassis| car.shared_n(800.0, 2e-3, stiffness_n, slips);
         assert_eq!(shared(chassis()), [400.0, 400.0]);
         // The left wheel would run ahead by 2e-3: slips make up for it, and the sum stays.
@@ -261,5 +344,83 @@ mod tests {
         assert!((2e-3 + left.ln_1p() - right.ln_1p()).abs() < 1e-6, "{left} {right}");
         assert!((forces_n[0] + forces_n[1] - 800.0).abs() < 1e-9);
         assert_eq!(shared(Chassis { locking_share: 0.1, ..chassis() }), [360.0, 440.0]);
+    }
+
+    #[test]
+    fn a_junction_is_driven_on_circles_about_one_center() {
+        // 12 m, at 6 m/s 3 m/s²: with each front wheel steered about the center, and no slip angles, all four speeds are as the
+        // wheels' distances from it.
+        let car = Chassis { ackermann: 1.0, rear_slip_rad_per_m_s2: 0.0, ..chassis() };
+        let radius = 12.0f64;
+        let ways = car.ways(1.0 / radius, 0.0);
+        let from_center =
+            [(radius - 0.78).hypot(2.7), (radius + 0.78).hypot(2.7), radius - 0.75, radius + 0.75];
+        for (way, distance) in ways.iter().zip(from_center) {
+            assert!((way - distance / radius).abs() < 1e-12, "{ways:?}");
+        }
+        // With slip angles a wheel rolls by their cosine less.
+        let lateral = 3.0;
+        let slipping = car.ways(1.0 / radius, lateral);
+        let cos = (FRONT_SLIP_RAD_PER_M_S2 * lateral).cos();
+        assert!((slipping[0] / ways[0] - cos).abs() < 1e-12 && (slipping[1] / ways[1] - cos).abs() < 1e-12);
+        // Parallel wheels lose the cosine of what they are steered beside their way: some 1e-3.
+        let parallel = Chassis { ackermann: 0.0, ..car }.ways(1.0 / radius, 0.0);
+        assert!((1e-4..3e-3).contains(&(1.0 - parallel[0] / ways[0])), "{}", parallel[0] / ways[0]);
+    }
+
+    #[test]
+    fn banks_and_wind_move_loads_without_a_bend() {
+        let car = chassis();
+        let loads = |moving: &Moving| car.loads_n(moving, std::iter::empty());
+        let moment = |[fl, fr, rl, rr]: [f64; 4]| (fr - fl) * 0.78 + (rr - rl) * 0.75;
+        // m g chi h, 55 % of it in front.
+        let banked = loads(&Moving { cross_slope: 0.04, ..coasting(20.0) });
+        assert!((moment(banked) - 0.55 * 11_000.0 * 0.04).abs() < 1e-9);
+        assert!(((banked[1] - banked[0]) - 0.55 * 0.55 * 11_000.0 * 0.04 / 0.78 / 2.0 * 2.0).abs() < 1e-9);
+        // A bank of a_y / g leaves nothing of a bend.
+        let bend = Moving { accel_m_s2: [0.0, 0.5], cross_slope: -0.5 / GRAVITY_M_S2, ..coasting(20.0) };
+        assert!(moment(loads(&bend)).abs() < 1e-9);
+        // 6 m/s to the left at 30 m/s: 3.2 x 180 N at .55 m.
+        let windy = loads(&Moving { side_wind_m_s: 6.0, ..coasting(30.0) });
+        assert!((moment(windy) + 0.55 * 3.2 * 180.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_trailer_is_pulled_and_rests_on_the_rear_axle() {
+        let trailer = Trailer { rolling_kg: 940.0, tongue_kg: 60.0, drag_n_s2_per_m2: 0.6 };
+        let (car, alone) = (Chassis { trailer, ..chassis() }, chassis());
+        let moving = Moving { accel_m_s2: [0.4, 0.0], grade: 0.03, ..coasting(25.0) };
+        let pull_n = 940.0 * (0.4 + GRAVITY_M_S2 * (0.03 + 0.011)) + 0.6 * 625.0;
+        assert!((car.trailer.pull_n(&moving) - pull_n).abs() < 1e-9);
+        let (with, without) =
+            (car.loads_n(&moving, std::iter::empty()), alone.loads_n(&moving, std::iter::empty()));
+        // The tongue's weight in all, and moments about the rear axle.
+        let tongue_n = 60.0 * GRAVITY_M_S2;
+        assert!((with.iter().sum::<f64>() - without.iter().sum::<f64>() - tongue_n).abs() < 1e-9);
+        let front = with[0] + with[1] - without[0] - without[1];
+        assert!((front * 2.7 + tongue_n + 0.4 * pull_n).abs() < 1e-9);
+        // The engine pulls it, and the tongue's mass with the car's.
+        let (with, without) = [(&car, with), (&alone, without)]
+            .map(|(car, loads)| car.forces_n(&moving, &loads, &[1.0; 4]))
+            .into();
+        let more_n = with.engine_n[0] - without.engine_n[0];
+        let expected = pull_n + 60.0 * (0.4 + GRAVITY_M_S2 * 0.03) + 0.011 * (tongue_n - front);
+        assert!((more_n - expected).abs() < 1e-9, "{more_n} {expected}");
+    }
+
+    #[test]
+    fn a_preload_turns_both_wheels_alike_down_to_a_radius() {
+        // Wheels of 150 kN slip apart by dX/C each: t/R = locking / C, so R = t C / locking = 400 m for 581 N.
+        let stiffness_n = [150_000.0; 2];
+        let slips = |forces_n: [f64; 2]| forces_n.map(|n| n / 150_000.0);
+        let car = Chassis { locking_n: 1.55 * 150_000.0 / 400.0, ..chassis() };
+        let apart = |radius_m: f64| {
+            let free = ((radius_m - 0.775) / (radius_m + 0.775)).ln();
+            let [left, right] = slips(car.shared_n(0.0, free, stiffness_n, slips));
+            free + left.ln_1p() - right.ln_1p()
+        };
+        assert!(apart(410.0).abs() < 1e-6 && apart(-450.0).abs() < 1e-6);
+        // Tighter the rest is left: 1.55 (1/200 - 1/400).
+        assert!((apart(200.0) + 1.55 / 400.0).abs() < 2e-5, "{}", apart(200.0));
     }
 }

@@ -32,10 +32,17 @@ pub(crate) struct Drawn {
     pub(crate) out_of_round: [[f64; 2]; 4],
     pub(crate) yaw_offset_rad_s: f64,
     pub(crate) accel_offset_m_s2: [f64; 2],
+    /// What each tread loses over what it should.
+    pub(crate) wear: [f64; 4],
 }
 
 impl Drawn {
-    pub(crate) fn new(spec: &WheelSpeedSpec, corners: [&CornerSpec; 4], seed: u64) -> Self {
+    pub(crate) fn new(
+        spec: &WheelSpeedSpec,
+        corners: [&CornerSpec; 4],
+        static_n: [f64; 4],
+        seed: u64,
+    ) -> Self {
         let mut random = generator(spec.car_seed.unwrap_or(seed), Purpose::WheelCar, [0, 0]);
         let slip = 1.0 + SLIP_SPREAD * normal(&mut random);
         let mut number = 0;
@@ -51,6 +58,8 @@ impl Drawn {
                 slip_stiffness_per_load: spec.slip_stiffness_per_load
                     * slip.clamp(0.5, 1.5)
                     * near_one(0.3 * SLIP_SPREAD, &mut random),
+                slip_load_loss: spec.conditions.slip_load_loss,
+                usual_n: static_n[number],
                 stiffness_per_kpa: corner.tire.stiffness_per_kpa / at_placard,
                 stiffness_at_zero: corner.tire.stiffness_at_zero / at_placard,
                 placard_kpa: corner.placard_kpa,
@@ -61,12 +70,18 @@ impl Drawn {
         let brakes = [(); 4].map(|()| near_one(spec.brake_imbalance, &mut random));
         let out_of_round =
             [(); 4].map(|()| [OUT_OF_ROUND * normal(&mut random), TAU * random.random::<f64>()]);
+        let offsets = (
+            YAW_OFFSET_RAD_S * normal(&mut random),
+            [(); 2].map(|()| ACCEL_OFFSET_M_S2 * normal(&mut random)),
+        );
         Self {
             tires,
             brakes,
             out_of_round,
-            yaw_offset_rad_s: YAW_OFFSET_RAD_S * normal(&mut random),
-            accel_offset_m_s2: [(); 2].map(|()| ACCEL_OFFSET_M_S2 * normal(&mut random)),
+            yaw_offset_rad_s: offsets.0,
+            accel_offset_m_s2: offsets.1,
+            // After all that was drawn before there was wear.
+            wear: [(); 4].map(|()| near_one(spec.conditions.wear_spread, &mut random)),
         }
     }
 }

@@ -9,18 +9,28 @@
 //! | [`spec`] | as written in a scenario |
 //! | `tire` | rolling radius and slip of a tire |
 //! | `chassis` | loads, forces, differentials and ways round a bend |
+//! | [`conditions`] | what makes one drive differ from another, as written in a scenario |
+//! | [`draw`] | cars and days drawn from seeds |
+//! | `surface` | what is under the wheels of each side |
+//! | `motion_sensors` | yaw rate and accelerations with their errors and faults |
 //! | `drawn` | how one car differs from another |
 //! | `disturbance` | what wanders: grade, crown, wind, steering, loads on a rough road |
 //! | `run` | all of it in motion, and the messages of the bus |
 
 mod chassis;
+pub mod conditions;
 mod disturbance;
+pub mod draw;
 mod drawn;
+mod motion_sensors;
 mod run;
 pub mod spec;
+mod surface;
 mod tire;
 
+pub use conditions::{ConditionsSpec, YawFault};
 pub(crate) use disturbance::{Rough, normal};
+pub use draw::{Condition, Day};
 pub use run::WheelSpeedRow;
 pub(crate) use run::{Rolled, WheelSpeedRun};
 pub use spec::{DrivenWheels, WheelSpeedSpec};

@@ -8,7 +8,9 @@ use rand_pcg::Pcg64;
 use super::chassis::{Chassis, GRAVITY_M_S2, Moving};
 use super::disturbance::{Rough, Shaken, Wander, normal};
 use super::drawn::Drawn;
+use super::motion_sensors::MotionSensors;
 use super::spec::{DrivenWheels, WheelSpeedSpec};
+use super::surface::{Ground, Surfaces};
 use super::tire::slip;
 use crate::car::motion::Motion;
 use crate::error::InvalidValue;
@@ -21,7 +23,9 @@ const GRADE_M: f64 = 400.0;
 const CROSS_SLOPE_M: f64 = 300.0;
 const WIND_S: f64 = 20.0;
 const STEERING_S: f64 = 2.0;
-const YAW_DRIFT_S: f64 = 600.0;
+const SIDE_WIND_S: f64 = 5.0;
+/// Steepest bank of a bend.
+const STEEPEST_BANK: f64 = 0.07;
 /// Slowest speed in m/s at which a wheel's teeth come often enough, and at which a driver steers.
 const SLOWEST_M_S: f64 = 0.5;
 const STEERED_M_S: f64 = 3.0;
@@ -32,13 +36,6 @@ const BODY_SHARE: f64 = 0.2;
 /// Speed in m/s for which the load's share holds, and the white part of a wheel's speed, as a share.
 const SHAKEN_M_S: f64 = 20.0;
 const WHITE: f64 = 2e-4;
-/// Noise and steps of the yaw rate in rad/s, of accelerations in m/s²; how much more one along the car reads as the car squats.
-const YAW_NOISE_RAD_S: f64 = 2e-3;
-const YAW_DRIFT_RAD_S: f64 = 1e-3;
-const YAW_STEP_RAD_S: f64 = 1.745e-3;
-const ACCEL_NOISE_M_S2: f64 = 0.05;
-const ACCEL_STEP_M_S2: f64 = 0.01;
-const SQUAT: f64 = 0.05;
 
 /// What a row of a log holds of the wheels' bus, with its truth. NaN: the bus does not say it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -105,11 +102,17 @@ pub(crate) struct WheelSpeedRun {
     rough: Rough,
     random: Pcg64,
     losses: Pcg64,
+    across: Pcg64,
     grade: Wander,
     cross_slope: Wander,
     wind: Wander,
     steering: Wander,
-    yaw_drift: Wander,
+    sensors: MotionSensors,
+    surfaces: Surfaces,
+    side_wind: Wander,
+    /// What is under the wheels of each side, and how far crown and bank fall to the right.
+    ground: [Ground; 2],
+    fall: f64,
     shaken: [[Shaken; 2]; 4],
     /// Messages so far, way at the last one in m, and what the last one that came held.
     messages: i64,
@@ -136,10 +139,12 @@ impl WheelSpeedRun {
         let mut random = generator(seed, Purpose::WheelSpeeds, [0, 0]);
         let step_s = 1e-3 * spec.period_ms;
         let [p0, p1, p2, p3] = corners.map(|corner| corner.pressure.profile_kpa());
+        let drawn = Drawn::new(&spec, corners, static_n, seed);
+        let mut across = generator(seed, Purpose::WheelConditions, [1, 0]);
         Ok(Some(Self {
             spec,
             chassis: Chassis::new(&spec, car, scenario.wheelbase_m, static_n),
-            drawn: Drawn::new(&spec, corners, seed),
+            drawn,
             motion: Motion::new(car, &speed_m_s, scenario.wheelbase_m)?,
             distance_m: speed_m_s.integral(-1e-3 * spec.latency_ms),
             speed_m_s,
@@ -151,7 +156,12 @@ impl WheelSpeedRun {
             cross_slope: Wander::new(spec.cross_slope_sd, CROSS_SLOPE_M, &mut random),
             wind: Wander::new(spec.wind_m_s, WIND_S, &mut random),
             steering: Wander::new(spec.steering_m_s2, STEERING_S, &mut random),
-            yaw_drift: Wander::new(YAW_DRIFT_RAD_S, YAW_DRIFT_S, &mut random),
+            sensors: MotionSensors::new(&spec, &drawn, &mut random),
+            surfaces: Surfaces::new(&spec.conditions, seed),
+            side_wind: Wander::new(spec.conditions.side_wind_m_s, SIDE_WIND_S, &mut across),
+            across,
+            ground: [Ground::DRY; 2],
+            fall: 0.0,
             random,
             losses: generator(seed, Purpose::WheelSpeeds, [1, 0]),
             shaken: [[HOP, BODY].map(|[hz, damping]| Shaken::new(hz, damping, step_s)); 4],
@@ -194,12 +204,19 @@ impl WheelSpeedRun {
         let random = &mut self.random;
         let steering = self.steering.step(step_s, random);
         let [along, across] = self.motion.car_m_s2(time_s);
+        let (ground, crown) = self.surfaces.step(distance_m, step_s, speed_m_s);
+        self.ground = ground;
+        // A bend's bank falls to its inner side.
+        let bank = self.spec.conditions.bank * across / GRAVITY_M_S2;
+        self.fall = crown - bank.clamp(-STEEPEST_BANK, STEEPEST_BANK);
         Moving {
             speed_m_s,
             accel_m_s2: [along, if speed_m_s > STEERED_M_S { across + steering } else { across }],
             grade: self.grade.step(way_m, random),
-            cross_slope: self.cross_slope.step(way_m, random),
+            cross_slope: self.cross_slope.step(way_m, random) + self.fall,
             wind_m_s: self.wind.step(step_s, random),
+            side_wind_m_s: self.side_wind.step(step_s, &mut self.across),
+            rolling: ground.map(|ground| ground.rolling),
         }
     }
 
@@ -218,9 +235,13 @@ impl WheelSpeedRun {
         let forces = self.chassis.forces_n(&moving, &loads_n, &self.drawn.brakes);
         let braked = forces.brake_n.iter().any(|n| *n < 0.0) || v < SLOWEST_M_S;
         let curvature = if v > SLOWEST_M_S { moving.accel_m_s2[1] / (v * v) } else { 0.0 };
-        let ways = self.chassis.ways(curvature, moving.accel_m_s2[1]);
+        let mass_kg = loads_n.iter().sum::<f64>() / GRAVITY_M_S2;
+        let lateral_m_s2 = moving.accel_m_s2[1] + GRAVITY_M_S2 * self.fall - moving.side_n() / mass_kg;
+        let ways = self.chassis.ways(curvature, lateral_m_s2);
+        let ways = [0, 1, 2, 3].map(|i| ways[i] * (1.0 + self.ground[i % 2].way));
         let slips = self.slips(&forces.engine_n, &forces.brake_n, &loads_n, &pressure_kpa, &ln_radius, &ways);
         let stiffness = |i: usize, load_n: f64, kpa: f64| self.drawn.tires[i].slip_stiffness_n(load_n, kpa);
+        let ground = self.ground;
         let placard_kpa = |i: usize| self.drawn.tires[i].placard_kpa;
         let static_n = self.chassis.static_n;
         self.rolled = Rolled {
@@ -228,7 +249,8 @@ impl WheelSpeedRun {
             turns: [0, 1, 2, 3].map(|i| ways[i] * (1.0 + slips[i]) * (-ln_radius[i]).exp()),
             load: [0, 1, 2, 3].map(|i| loads_n[i] / static_n[i]),
             slip_stiffness: [0, 1, 2, 3].map(|i| {
-                stiffness(i, loads_n[i], pressure_kpa[i]) / stiffness(i, static_n[i], placard_kpa(i))
+                ground[i % 2].stiffness * stiffness(i, loads_n[i], pressure_kpa[i])
+                    / stiffness(i, static_n[i], placard_kpa(i))
             }),
         };
         let shaken = self.shaken(v);
@@ -237,21 +259,18 @@ impl WheelSpeedRun {
             if v > SLOWEST_M_S { in_steps(exact, self.spec.resolution_km_h / 3.6) } else { 0.0 }
         };
         let wheel_speed_m_s = [0, 1, 2, 3].map(speed);
-        self.motion_row(
-            &moving,
-            curvature,
-            braked,
-            step_s,
-            WheelSpeedRow {
-                wheel_speed_m_s,
-                yaw_rate_rad_s: f64::NAN,
-                accel_x_m_s2: f64::NAN,
-                accel_y_m_s2: f64::NAN,
-                brake: f64::NAN,
-                pressure_kpa,
-                ln_radius,
-            },
-        )
+        let [yaw_rate_rad_s, accel_x_m_s2, accel_y_m_s2] =
+            self.sensors.read(&moving, v * curvature, step_s, &mut self.random);
+        let brake = if self.spec.brake { f64::from(u8::from(braked)) } else { f64::NAN };
+        WheelSpeedRow {
+            wheel_speed_m_s,
+            yaw_rate_rad_s,
+            accel_x_m_s2,
+            accel_y_m_s2,
+            brake,
+            pressure_kpa,
+            ln_radius,
+        }
     }
 
     /// Share of a wheel's radius that its tread has lost.
@@ -262,7 +281,10 @@ impl WheelSpeedRun {
             DrivenWheels::All => true,
         };
         let factor = if driven { 2.0 } else { 1.0 };
-        factor * self.spec.wear_per_km * 1e-3 * self.distance_m
+        factor
+            * self.drawn.wear[wheel]
+            * self.spec.wear_per_km
+            * (self.spec.conditions.odometer_km + 1e-3 * self.distance_m)
     }
 
     fn slips(
@@ -274,15 +296,22 @@ impl WheelSpeedRun {
         ln_radius: &[f64; 4],
         ways: &[f64; 4],
     ) -> [f64; 4] {
-        let stiffness_n =
-            [0, 1, 2, 3].map(|i| self.drawn.tires[i].slip_stiffness_n(loads_n[i], pressure_kpa[i]));
+        let stiffness_n = [0, 1, 2, 3].map(|i| {
+            let tire = &self.drawn.tires[i];
+            self.ground[i % 2].stiffness * tire.slip_stiffness_n(loads_n[i], pressure_kpa[i])
+        });
         let mut slips = [0.0; 4];
         for axle in 0..2 {
             let (left, right) = (2 * axle, 2 * axle + 1);
             let free = (ways[left] / ways[right]).ln() - (ln_radius[left] - ln_radius[right]);
             let slips_of = |forces_n: [f64; 2]| {
-                [(left, forces_n[0]), (right, forces_n[1])]
-                    .map(|(i, engine_n)| slip(engine_n + brake_n[i], loads_n[i], stiffness_n[i]))
+                [(left, forces_n[0]), (right, forces_n[1])].map(|(i, engine_n)| {
+                    let ground = &self.ground[i % 2];
+                    // What nothing turns is held back by what it rolls on.
+                    let held_n = if engine_n == 0.0 { ground.rolling * loads_n[i] } else { 0.0 };
+                    let force_n = engine_n + brake_n[i] - held_n;
+                    slip(force_n, loads_n[i], stiffness_n[i], ground.friction)
+                })
             };
             // What is not driven has no differential.
             let engine = if engine_n[axle] == 0.0 {
@@ -311,41 +340,8 @@ impl WheelSpeedRun {
         }
         shaken
     }
-
-    /// The row with what the sensors of the car's motion say.
-    fn motion_row(
-        &mut self,
-        moving: &Moving,
-        curvature: f64,
-        braked: bool,
-        step_s: f64,
-        row: WheelSpeedRow,
-    ) -> WheelSpeedRow {
-        let [along, across] = moving.accel_m_s2;
-        let drawn = &self.drawn;
-        let random = &mut self.random;
-        let yaw = moving.speed_m_s * curvature
-            + drawn.yaw_offset_rad_s
-            + self.yaw_drift.step(step_s, random)
-            + YAW_NOISE_RAD_S * normal(random);
-        let felt = along + GRAVITY_M_S2 * moving.grade;
-        let x = (1.0 + SQUAT) * felt + drawn.accel_offset_m_s2[0] + ACCEL_NOISE_M_S2 * normal(random);
-        let y = across
-            + GRAVITY_M_S2 * moving.cross_slope
-            + drawn.accel_offset_m_s2[1]
-            + ACCEL_NOISE_M_S2 * normal(random);
-        let transmitted =
-            |known: bool, value: f64, step: f64| if known { in_steps(value, step) } else { f64::NAN };
-        WheelSpeedRow {
-            yaw_rate_rad_s: transmitted(self.spec.yaw_rate, yaw, YAW_STEP_RAD_S),
-            accel_x_m_s2: transmitted(self.spec.accel_x, x, ACCEL_STEP_M_S2),
-            accel_y_m_s2: transmitted(self.spec.accel_y, y, ACCEL_STEP_M_S2),
-            brake: transmitted(self.spec.brake, f64::from(u8::from(braked)), 0.0),
-            ..row
-        }
-    }
 }
 
-fn in_steps(value: f64, step: f64) -> f64 {
+pub(super) fn in_steps(value: f64, step: f64) -> f64 {
     if step > 0.0 { (value / step).round() * step } else { value }
 }

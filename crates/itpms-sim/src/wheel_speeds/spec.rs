@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::conditions::ConditionsSpec;
 use crate::error::{InvalidValue, within};
 
 /// Which wheels the engine turns.
@@ -72,6 +73,13 @@ pub struct WheelSpeedSpec {
     pub steering_m_s2: f64,
     /// Standard deviation of a wheel's load on a class B road at 20 m/s, as a share of it.
     pub load_share: f64,
+    /// Surfaces, slopes, wind across, trailer, wear, faults; none of it unless given.
+    #[serde(skip_serializing_if = "is_off")]
+    pub conditions: ConditionsSpec,
+}
+
+fn is_off(conditions: &ConditionsSpec) -> bool {
+    *conditions == ConditionsSpec::OFF
 }
 
 impl Default for WheelSpeedSpec {
@@ -102,6 +110,7 @@ impl Default for WheelSpeedSpec {
             wind_m_s: 2.0,
             steering_m_s2: 0.15,
             load_share: 0.12,
+            conditions: ConditionsSpec::OFF,
         }
     }
 }
@@ -136,6 +145,7 @@ impl WheelSpeedSpec {
         ] {
             within(name, sd, 0.0, 0.3, "a share from 0 to 0.3")?;
         }
+        self.conditions.validate().map_err(|error| error.within("conditions"))?;
         within("wind_m_s", self.wind_m_s, 0.0, 20.0, "a speed from 0 to 20 m/s")?;
         within("steering_m_s2", self.steering_m_s2, 0.0, 2.0, "an acceleration from 0 to 2 m/s2")
     }

@@ -6,6 +6,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use itpms_console::options::positive;
 use itpms_lab::sensors::Sensors;
 use itpms_lab::soak::Car;
+use itpms_sim::wheel_speeds::Condition;
 
 use super::sensor_names;
 
@@ -46,9 +47,28 @@ pub(crate) struct SoakArgs {
     /// of ten minutes unless given.
     #[arg(long, value_name = "SENSORS", default_value = Sensors::default().label(), value_parser = sensor_names())]
     pub(crate) sensors: Sensors,
+    /// On wheel speeds alone: calibrate on a day of its own and drive on a later one, with roads, weather, loads and distance drawn
+    /// from the seed.
+    #[arg(long, value_name = "CONDITION", value_parser = condition_names())]
+    pub(crate) condition: Option<Condition>,
+    /// Let tires of every drive lose this share of their pressure, other ones with every seed.
+    #[arg(long, value_name = "SHARE", value_parser = positive, requires = "condition")]
+    pub(crate) lose: Option<f64>,
+    /// Give every car a yaw rate with a fault, the next one with every seed.
+    #[arg(long, requires = "condition")]
+    pub(crate) bad_yaw: bool,
     /// Print the sums as JSON.
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+fn condition_names() -> impl TypedValueParser<Value = Condition> {
+    PossibleValuesParser::new(Condition::ALL.map(Condition::label)).try_map(|label| {
+        Condition::ALL
+            .into_iter()
+            .find(|condition| condition.label() == label)
+            .ok_or("expected ordinary, snow, trailer, limited-slip or mixed")
+    })
 }
 
 fn car_names() -> impl TypedValueParser<Value = Car> {
@@ -61,4 +81,6 @@ const EXAMPLES: &str = "\
 Examples:
   itpms lab soak --hours 1000 --out soak
   itpms lab soak --hours 2 --out soak --first-seed 5000 --jobs 1
-  itpms lab soak --hours 200 --out rolling --sensors wheel-speeds";
+  itpms lab soak --hours 200 --out rolling --sensors wheel-speeds
+  itpms lab soak --hours 100 --out days --sensors wheel-speeds --condition mixed
+  itpms lab soak --hours 40 --drive-s 2400 --out lost --sensors wheel-speeds --condition mixed --lose 0.25";

@@ -13,6 +13,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 
+use super::day::DayHour;
 use super::{Car, Plan, SoakError};
 
 /// Rows between two questions whether to go on.
@@ -40,6 +41,9 @@ pub struct Hour {
     /// Of wheel speeds, where these are all the car has.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub radii: Option<RadiusHour>,
+    /// Of the day, where there were a calibration and a later day.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub day: Option<DayHour>,
     /// Time in s it took to compute.
     pub wall_s: f64,
 }
@@ -144,7 +148,16 @@ pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) 
     }
     let driven_s = rows as f64 / plan.rate_hz;
     let wheels = watches.map(|watch| watch.finish(rows));
-    Ok(Hour { seed, driven_s, km, said, wheels, radii: None, wall_s: begun.elapsed().as_secs_f64() })
+    Ok(Hour {
+        seed,
+        driven_s,
+        km,
+        said,
+        wheels,
+        radii: None,
+        day: None,
+        wall_s: begun.elapsed().as_secs_f64(),
+    })
 }
 
 /// The drive, before its seed composes it.
@@ -203,7 +216,7 @@ pub(super) fn note(time_s: f64, before: &MonitorReport<f64>, now: &MonitorReport
 }
 
 impl Said {
-    fn new(time_s: f64, alert: &Alert<f64>) -> Self {
+    pub(super) fn new(time_s: f64, alert: &Alert<f64>) -> Self {
         Self {
             time_s,
             wheels: alert.wheels.iter().map(|corner: Corner| corner.label().to_owned()).collect(),

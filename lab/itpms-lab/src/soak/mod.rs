@@ -7,9 +7,13 @@
 //! | module | idea |
 //! |---|---|
 //! | [`hour`] | one drive, and what is kept of it |
+//! | [`day`] | a calibration and a later day on wheel speeds, under drawn conditions |
+//! | [`day_summary`] | many days added up |
 //! | `rolling` | the same on wheel speeds alone |
 //! | [`summary`] | many drives added up |
 
+pub mod day;
+pub mod day_summary;
 pub mod hour;
 mod rolling;
 pub mod summary;
@@ -25,6 +29,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::sensors::Sensors;
+pub use day::Days;
 pub use hour::{Hour, RadiusHour, Said, WheelHour};
 pub use summary::Summary;
 
@@ -75,6 +80,9 @@ pub struct Plan {
     /// What the car has; with wheel speeds alone each seed has a bus of its own, and is calibrated for ten minutes unless given.
     #[serde(default, skip_serializing_if = "Sensors::are_usual")]
     pub sensors: Sensors,
+    /// On wheel speeds alone: a calibration and a later day in place of one drive, under these conditions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub days: Option<Days>,
 }
 
 impl Default for Plan {
@@ -86,6 +94,7 @@ impl Default for Plan {
             car: Car::Varied,
             calibrate_s: None,
             sensors: Sensors::default(),
+            days: None,
         }
     }
 }
@@ -126,8 +135,11 @@ pub fn soak(
     };
     let work = || -> Result<(), SoakError> {
         while let Some(&seed) = seeds.get(next.fetch_add(1, Ordering::Relaxed)) {
-            let drive = if plan.sensors.are_of_wheels() { rolling::drive } else { hour::drive };
-            let hour = drive(plan, seed, &stop);
+            let hour = match &plan.days {
+                Some(days) => day::drive(plan, days, seed, &stop),
+                None if plan.sensors.are_of_wheels() => rolling::drive(plan, seed, &stop),
+                None => hour::drive(plan, seed, &stop),
+            };
             if hour.is_err() {
                 stopped.store(true, Ordering::Relaxed);
             }

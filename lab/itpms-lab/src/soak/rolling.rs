@@ -68,6 +68,7 @@ pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) 
         said,
         wheels: [WheelHour::default(); 4],
         radii: Some(watch.finish()),
+        day: None,
         wall_s: begun.elapsed().as_secs_f64(),
     })
 }
@@ -93,7 +94,7 @@ fn rolling(plan: &Plan, seed: u64) -> Result<Scenario, SoakError> {
 }
 
 /// Follows the radii of a drive.
-struct Watch {
+pub(super) struct Watch {
     calibrated_s: f64,
     /// Sum of the true `ln` radii over the calibration's driving, and its samples.
     learned: ([f64; 4], f64),
@@ -102,7 +103,7 @@ struct Watch {
 }
 
 impl Watch {
-    fn new(calibrated_s: f64) -> Self {
+    pub(super) fn new(calibrated_s: f64) -> Self {
         let hour = RadiusHour {
             known_s: 0.0,
             informed_s: 0.0,
@@ -113,7 +114,12 @@ impl Watch {
         Self { calibrated_s, learned: ([0.0; 4], 0.0), covered_s: [0.0; 3], hour }
     }
 
-    fn push(&mut self, time_s: f64, step_s: f64, radii: &RadiusReport<f64>, ln_radius: &[f64; 4]) {
+    /// Goes on with a later drive, of which nothing is learned.
+    pub(super) fn later(self) -> Self {
+        Self { calibrated_s: 0.0, ..self }
+    }
+
+    pub(super) fn push(&mut self, time_s: f64, step_s: f64, radii: &RadiusReport<f64>, ln_radius: &[f64; 4]) {
         if time_s < self.calibrated_s {
             self.learned.1 += 1.0;
             for (sum, now) in self.learned.0.iter_mut().zip(ln_radius) {
@@ -143,7 +149,7 @@ impl Watch {
         }
     }
 
-    fn finish(self) -> RadiusHour {
+    pub(super) fn finish(self) -> RadiusHour {
         let known_s = self.hour.known_s;
         RadiusHour {
             covered: self.covered_s.map(|s| if known_s > 0.0 { s / known_s } else { 0.0 }),

@@ -6,9 +6,10 @@ use itpms_core::model::Corner;
 use serde::Serialize;
 
 use super::Hour;
+use super::day_summary::DaySummary;
 
 /// What the monitor says when it cannot know; honest, and no false warning.
-const NO_INFORMATION: &str = "no-information";
+pub(super) const NO_INFORMATION: &str = "no-information";
 
 /// Drives added up. JSON as the fields stand here.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -42,6 +43,9 @@ pub struct Summary {
     /// Of wheel speeds, where the drives are of cars that have nothing else.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub radii: Option<RadiusSummary>,
+    /// Of calibrations and later days, where that was driven.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub days: Option<DaySummary>,
 }
 
 /// Radius analysis over many drives.
@@ -105,6 +109,7 @@ impl Summary {
             low_margin_kpa: extreme(&hours, |wheel| wheel.low_margin_kpa),
             lowest_kpa: extreme(&hours, |wheel| wheel.lowest_kpa),
             radii: RadiusSummary::of(&hours),
+            days: DaySummary::of(&hours),
         }
     }
 
@@ -123,7 +128,7 @@ impl Summary {
             text += &format!("  {cause}: {count}\n");
         }
         if let Some(radii) = &self.radii {
-            return text + &radii.text();
+            return text + &radii.text() + &self.days.as_ref().map_or_else(String::new, DaySummary::text);
         }
         text += &format!(
             "valid {:.1} % of the time; truth inside the 95 % interval {:.1} %; RMSE {:.1} kPa\n",
@@ -241,6 +246,7 @@ mod tests {
             said: said.iter().map(words).collect(),
             wheels,
             radii: None,
+            day: None,
             wall_s: 36.0,
         }
     }

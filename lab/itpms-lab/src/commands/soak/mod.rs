@@ -11,7 +11,8 @@ use std::time::{Duration, Instant};
 
 use itpms_console::{Failure, Interrupt, Screen, threads};
 use itpms_data::out::AtomicFile;
-use itpms_lab::soak::{Hour, Plan, SoakError, Summary, soak};
+use itpms_lab::sensors::Sensors;
+use itpms_lab::soak::{Days, Hour, Plan, SoakError, Summary, soak};
 
 use self::record::Record;
 use crate::args::SoakArgs;
@@ -28,6 +29,7 @@ pub(crate) fn run(args: &SoakArgs, screen: &Screen, interrupt: &Interrupt) -> Re
         car: args.car,
         calibrate_s: args.calibrate_s,
         sensors: args.sensors,
+        days: days(args)?,
     };
     let drives = drives(args)?;
     fs::create_dir_all(&args.out).map_err(|error| Failure::Directory(args.out.clone(), error))?;
@@ -79,6 +81,18 @@ pub(crate) fn run(args: &SoakArgs, screen: &Screen, interrupt: &Interrupt) -> Re
     // Hours of other seeds may be there, too; what was asked for is added up.
     let asked: Vec<Hour> = seeds.filter_map(|seed| record.hours().get(&seed).cloned()).collect();
     finish(args, &Summary::of(&asked), record.path(), screen)
+}
+
+/// What the later days are like, if there are some.
+fn days(args: &SoakArgs) -> Result<Option<Days>, Failure> {
+    let Some(condition) = args.condition else { return Ok(None) };
+    if args.sensors != Sensors::WheelSpeeds {
+        return Err(Failure::Usage("--condition is for --sensors wheel-speeds".to_owned()));
+    }
+    if let Some(share) = args.lose.filter(|share| !(*share < 0.9)) {
+        return Err(Failure::Usage(format!("--lose {share} is no share, expected less than 0.9")));
+    }
+    Ok(Some(Days { condition, loses: args.lose, bad_yaw: args.bad_yaw }))
 }
 
 /// How many drives the hours are.
