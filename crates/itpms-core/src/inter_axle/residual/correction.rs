@@ -32,13 +32,22 @@ pub(crate) struct FrfCorrection<T: Real> {
     /// With the signals as measured, and as the instruments have them.
     measured: Products<T>,
     foretold: Products<T>,
-    /// Frames seen, those long ago counting less.
+    /// Frames seen as far as they were trusted, and all of them; those long ago count less.
     frames: T,
+    all_frames: T,
+    /// How far the wheels' answers are from the quarter car's, by all of that.
+    response_error: T,
 }
 
 impl<T: Real> FrfCorrection<T> {
     pub(crate) fn new() -> Self {
-        Self { measured: Products::zero(), foretold: Products::zero(), frames: T::zero() }
+        Self {
+            measured: Products::zero(),
+            foretold: Products::zero(),
+            frames: T::zero(),
+            all_frames: T::zero(),
+            response_error: T::zero(),
+        }
     }
 
     /// How the axles answer, as far as was seen: one where nothing was.
@@ -69,24 +78,26 @@ impl<T: Real> FrfCorrection<T> {
         self.measured.at(bin, column) / self.foretold.at(bin, column) - Complex::new(T::one(), T::zero())
     }
 
-    /// How far the wheels' accelerations are from the quarter car's, as a share of these: rms over the bins, the farther axle; `None` before so many frames
-    /// were seen that they outweigh it.
+    /// How far the wheels' accelerations are from the quarter car's, as a share of these: rms over the bins, the farther axle; `None` before enough frames
+    /// were seen, however little they are trusted: where the axles answer otherwise they seem to be on two roads.
     pub(crate) fn response_error(&self) -> Option<T> {
-        if !(self.frames >= T::lit(ENOUGH)) {
-            return None;
-        }
-        let share = self.frames / (self.frames + T::lit(COUNTED));
+        let counted = self.frames >= T::lit(COUNTED) && self.all_frames >= T::lit(ENOUGH);
+        counted.then_some(self.response_error)
+    }
+
+    fn rms_error(&self) -> T {
         let squares = |wheel: usize| {
             let more = |bin| self.more(bin, wheel).norm_sqr();
-            (0..BINS).fold(T::zero(), |sum, bin| sum + more(bin)) * share * share
+            (0..BINS).fold(T::zero(), |sum, bin| sum + more(bin))
         };
-        Some((squares(0).max(squares(SEEN)) / T::lit(BINS as f64)).sqrt())
+        (squares(0).max(squares(SEEN)) / T::lit(BINS as f64)).sqrt()
     }
 
     /// Learns from a frame, given the road that both axles agree on and how far the frame is trusted.
     pub(crate) fn learn(&mut self, frame: &Frame<T>, common: &[Complex<T>; BINS], weight: T) {
         let keep = T::one() - T::lit(1.0 / REMEMBERED);
         self.frames = self.frames * keep + weight;
+        self.all_frames = self.all_frames * keep + T::one();
         for (bin, road) in common.iter().enumerate() {
             // Every frame counts alike, however rough its road is.
             let weight = weight / road.norm_sqr().max(T::lit(1e-20));
@@ -98,6 +109,7 @@ impl<T: Real> FrfCorrection<T> {
                 }
             }
         }
+        self.response_error = self.rms_error();
     }
 }
 
