@@ -1,6 +1,6 @@
 //! One drive at known pressures: what each tire reads on an average, and what each strut showed minute by minute.
 
-use itpms_core::model::{CarConfig, CarSample, ParameterError};
+use itpms_core::model::{CarConfig, CarSample, Corner, Misfit, ParameterError};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 
 /// Seconds at the start of a drive that do not count, time between two looks at a tire, and valid time of a block of looks.
@@ -73,6 +73,9 @@ struct StrutSum {
     count: u32,
 }
 
+/// Gate from which on a wheel's reading shows something.
+const LEARNING: f64 = 0.1;
+
 impl Listener {
     /// For a drive of this car at these pressures in kPa gauge, by corner.
     ///
@@ -121,7 +124,10 @@ impl Listener {
             let (Some(read), Some(stated)) = (&estimate.corners[i], &self.config.corners[i]) else {
                 continue;
             };
-            if read.validity.is_valid() && read.stiffness_n_per_m > 0.0 {
+            // With another wheelbase than the car's, front and rear never meet: a wheel's own spectrum tells of it all the same.
+            let misfit = self.car.estimator().fit(Corner::ALL[i]).and_then(|(_, misfit)| misfit);
+            let apart = misfit == Some(Misfit::Apart) && read.diagnostics.gate > LEARNING;
+            if (read.validity.is_valid() || apart) && read.stiffness_n_per_m > 0.0 {
                 blocks.push((read.stiffness_n_per_m / stated.quarter_car.unsprung_mass_kg()).ln());
             }
         }
