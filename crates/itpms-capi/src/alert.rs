@@ -110,6 +110,8 @@ pub struct itpms_alert {
     pub share_sd: itpms_real,
     /// Of GAIN: reading over truth.
     pub gain: itpms_real,
+    /// How probable it is, of what says that tires have too little air; NaN of FLAT.
+    pub probability: itpms_real,
 }
 
 /// What began or ended.
@@ -148,6 +150,7 @@ impl From<&Alert<itpms_real>> for itpms_alert {
             share: nan,
             share_sd: nan,
             gain: nan,
+            probability: nan,
         };
         match &alert.cause {
             Cause::UnderInflated(reading) | Cause::OverInflated(reading) | Cause::Flat(reading) => {
@@ -157,15 +160,21 @@ impl From<&Alert<itpms_real>> for itpms_alert {
                 alert_out.put_reading(reading);
                 alert_out.rate_kpa_per_min = *rate_kpa_per_min;
             }
-            Cause::AllLow { mean_share, sd_share } | Cause::CommonShift { mean_share, sd_share } => {
+            Cause::AllLow { mean_share, sd_share, probability } => {
+                (alert_out.share, alert_out.share_sd) = (*mean_share, *sd_share);
+                alert_out.probability = *probability;
+            }
+            Cause::CommonShift { mean_share, sd_share } => {
                 (alert_out.share, alert_out.share_sd) = (*mean_share, *sd_share);
             }
-            Cause::Differs { lost_share, lost_sd_share, is_known } => {
+            Cause::Differs { lost_share, lost_sd_share, is_known, probability } => {
                 (alert_out.share, alert_out.share_sd) = (*lost_share, *lost_sd_share);
+                alert_out.probability = *probability;
                 alert_out.wheels_are_known = u32::from(*is_known);
             }
             Cause::SlowLeak(leak) => {
                 (alert_out.share, alert_out.share_sd) = (leak.lost_share, leak.lost_sd_share);
+                alert_out.probability = leak.probability;
             }
             Cause::Malfunction(malfunction) => alert_out.put_malfunction(malfunction),
             Cause::NoInformation { driven_s } => alert_out.driven_s = *driven_s,
@@ -189,6 +198,7 @@ impl itpms_alert {
         self.pressure_sd_kpa = reading.sd_kpa;
         self.limit_kpa = reading.limit_kpa;
         self.reference_kpa = reading.reference_kpa;
+        self.probability = reading.probability.unwrap_or(itpms_real::NAN);
         self.basis = match reading.basis {
             Basis::VehicleFile => itpms_basis::Config,
             Basis::Calibration => itpms_basis::Calibration,

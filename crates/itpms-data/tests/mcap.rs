@@ -162,14 +162,15 @@ fn every_alert_is_what_its_schema_says_and_what_is_not_known_is_left_out() {
         limit_kpa: 193.0,
         reference_kpa: 241.0,
         basis: Basis::Calibration,
+        probability: Some(0.998),
     };
     let sensor = Sensor { corner: Corner::RearLeft, place: Place::Wheel };
     let causes = [
         Cause::UnderInflated(reading),
         Cause::FastLeak { reading, rate_kpa_per_min: 30.0 },
-        Cause::AllLow { mean_share: 0.75, sd_share: 0.01 },
+        Cause::AllLow { mean_share: 0.75, sd_share: 0.01, probability: 0.998 },
         Cause::Malfunction(Malfunction::Gain { sensor, gain: 1.5 }),
-        Cause::Differs { lost_share: 0.25, lost_sd_share: 0.05, is_known: true },
+        Cause::Differs { lost_share: 0.25, lost_sd_share: 0.05, is_known: true, probability: 0.9995 },
         Cause::SlowLeak(LeakOverDays {
             probability: 0.995,
             lost_share_per_day: 0.005,

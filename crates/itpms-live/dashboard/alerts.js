@@ -42,7 +42,7 @@ function reason(alert) {
     case "flat":
       return `as hard as ${at}`;
     case "fast-leak":
-      return `fell by up to ${number(alert.rate_kpa_per_min, 0)} ${UNIT}/min (over 10 s or more); ${said}, ${should}`;
+      return `fell by up to ${number(alert.rate_kpa_per_min, 0)} ${UNIT}/min (over half a minute); ${said}, ${should}`;
     case "all-low":
       return `at ${n(100 * alert.mean_share)} ± ${n(100 * alert.sd_share)} % of their reference on average`;
     case "common-shift":

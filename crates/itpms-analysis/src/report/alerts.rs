@@ -71,9 +71,9 @@ fn line(span: &AlertSpan, unit: PressureUnit) -> Line {
                 [*rate_kpa_per_min, reading.pressure_kpa, reading.sd_kpa, reading.reference_kpa]
                     .map(|kpa| unit.number(kpa, 0));
             let at = format!("{pressure} ± {sd} {unit} then, should be {reference}");
-            ("low", "Fast leak", format!("fell by up to {rate} {unit}/min (over 10 s or more); {at}"))
+            ("low", "Fast leak", format!("fell by up to {rate} {unit}/min (over half a minute); {at}"))
         }
-        Cause::AllLow { mean_share, sd_share } => {
+        Cause::AllLow { mean_share, sd_share, .. } => {
             let [mean, sd] = [mean_share, sd_share].map(|share| 100.0 * share);
             ("low", "All low", format!("at {mean:.0} ± {sd:.0} % of their reference on average"))
         }
@@ -86,7 +86,7 @@ fn line(span: &AlertSpan, unit: PressureUnit) -> Line {
         }
         Cause::OverInflated(r) => ("over", "Too high", at(r, unit)),
         Cause::Flat(r) => ("low", "Flat, on its rim", format!("as hard as {}", at(r, unit))),
-        Cause::Differs { lost_share, lost_sd_share, is_known: true } => {
+        Cause::Differs { lost_share, lost_sd_share, is_known: true, .. } => {
             let [lost, sd] = [lost_share, lost_sd_share].map(|share| 100.0 * share);
             let [what, how, by] = match names.len() == 4 {
                 true => ["All low", "", "the tooth pulses"],

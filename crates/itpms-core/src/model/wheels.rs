@@ -14,6 +14,8 @@ pub struct Wheels(u8);
 impl Wheels {
     /// No wheel.
     pub const NONE: Self = Self(0);
+    /// All four.
+    pub const ALL: Self = Self(0b1111);
 
     /// Whether the wheel is in it.
     #[must_use]

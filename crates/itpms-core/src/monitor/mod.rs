@@ -24,7 +24,7 @@ use crate::cold_pressure::ColdTires;
 use crate::conditioning::Moment;
 use crate::conditioning::clock::stamp_s;
 use crate::conditioning::pauses::MISSING_S;
-use crate::decision::{Probabilities, SURELY_LOW, Shares, Since};
+use crate::decision::Probabilities;
 use crate::diagnosis::debounce::Debouncer;
 use crate::diagnosis::decorrelation::DecorrelationDetector;
 use crate::diagnosis::standstill::Standstill;
@@ -32,16 +32,17 @@ use crate::diagnosis::{Diagnosis, Fault};
 use crate::memory::{Blank, Placed};
 use crate::model::CarEstimate;
 use crate::model::{
-    Air, CarSample, Corner, CornerEstimate, CornerSample, Level, ParameterError, Side, Validity, Warning,
-    Wheels, positive,
+    Air, CarSample, Corner, CornerEstimate, CornerSample, ParameterError, Side, Validity, Warning, Wheels,
+    positive,
 };
 use crate::real::Real;
 use crate::warning::all_low::AllLow;
-use crate::warning::leak::{Height, LeakWatch};
+use crate::warning::all_tires::{leaking_tires, low_tires, weighted_share};
+use crate::warning::leak::LeakWatch;
 use crate::warning::low::{Around, WheelWatch, is_learning, reading};
 use crate::warning::reference_pressure::ReferencePressure;
 use crate::warning::report::{ALL_LOW_SLOT, COMMON_SHIFT_SLOT, Slot};
-use crate::warning::{Alert, Cause, Doubt, Limits, MonitorReport, WheelReport, WheelState};
+use crate::warning::{Alert, Cause, Doubt, MonitorReport, WheelReport, WheelState};
 
 /// Seconds between two decisions on pressures.
 const DECIDE_S: f64 = 0.1;
@@ -315,24 +316,15 @@ impl<T: Real> Monitor<T> {
                 }
             }
         }
-        let heights = Corner::ALL.map(|corner| self.height(estimate, corner, &around[corner]));
-        let least = limits.fast_leak_kpa_per_min;
-        self.leaks.update(estimate.time_s, step_s, &heights, self.reference_kpa, least);
+        let lost_kpa = Corner::ALL.map(|i| {
+            let learned = estimate.corners[i].as_ref().filter(|corner| is_learning(corner));
+            learned.and_then(|corner| corner.loss).map(|loss| loss.lost_kpa)
+        });
+        let leaking = leaking_tires(estimate, self.reference_kpa, &limits);
+        let (doubted, least) = (around.map(|around| around.doubted), limits.fast_leak_kpa_per_min);
+        self.leaks.update(estimate.time_s, step_s, &lost_kpa, &leaking, doubted, least);
         self.all_low.update(step_s, estimate, self.reference_kpa, &self.low, &limits);
         self.write(estimate);
-    }
-
-    /// What falls of a wheel if it leaks.
-    fn height(&self, estimate: &CarEstimate<T>, corner: Corner, around: &Around<T>) -> Height<T> {
-        let learned = estimate.corners[corner].as_ref().filter(|corner| is_learning(corner));
-        let with_variance = |[kpa, sd_kpa]: [T; 2]| [kpa, sd_kpa * sd_kpa];
-        let unknown = T::lit(f64::NAN);
-        let kpa = learned.map(|learned| {
-            let loss = learned.loss.map_or([unknown; 2], |loss| [-loss.lost_kpa, loss.change_sd_kpa]);
-            [[learned.pressure_kpa, learned.change_sd_kpa], loss].map(with_variance)
-        });
-        let is_short = around.share < T::one() || around.low > T::lit(SURELY_LOW);
-        Height { kpa, is_short, is_doubted: around.doubted }
     }
 
     /// What else is known when a wheel is looked at.
@@ -351,7 +343,7 @@ impl<T: Real> Monitor<T> {
             share: own.map_or(T::lit(f64::NAN), |own| own.pressure_kpa / self.reference_kpa[corner]),
             other_share: valid.map(|corner| corner.pressure_kpa / self.reference_kpa[rear]),
             other_is_silent: other.is_some_and(is_silent),
-            above_partner: weighted(estimate, weights, self.reference_kpa),
+            above_partner: weighted_share(estimate, weights, self.reference_kpa),
             low: self.low.low(corner),
             doubted,
         }
@@ -381,16 +373,17 @@ impl<T: Real> Monitor<T> {
     fn write_alerts(&mut self, corner: Corner, estimate: &CornerEstimate<T>) {
         let limits = &self.config.limits;
         let (watch, reference) = (&self.wheels[corner], self.reference_kpa[corner]);
-        let (leak, rate_kpa_per_min) = self.leaks.of(corner);
-        let against = |share: T| reading(estimate, share, reference);
+        let (leak, rate_kpa_per_min, lost) = self.leaks.of(corner);
+        let low = Some(self.low.low(corner));
+        let against = |share: T, probability: Option<T>| reading(estimate, share, reference, probability);
         let named = |debouncer: &Debouncer, cause: Cause<T>| {
             debouncer.is_active().then(|| alert(debouncer, corner.into(), cause))
         };
-        let low = named(&watch.low, Cause::UnderInflated(against(limits.low_share)));
-        let over = named(&watch.over, Cause::OverInflated(against(limits.over_share)));
+        let low = named(&watch.low, Cause::UnderInflated(against(limits.low_share, low)));
+        let over = named(&watch.over, Cause::OverInflated(against(limits.over_share, None)));
         let over = over.filter(|_| !watch.flat.is_active());
-        let flat = named(&watch.flat, Cause::Flat(against(limits.over_share)));
-        let leaking = Cause::FastLeak { reading: against(limits.low_share), rate_kpa_per_min };
+        let flat = named(&watch.flat, Cause::Flat(against(limits.over_share, None)));
+        let leaking = Cause::FastLeak { reading: against(limits.low_share, lost), rate_kpa_per_min };
         let leaking = named(leak, leaking);
         let silent = Cause::NoInformation { driven_s: watch.driven_s };
         let silent = named(&watch.uninformed, silent);
@@ -454,52 +447,6 @@ impl<T: Real> Monitor<T> {
 fn steadied<T: Real>(estimate: &CarEstimate<T>, time_s: f64) -> CarEstimate<T> {
     let corners = estimate.corners.map(|corner| corner.map(|corner| CornerEstimate { time_s, ..corner }));
     CarEstimate { time_s, corners, ..*estimate }
-}
-
-/// Which tires are low, by their levels and by their losses in this drive, whichever gives any low tire the larger probability. What a level is wrong
-/// by is no part of a loss, and of what was low before nothing is lost.
-fn low_tires<T: Real>(
-    estimate: &CarEstimate<T>,
-    reference_kpa: [T; 4],
-    limits: &Limits<T>,
-) -> Probabilities<T> {
-    let valid = |i: Corner| estimate.corners[i].as_ref().filter(|corner| corner.validity.is_valid());
-    let share = |i: Corner, [kpa, sd_kpa]: [T; 2]| [kpa / reference_kpa[i], sd_kpa / reference_kpa[i]];
-    let levels = Corner::ALL
-        .map(|i| valid(i).map(|tire| share(i, [reference_kpa[i] - tire.pressure_kpa, tire.pressure_sd_kpa])));
-    let losses = Corner::ALL.map(|i| valid(i)?.loss.map(|loss| share(i, [loss.lost_kpa, loss.lost_sd_kpa])));
-    let is_stored = |i: Corner| valid(i).is_some_and(|tire| tire.level == Level::StoredCalibration);
-    let since = if Corner::ALL.into_iter().any(is_stored) { Since::EarlierDay } else { Since::Ever };
-    let evidence =
-        [(levels, &estimate.correlation, since), (losses, &estimate.loss_correlation, Since::Beginning)];
-    let found = evidence.into_iter().filter(|(lacking, ..)| lacking.iter().any(Option::is_some));
-    found
-        .filter_map(|(lacking, correlation, since)| {
-            Shares::new(&lacking, correlation).probabilities(limits.loss_share(), since)
-        })
-        .reduce(|one, other| if other.any_low() > one.any_low() { other } else { one })
-        .unwrap_or(Probabilities::of_nothing())
-}
-
-/// A weighted sum of the tires' shares of their references, and its sd; weights that sum to zero leave out what all are wrong by
-/// alike. `None` where one that has a weight is not known.
-fn weighted<T: Real>(estimate: &CarEstimate<T>, weights: [T; 4], reference_kpa: [T; 4]) -> Option<[T; 2]> {
-    let (mut sum, mut sds) = (T::zero(), [T::zero(); 4]);
-    let tires = estimate.corners.iter().zip(reference_kpa);
-    for ((tire, reference_kpa), (weight, sd)) in
-        tires.zip(weights.into_iter().zip(&mut sds)).filter(|(_, (weight, _))| *weight != T::zero())
-    {
-        let tire = tire.as_ref().filter(|tire| tire.validity.is_valid())?;
-        sum += weight * tire.pressure_kpa / reference_kpa;
-        *sd = weight * tire.pressure_sd_kpa / reference_kpa;
-    }
-    let mut variance = T::zero();
-    for (row, &first) in estimate.correlation.iter().zip(&sds) {
-        for (&correlation, &second) in row.iter().zip(&sds) {
-            variance += correlation * first * second;
-        }
-    }
-    Some([sum, variance.max(T::zero()).sqrt()])
 }
 
 fn alert<T>(debouncer: &Debouncer, wheels: Wheels, cause: Cause<T>) -> Alert<T> {

@@ -298,7 +298,7 @@ impl<T: Real> MonitoredWheels<T> {
             wheels,
             since_s: self.since_s,
             reported_s: now_s,
-            cause: Cause::Differs { lost_share, lost_sd_share, is_known },
+            cause: Cause::Differs { lost_share, lost_sd_share, is_known, probability },
         }));
     }
 

@@ -36,7 +36,7 @@ pub enum Cause<T> {
     FastLeak {
         /// The pressure now.
         reading: Reading<T>,
-        /// How fast it fell at most since the leak began, over ten seconds or more, in kPa per minute, positive.
+        /// How fast it fell at most since the leak began, over half a minute, in kPa per minute, positive.
         rate_kpa_per_min: T,
     },
     /// All wheels together are low, though none of them needs to be so for certain by itself.
@@ -45,6 +45,8 @@ pub enum Cause<T> {
         mean_share: T,
         /// Its standard deviation.
         sd_share: T,
+        /// How probable it is that each has too little air.
+        probability: T,
     },
     /// All wheels, or those of an axle, together read otherwise than a calibration of an earlier day: tires, wheels or dampers were changed, or all are too low
     /// or too high. Accelerations do not part the two.
@@ -69,6 +71,8 @@ pub enum Cause<T> {
         lost_sd_share: T,
         /// Whether all of them do; else it is one of them or more, and which is not known.
         is_known: bool,
+        /// How probable that is: of the least probable of several, or that it is any of them.
+        probability: T,
     },
     /// This wheel has lost air slowly since the calibration, over days none of which shows it by itself: by wheel speeds.
     SlowLeak(LeakOverDays<T>),
@@ -97,6 +101,8 @@ pub struct Reading<T> {
     pub reference_kpa: T,
     /// What it was held against.
     pub basis: Basis,
+    /// How probable it is that the tire has too little air, or has lost so much in this drive; `None` of one that has too much.
+    pub probability: Option<T>,
 }
 
 /// A leak that days show together: a wheel loses air slowly since the calibration.
@@ -278,10 +284,10 @@ impl<T: Real> fmt::Display for AlertIn<'_, T> {
                     [rate_kpa_per_min, &reading.pressure_kpa, &reading.sd_kpa, &reading.reference_kpa]
                         .map(|kpa| unit.number(kpa.to_f64(), 0));
                 // It is the loss that counts, whatever the level.
-                write!(f, "{wheels} fast leak: fell by up to {rate} {unit}/min (over 10 s or more), ")?;
+                write!(f, "{wheels} fast leak: fell by up to {rate} {unit}/min (over half a minute), ")?;
                 write!(f, "now {pressure} {unit} (sd {sd}) of {reference}")?;
             }
-            Cause::AllLow { mean_share, sd_share } => {
+            Cause::AllLow { mean_share, sd_share, .. } => {
                 let [mean, sd] = [mean_share, sd_share].map(|share| 100.0 * share.to_f64());
                 write!(f, "all wheels low: at {mean:.0} % (sd {sd:.0}) of their reference")?;
             }
@@ -308,7 +314,7 @@ impl<T: Real> fmt::Display for AlertIn<'_, T> {
                     "{wheels} flat: on its rim, or else inflated to {share:.1} times what it should have; stop and look"
                 )?;
             }
-            Cause::Differs { lost_share, lost_sd_share, is_known } => {
+            Cause::Differs { lost_share, lost_sd_share, is_known, .. } => {
                 let [lost, sd] = [lost_share, lost_sd_share].map(|share| 100.0 * share.to_f64());
                 match (is_known, wheels.iter().count()) {
                     (true, 4) => write!(

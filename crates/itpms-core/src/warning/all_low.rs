@@ -6,6 +6,7 @@ use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
 use crate::memory::Blank;
 use crate::model::{CarEstimate, Corner, Level, ONE_SIDED_95, Wheels};
 use crate::real::Real;
+use crate::warning::all_tires::weighted_share;
 use crate::warning::low::is_learning;
 use crate::warning::{Cause, Limits};
 
@@ -24,6 +25,7 @@ pub(crate) struct AllLow<T> {
     shift: Debouncer,
     mean_share: T,
     sd_share: T,
+    probability: T,
     /// What shifted: which wheels, and their mean with its sd.
     shifted: Wheels,
     shifted_share: [T; 2],
@@ -36,6 +38,7 @@ impl<T: Real> AllLow<T> {
             shift: Debouncer::new(),
             mean_share: T::one(),
             sd_share: T::zero(),
+            probability: T::zero(),
             shifted: Wheels::NONE,
             shifted_share: [T::one(), T::zero()],
         }
@@ -47,8 +50,8 @@ impl<T: Real> AllLow<T> {
 
     /// Why it is reported, while it is.
     pub(crate) fn cause(&self) -> Option<Cause<T>> {
-        let (mean_share, sd_share) = (self.mean_share, self.sd_share);
-        self.debouncer.is_active().then_some(Cause::AllLow { mean_share, sd_share })
+        let Self { mean_share, sd_share, probability, .. } = *self;
+        self.debouncer.is_active().then_some(Cause::AllLow { mean_share, sd_share, probability })
     }
 
     pub(crate) fn shift(&self) -> &Debouncer {
@@ -71,7 +74,7 @@ impl<T: Real> AllLow<T> {
         low: &Probabilities<T>,
         limits: &Limits<T>,
     ) {
-        let Some(shares) = Shares::of(estimate, reference_kpa) else { return };
+        let Some(shares) = Shares::of(estimate, reference_kpa, Wheels::ALL) else { return };
         let fine = shares.mean > limits.all_low_share + T::lit(FINE_ABOVE);
         if !shares.complete {
             if fine {
@@ -79,8 +82,8 @@ impl<T: Real> AllLow<T> {
             }
             return;
         }
-        (self.mean_share, self.sd_share) = (shares.mean, shares.sd);
-        let evidence = if low.all_low() > T::lit(SURELY_LOW) {
+        (self.mean_share, self.sd_share, self.probability) = (shares.mean, shares.sd, low.all_low());
+        let evidence = if self.probability > T::lit(SURELY_LOW) {
             Evidence::Prefailed
         } else if fine {
             Evidence::Prepassed
@@ -95,20 +98,18 @@ impl<T: Real> AllLow<T> {
             let least = (shares.lowest - T::one()).max(T::one() - shares.highest);
             shares.stored && least > fine && off > T::lit(ONE_SIDED_95) * shares.sd
         };
-        let [front, rear] = [0, 1]
-            .map(|axle| Shares::of_wheels(estimate, reference_kpa, |wheel| wheel.axle() == axle).filter(far));
-        let (wheels, shifted) = match (&front, &rear) {
-            (Some(front), None) => (&Corner::ALL[..2], Some(front)),
-            (None, Some(rear)) => (&Corner::ALL[2..], Some(rear)),
-            _ => (&Corner::ALL[..], Some(&shares).filter(|shares| far(shares))),
+        let axles = [Corner::FrontLeft, Corner::RearLeft].map(|left| Wheels::from(left) | left.same_axle().into());
+        let of = |wheels| Shares::of(estimate, reference_kpa, wheels);
+        let shifted = match axles.map(|wheels| Some((wheels, of(wheels).filter(far)?))) {
+            [one, None] | [None, one] if one.is_some() => one,
+            _ => Some((Wheels::ALL, shares)).filter(|(_, shares)| far(shares)),
         };
         let evidence = if shifted.is_some() { Evidence::Prefailed } else { Evidence::Prepassed };
-        if shifted.is_some() {
+        if let Some((wheels, _)) = shifted {
             // While it is reported it names all that have shifted since.
             let before = if self.shift.is_active() { self.shifted } else { Wheels::NONE };
-            self.shifted = before | wheels.iter().copied().collect();
-            let named = Shares::of_wheels(estimate, reference_kpa, |wheel| self.shifted.contains(wheel));
-            self.shifted_share = named.map_or(self.shifted_share, |named| [named.mean, named.sd]);
+            self.shifted = before | wheels;
+            self.shifted_share = of(self.shifted).map_or(self.shifted_share, |named| [named.mean, named.sd]);
         }
         self.shift.update(estimate.time_s, step_s, evidence, SHIFTED);
     }
@@ -128,39 +129,22 @@ struct Shares<T> {
 }
 
 impl<T: Real> Shares<T> {
-    /// `None` where nothing is learned of any wheel.
-    fn of(estimate: &CarEstimate<T>, reference_kpa: [T; 4]) -> Option<Self> {
-        Self::of_wheels(estimate, reference_kpa, |_| true)
-    }
-
-    /// The same of some wheels.
-    fn of_wheels(
-        estimate: &CarEstimate<T>,
-        reference_kpa: [T; 4],
-        of: impl Fn(Corner) -> bool,
-    ) -> Option<Self> {
-        let learned = |i: Corner| estimate.corners[i].as_ref().filter(|corner| of(i) && is_learning(corner));
-        let share = Corner::ALL.map(|i| learned(i).map(|corner| corner.pressure_kpa / reference_kpa[i]));
-        let sd = Corner::ALL
-            .map(|i| learned(i).map_or(T::zero(), |corner| corner.pressure_sd_kpa / reference_kpa[i]));
-        let mut variance = T::zero();
-        for (i, row) in estimate.correlation.iter().enumerate() {
-            for (j, correlation) in row.iter().enumerate() {
-                variance += *correlation * sd[i] * sd[j];
-            }
-        }
-        let any = |level| Corner::ALL.into_iter().filter_map(learned).any(|corner| corner.level == level);
-        let known = || share.iter().flatten().copied();
-        let highest = known().reduce(|highest, share| highest.max(share))?;
-        let lowest = known().reduce(|lowest, share| lowest.min(share))?;
-        let count = known().fold(T::zero(), |count, _| count + T::one());
+    /// Of these wheels; `None` where nothing is learned of any.
+    fn of(estimate: &CarEstimate<T>, reference_kpa: [T; 4], wheels: Wheels) -> Option<Self> {
+        let learned = |i: &Corner| estimate.corners[*i].as_ref().is_some_and(is_learning);
+        let learned: Wheels = wheels.iter().filter(learned).collect();
+        let one = learned.iter().fold(T::zero(), |count, _| count + T::one()).recip();
+        let weights = Corner::ALL.map(|i| if learned.contains(i) { one } else { T::zero() });
+        let [mean, sd] = weighted_share(estimate, weights, reference_kpa)?;
+        let tires = || learned.iter().filter_map(|i| Some((i, estimate.corners[i].as_ref()?)));
+        let share = || tires().map(|(i, tire)| tire.pressure_kpa / reference_kpa[i]);
         Some(Self {
-            mean: known().fold(T::zero(), |sum, share| sum + share) / count,
-            sd: variance.max(T::zero()).sqrt() / count,
-            lowest,
-            highest,
-            complete: share.iter().all(Option::is_some),
-            stored: any(Level::StoredCalibration),
+            mean,
+            sd,
+            lowest: share().reduce(T::at_most)?,
+            highest: share().reduce(T::at_least)?,
+            complete: learned == Wheels::ALL,
+            stored: tires().any(|(_, tire)| tire.level == Level::StoredCalibration),
         })
     }
 }

@@ -241,7 +241,12 @@ pub(crate) fn is_learning<T: Real>(estimate: &CornerEstimate<T>) -> bool {
 }
 
 /// The estimate against a limit.
-pub(crate) fn reading<T: Real>(estimate: &CornerEstimate<T>, limit_share: T, reference_kpa: T) -> Reading<T> {
+pub(crate) fn reading<T: Real>(
+    estimate: &CornerEstimate<T>,
+    limit_share: T,
+    reference_kpa: T,
+    probability: Option<T>,
+) -> Reading<T> {
     let limit_kpa = limit_share * reference_kpa;
     // Where its own level does not say so, it was the others that did.
     let far = (estimate.pressure_kpa - limit_kpa).abs() > T::lit(ONE_SIDED_95) * estimate.pressure_sd_kpa;
@@ -254,5 +259,6 @@ pub(crate) fn reading<T: Real>(estimate: &CornerEstimate<T>, limit_share: T, ref
         limit_kpa,
         reference_kpa,
         basis: if far { estimate.level.into() } else { Basis::OtherTires },
+        probability,
     }
 }

@@ -2,6 +2,7 @@
 
 mod alert;
 pub(crate) mod all_low;
+pub(crate) mod all_tires;
 pub(crate) mod leak;
 mod limits;
 pub(crate) mod low;

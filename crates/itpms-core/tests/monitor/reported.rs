@@ -44,6 +44,19 @@ pub(super) const FINE: Reported = Reported {
     loss: [None; 4],
 };
 
+/// What a tire of 302 kPa has lost in this drive.
+pub(super) fn lost(lost_kpa: f64, lost_sd_kpa: f64) -> Loss<f64> {
+    Loss {
+        level_kpa: 302.0,
+        is_whole: 1,
+        lost_kpa,
+        lost_sd_kpa,
+        change_sd_kpa: 3.0,
+        excess_kpa: lost_kpa,
+        excess_sd_kpa: lost_sd_kpa,
+    }
+}
+
 pub(super) fn car() -> CarConfig<f64> {
     CarConfig { corners: [Some(CornerConfig::paper()); 4], wheelbase_m: Some(2.7) }
 }

@@ -4,7 +4,7 @@ use itpms_core::model::{Air, Corner};
 use itpms_core::monitor::MonitorConfig;
 use itpms_core::warning::{MonitorReport, Regulation};
 
-use super::reported::{Drive, FINE, RATE_HZ, Reported, car, low};
+use super::reported::{Drive, FINE, RATE_HZ, Reported, car, lost, low};
 
 /// What the rear left tire should have.
 fn reference_kpa(report: &MonitorReport<f64>) -> f64 {
@@ -77,8 +77,9 @@ fn a_reset_moves_the_reference_within_bounds_and_only_with_information() {
 #[test]
 fn what_a_reset_changes_is_no_leak() {
     // A neighbor of a low tire, read too high until all are filled and a reset says so.
-    let before = Reported { sd: 2.0, ..low(264.0) };
-    let after = Reported { sd: 2.0, ..low(238.0) };
+    let loses = |kpa: f64| [0.0, 0.0, kpa, 0.0].map(|kpa| Some(lost(kpa, 2.0)));
+    let before = Reported { sd: 2.0, loss: loses(0.0), ..low(264.0) };
+    let after = Reported { sd: 2.0, loss: loses(26.0), ..low(238.0) };
     let mut drive = Drive::new();
     drive.on(60.0, &before);
     drive.monitor.begin_calibration(60.0).unwrap();
@@ -90,8 +91,9 @@ fn what_a_reset_changes_is_no_leak() {
     // What comes down to what it should have was read too high.
     let mut drive = Drive::new();
     drive.on(60.0, &before);
+    let level = Reported { sd: 2.0, loss: loses(0.0), ..low(242.0) };
     assert_eq!(
-        drive.until(60.0, &Reported { sd: 2.0, ..low(242.0) }, |report| report.alerts().next().is_some()),
+        drive.until(60.0, &level, |report| report.alerts().next().is_some()),
         None
     );
 }

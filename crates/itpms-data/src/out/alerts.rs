@@ -42,14 +42,20 @@ pub fn alert_object(alert: &Alert<f64>) -> Map<String, Value> {
             put_reading(&mut put, reading);
             put("rate_kpa_per_min", json!(rate_kpa_per_min));
         }
-        Cause::AllLow { mean_share, sd_share } | Cause::CommonShift { mean_share, sd_share } => {
+        Cause::AllLow { mean_share, sd_share, probability } => {
+            put("mean_share", json!(mean_share));
+            put("sd_share", json!(sd_share));
+            put("probability", json!(probability));
+        }
+        Cause::CommonShift { mean_share, sd_share } => {
             put("mean_share", json!(mean_share));
             put("sd_share", json!(sd_share));
         }
-        Cause::Differs { lost_share, lost_sd_share, is_known } => {
+        Cause::Differs { lost_share, lost_sd_share, is_known, probability } => {
             put("lost_share", json!(lost_share));
             put("lost_sd_share", json!(lost_sd_share));
             put("wheels_are_known", json!(is_known));
+            put("probability", json!(probability));
         }
         Cause::SlowLeak(leak) => {
             put("probability", json!(leak.probability));
@@ -72,6 +78,9 @@ fn put_reading(put: &mut impl FnMut(&str, Value), reading: &Reading<f64>) {
     put("limit_kpa", json!(reading.limit_kpa));
     put("reference_kpa", json!(reading.reference_kpa));
     put("basis", json!(reading.basis.label()));
+    if let Some(probability) = reading.probability {
+        put("probability", json!(probability));
+    }
 }
 
 fn put_malfunction(put: &mut impl FnMut(&str, Value), malfunction: &Malfunction<f64>) {

@@ -289,6 +289,7 @@ mod tests {
             limit_kpa: 212.0,
             reference_kpa: 241.0,
             basis: Basis::Calibration,
+            probability: Some(0.998),
         };
         let low = |corner: Corner| Alert {
             wheels: corner.into(),

@@ -98,6 +98,7 @@ mod tests {
             limit_kpa: 212.0,
             reference_kpa: 241.0,
             basis: Basis::Calibration,
+            probability: Some(0.998),
         };
         let stuck = Malfunction::Stuck(Sensor { corner: fl, place: Place::Wheel });
         let says = |lamp, concerned, cause, wheels: Wheels| {
@@ -108,12 +109,12 @@ mod tests {
         assert_eq!(low(Cause::UnderInflated(reading), one), None);
         assert_eq!(low(Cause::FastLeak { reading, rate_kpa_per_min: 50.0 }, one), None);
         assert_eq!(low(Cause::UnderInflated(reading), fr.into()), Some(Wrong::Wheel));
-        assert_eq!(low(Cause::AllLow { mean_share: 0.8, sd_share: 0.01 }, all), Some(Wrong::Wheel));
+        assert_eq!(low(Cause::AllLow { mean_share: 0.8, sd_share: 0.01, probability: 0.998 }, all), Some(Wrong::Wheel));
         assert_eq!(low(Cause::OverInflated(reading), fr.into()), Some(Wrong::Lamp));
         assert_eq!(low(Cause::Malfunction(stuck), one), Some(Wrong::Lamp));
         assert_eq!(low(Cause::NoInformation { driven_s: 600.0 }, one), Some(Wrong::Lamp));
         // All four are.
-        let mean = Cause::AllLow { mean_share: 0.8, sd_share: 0.01 };
+        let mean = Cause::AllLow { mean_share: 0.8, sd_share: 0.01, probability: 0.998 };
         assert_eq!(says(Lamp::Low, all, mean, all), None);
         assert_eq!(says(Lamp::Low, all, Cause::UnderInflated(reading), fr.into()), None);
         // Its wheel sensor is stuck.

@@ -265,6 +265,7 @@ mod tests {
             limit_kpa: 212.0,
             reference_kpa: 241.0,
             basis: Basis::Calibration,
+            probability: Some(0.998),
         };
         alert(Cause::UnderInflated(reading), corner)
     }
@@ -325,7 +326,7 @@ mod tests {
         outcome.note(&kind, Phase::Said, &broken(Malfunction::Stuck(wheel(fr))));
         outcome.note(&kind, Phase::Over, &low(rl));
         let all: Wheels = Corner::ALL.into_iter().collect();
-        outcome.note(&kind, Phase::Over, &alert(Cause::AllLow { mean_share: 0.8, sd_share: 0.01 }, all));
+        outcome.note(&kind, Phase::Over, &alert(Cause::AllLow { mean_share: 0.8, sd_share: 0.01, probability: 0.998 }, all));
         assert_eq!(outcome.tires_during, TireWarnings { low: 1, ..TireWarnings::default() });
         assert_eq!(outcome.tires_after, TireWarnings { low: 1, all_low: 1, ..TireWarnings::default() });
         assert_eq!(outcome.tires_during.plus(outcome.tires_after).total(), 3);

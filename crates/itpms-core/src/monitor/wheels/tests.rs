@@ -182,7 +182,7 @@ fn what_is_reported_names_wheels_or_says_that_it_cannot() {
         wheels,
         since_s: 10.0,
         reported_s: 12.0,
-        cause: Cause::Differs { lost_share: 0.25f64, lost_sd_share: 0.13, is_known },
+        cause: Cause::Differs { lost_share: 0.25f64, lost_sd_share: 0.13, is_known, probability: 0.995 },
     };
     let all: Wheels = Corner::ALL.into_iter().collect();
     let pair = Wheels::from(Corner::FrontLeft) | Wheels::from(Corner::RearRight);

@@ -1,0 +1,77 @@
+//! What an estimate says of all tires together, as shares of what they should have.
+
+use crate::decision::{DECISIVE, Probabilities, Shares, Since};
+use crate::model::{CarEstimate, Corner, CornerEstimate, Level};
+use crate::real::Real;
+use crate::warning::Limits;
+use crate::warning::leak::OF_A_LOSS;
+
+/// Which tires are low, by their levels and by their losses in this drive, whichever gives any low tire the larger probability. What a level is wrong
+/// by is no part of a loss, and of what was low before nothing is lost.
+pub(crate) fn low_tires<T: Real>(
+    estimate: &CarEstimate<T>,
+    reference_kpa: [T; 4],
+    limits: &Limits<T>,
+) -> Probabilities<T> {
+    let is_stored = |i: Corner| valid(estimate, i).is_some_and(|tire| tire.level == Level::StoredCalibration);
+    let since = if Corner::ALL.into_iter().any(is_stored) { Since::EarlierDay } else { Since::Ever };
+    let levels = Corner::ALL.map(|i| {
+        let tire = valid(estimate, i)?;
+        Some([reference_kpa[i] - tire.pressure_kpa, tire.pressure_sd_kpa].map(|kpa| kpa / reference_kpa[i]))
+    });
+    let losses = losses(estimate, reference_kpa);
+    let evidence =
+        [(levels, &estimate.correlation, since), (losses, &estimate.loss_correlation, Since::Beginning)];
+    let found = evidence.into_iter().filter(|(lacking, ..)| lacking.iter().any(Option::is_some));
+    found
+        .filter_map(|(lacking, correlation, since)| {
+            Shares::new(&lacking, correlation).probabilities(limits.loss_share(), since)
+        })
+        .reduce(|one, other| if other.any_low() > one.any_low() { other } else { one })
+        .unwrap_or(Probabilities::of_nothing())
+}
+
+/// Which tires have lost in this drive what makes a leak if it was fast.
+pub(crate) fn leaking_tires<T: Real>(
+    estimate: &CarEstimate<T>,
+    reference_kpa: [T; 4],
+    limits: &Limits<T>,
+) -> Probabilities<T> {
+    let losses = losses(estimate, reference_kpa);
+    let (loss, nothing) = (T::lit(OF_A_LOSS) * limits.loss_share(), Probabilities::of_nothing());
+    // Most of the time no tire has lost so much, which needs no weighing.
+    if !losses.iter().flatten().any(|[lost, _]| *lost > T::lit(DECISIVE) * loss) {
+        return nothing;
+    }
+    Shares::new(&losses, &estimate.loss_correlation).probabilities(loss, Since::Beginning).unwrap_or(nothing)
+}
+
+fn valid<T: Real>(estimate: &CarEstimate<T>, i: Corner) -> Option<&CornerEstimate<T>> {
+    estimate.corners[i].as_ref().filter(|corner| corner.validity.is_valid())
+}
+
+/// What each tire has lost in this drive, and the sd of that, where losses are counted.
+fn losses<T: Real>(estimate: &CarEstimate<T>, reference_kpa: [T; 4]) -> [Option<[T; 2]>; 4] {
+    Corner::ALL.map(|i| {
+        let loss = valid(estimate, i)?.loss?;
+        Some([loss.lost_kpa, loss.lost_sd_kpa].map(|kpa| kpa / reference_kpa[i]))
+    })
+}
+
+/// A weighted sum of the tires' shares of their references, and its sd; weights that sum to zero leave out what all are wrong by
+/// alike. `None` where one that has a weight is not known.
+pub(crate) fn weighted_share<T: Real>(estimate: &CarEstimate<T>, weights: [T; 4], reference_kpa: [T; 4]) -> Option<[T; 2]> {
+    let (mut sum, mut sds) = (T::zero(), [T::zero(); 4]);
+    for i in Corner::ALL.into_iter().filter(|&i| weights[i] != T::zero()) {
+        let (tire, weight) = (valid(estimate, i)?, weights[i] / reference_kpa[i]);
+        sum += weight * tire.pressure_kpa;
+        sds[i] = weight * tire.pressure_sd_kpa;
+    }
+    let mut variance = T::zero();
+    for (row, &first) in estimate.correlation.iter().zip(&sds) {
+        for (&correlation, &second) in row.iter().zip(&sds) {
+            variance += correlation * first * second;
+        }
+    }
+    Some([sum, variance.max(T::zero()).sqrt()])
+}
