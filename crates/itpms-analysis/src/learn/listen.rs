@@ -76,6 +76,9 @@ struct StrutSum {
 /// Gate from which on a wheel's reading shows something.
 const LEARNING: f64 = 0.1;
 
+/// Friction of a strut in N of which nothing is known, as an sd.
+const ANY_FRICTION_N: f64 = 50.0;
+
 impl Listener {
     /// For a drive of this car at these pressures in kPa gauge, by corner.
     ///
@@ -94,6 +97,8 @@ impl Listener {
             *corner = corner.with_initial_pressure(kpa)?;
             corner.placard_kpa = kpa;
             corner.uncertainty.stiffness_over_mass_relative_sd = Some(0.0);
+            // What the file says of friction is weighed against the drive's afterwards.
+            (corner.uncertainty.friction_n, corner.uncertainty.friction_sd_n) = (0.0, ANY_FRICTION_N);
         }
         let mut car = Box::new(MonitoredCar::unconfigured());
         car.configure(&MonitorConfig::new(&config), sample_rate_hz)?;

@@ -8,7 +8,6 @@ mod stiffness_error;
 
 use nalgebra::{Complex, SMatrix, SVector};
 
-use self::fit::first;
 use super::coherence::geometric_mean;
 use super::rigid_body::{MODES, RigidBody};
 use super::strut::{ACCELERATION, BIN_SPACING_HZ, BINS, BODY, FRICTION, StrutFrame, VELOCITY, WHEEL};
@@ -34,7 +33,7 @@ const DELAY_S: f64 = 1e-3;
 const FORCE_N: f64 = 60.0;
 /// Place of the warp among the body's modes.
 const WARP_MODE: usize = 3;
-/// What they are at first, and with which sd: loads change by persons, inertias are guessed, a strut has up to some 150 N of friction.
+/// What they are at first, and with which sd: loads change by persons, inertias are guessed. Of friction the vehicle file says it.
 const INERTIA_SD: [f64; 3] = [0.15, 0.2, 0.2];
 const DAMPER_SD: f64 = 0.2;
 const SPRING_SD: f64 = 0.05;
@@ -44,7 +43,6 @@ const WARP_SD: f64 = 0.5;
 const MOST_WARP: f64 = 1.5;
 const DELAY_SD: f64 = 1.0;
 const MOST_DELAY: f64 = 5.0;
-const SLIP_SD: f64 = 1.0;
 /// Largest step of a fit, and the furthest that is believed.
 const LARGEST_STEP: f64 = 0.3;
 const FURTHEST: f64 = 1.0;
@@ -106,6 +104,8 @@ pub(crate) struct BodyEquation<T: Real> {
     damping: [T; 4],
     spring: [T; 4],
     noise_density: [T; 4],
+    /// Slip force of each element at first, by the vehicle file, and its sd, in units of [`FORCE_N`].
+    slip_first: [[T; 2]; 4],
     parameters: Parameters<T>,
     /// Its lower triangle, packed by columns.
     information: SVector<T, PAIRS>,
@@ -150,7 +150,8 @@ impl<T: Real> BodyEquation<T> {
         self.damping = of(&|c| c.quarter_car.damping_n_s_per_m());
         self.spring = of(&|c| c.quarter_car.spring_n_per_m());
         self.noise_density = of(&|c| per_hz * c.accel_noise_or_usual_m_s2() * c.accel_noise_or_usual_m_s2());
-        self.parameters = first();
+        self.slip_first = corners.each_ref().map(|corner| corner.as_ref().map_or([T::zero(), T::one()], fit::slip_first));
+        self.parameters = self.first();
         self.information.fill(T::zero());
         self.score.fill(T::zero());
         self.powers.iter_mut().for_each(Powers::clear);
@@ -231,12 +232,12 @@ impl<T: Real> BodyEquation<T> {
         self.units_left = BINS + 1 + PASSES;
     }
 
-    /// Slip forces in N of a corner's elements, once enough was seen.
+    /// Slip forces in N of a corner's elements: the vehicle file's until enough was seen.
     pub(crate) fn slip_forces_n(&self, corner: Corner) -> [T; ELEMENTS] {
-        if !self.known {
-            return [T::zero(); ELEMENTS];
-        }
-        core::array::from_fn(|element| T::lit(FORCE_N) * self.parameters[slip(element, corner)])
+        let [first, _] = self.slip_first[corner];
+        core::array::from_fn(|element| {
+            T::lit(FORCE_N) * if self.known { self.parameters[slip(element, corner)] } else { first }
+        })
     }
 
     /// The quarter car that a corner is, if it is there, on a wheel of this mass (docs/math/informed.md, eq. 20): with the mass that its own

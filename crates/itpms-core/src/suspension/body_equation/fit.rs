@@ -4,18 +4,22 @@ use nalgebra::SMatrix;
 
 use super::{
     BAR, BAR_FIRST, BAR_SD, BodyEquation, DAMPER, DAMPER_SD, DELAY, DELAY_SD, FURTHEST, INERTIA, INERTIA_SD,
-    LARGEST_STEP, MOST_DELAY, MOST_WARP, Parameters, SIZE, SLIP, SLIP_SD, SPRING, SPRING_SD, WARP, WARP_SD,
+    ELEMENTS, FORCE_N, LARGEST_STEP, MOST_DELAY, MOST_WARP, Parameters, SIZE, SLIP, SPRING, SPRING_SD, WARP, WARP_SD,
 };
 use crate::cholesky;
+use crate::model::{Corner, CornerConfig};
 use crate::real::Real;
 use crate::suspension::rigid_body::RigidBody;
+
+/// A file that says that a strut has no friction is not believed to more than so many newtons.
+const LEAST_FRICTION_N: f64 = 20.0;
 
 impl<T: Real> BodyEquation<T> {
     /// Goes towards the parameters that fit best; slip forces stay where they are not negative: one pass of that, which holds at zero
     /// what those before made negative. True if there is no other to follow.
     #[inline(never)]
     pub(super) fn fit(&mut self, is_last: bool) -> bool {
-        let mut best = self.score + prior_information::<T>(&self.body).component_mul(&first());
+        let mut best = self.score + self.prior_information().component_mul(&self.first());
         let mut free = self.with_prior();
         for (i, _) in self.held.iter().enumerate().skip(SLIP).filter(|(_, held)| **held) {
             hold(&mut free, &mut best, i);
@@ -42,8 +46,31 @@ impl<T: Real> BodyEquation<T> {
                 (information[(row, column)], information[(column, row)]) = (value, value);
             }
         }
-        let prior = prior_information::<T>(&self.body);
+        let prior = self.prior_information();
         (0..SIZE).for_each(|i| information[(i, i)] += prior[i]);
+        information
+    }
+
+    /// What the parameters are before anything is seen.
+    #[inline(never)]
+    pub(super) fn first(&self) -> Parameters<T> {
+        let mut first = Parameters::zeros();
+        first.fixed_rows_mut::<2>(BAR).fill(T::lit(BAR_FIRST));
+        for (i, value) in first.iter_mut().enumerate().skip(SLIP) {
+            let [slip, _] = self.slip_first[Corner::ALL[(i - SLIP) % 4]];
+            *value = slip;
+        }
+        first
+    }
+
+    /// What is known beforehand; what does not exist is held.
+    #[inline(never)]
+    fn prior_information(&self) -> Parameters<T> {
+        let mut information = prior_information(&self.body);
+        for (i, value) in information.iter_mut().enumerate().skip(SLIP) {
+            let [_, sd] = self.slip_first[Corner::ALL[(i - SLIP) % 4]];
+            *value = (sd * sd).recip();
+        }
         information
     }
 
@@ -98,13 +125,16 @@ fn hold_negative<T: Real>(held: &mut [bool; SIZE], best: &Parameters<T>) -> bool
     any
 }
 
-pub(super) fn first<T: Real>() -> Parameters<T> {
-    let mut first = Parameters::zeros();
-    first.fixed_rows_mut::<2>(BAR).fill(T::lit(BAR_FIRST));
-    first
+/// Slip force of each of a strut's elements by the vehicle file, and its sd, in units of [`FORCE_N`]. How friction is shared between them is
+/// not known, so that each has its whole as an error.
+pub(super) fn slip_first<T: Real>(corner: &CornerConfig<T>) -> [T; 2] {
+    let (friction, sd) = (corner.uncertainty.friction_n, corner.uncertainty.friction_sd_n);
+    let whole = friction.hypot(T::lit(2.0) * sd).at_least(T::lit(LEAST_FRICTION_N));
+    let elements = T::lit(ELEMENTS as f64);
+    [friction / elements, whole / elements.sqrt()].map(|force| force / T::lit(FORCE_N))
 }
 
-/// What is known beforehand; what does not exist is held.
+/// What is known beforehand of all but friction.
 #[inline(never)]
 fn prior_information<T: Real>(body: &RigidBody<T>) -> Parameters<T> {
     let of = |sd: f64| T::lit(1.0 / (sd * sd));
@@ -117,6 +147,6 @@ fn prior_information<T: Real>(body: &RigidBody<T>) -> Parameters<T> {
         BAR..WARP => whole(BAR_SD),
         WARP => whole(WARP_SD),
         DELAY..SLIP => whole(DELAY_SD),
-        _ => of(SLIP_SD),
+        _ => T::zero(),
     })
 }
