@@ -87,7 +87,7 @@ extern "C" fn speeds(
         speeds.update(sample);
     }
     speeds.update_with_pulses(sample, torsion);
-    speeds.tell_alone(report);
+    speeds.write_report_into(report);
     usize::from(speeds.end_calibration())
         + usize::from(speeds.calibration().is_some())
         + usize::from(speeds.alert().is_some())

@@ -93,8 +93,8 @@ impl Car {
     fn report(&self) -> MonitorReport<itpms_real> {
         let mut report = *self.car.report();
         match (self.has_corners(), self.has_wheels()) {
-            (true, true) => self.wheels.tell(&mut report),
-            (false, true) => self.wheels.tell_alone(&mut report),
+            (true, true) => self.wheels.write_alert_into(&mut report),
+            (false, true) => self.wheels.write_report_into(&mut report),
             _ => {}
         }
         report

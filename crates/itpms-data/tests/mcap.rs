@@ -145,8 +145,13 @@ fn the_date_of_a_measurement_is_that_of_its_messages() {
         writer.write(0, x / 200.0, &[(0.7 * x).sin(), 9.0 * (0.3 * x).sin()]).unwrap();
     }
     writer.finish().unwrap().commit().unwrap();
-    let request =
-        Request { input: &mf4, output: &mcap, options: &LogOptions::default(), packing: Packing::Packed };
+    let request = Request {
+        input: &mf4,
+        output: &mcap,
+        options: &LogOptions::default(),
+        packing: Packing::Packed,
+        position: false,
+    };
     convert(&request, &mut |_| ControlFlow::Continue(())).unwrap().unwrap().file.commit().unwrap();
     let messages = &read(&mcap)["/signals/fl"];
     assert_eq!(messages.len(), 400);

@@ -303,8 +303,13 @@ fn what_this_program_writes_comes_back_and_its_estimates_are_no_measurements() {
     let head = "time_s,speed_m_s,fl_body_accel_m_s2,fl_wheel_accel_m_s2,fl_pressure_kpa\n";
     fs::write(&text, head.to_owned() + &(0..SAMPLES).map(row).collect::<String>()).unwrap();
     let options = LogOptions { units: UnitCheck::Trusting, ..LogOptions::default() };
-    let request =
-        Request { input: &text, output: &bench.path(), options: &options, packing: Packing::Packed };
+    let request = Request {
+        input: &text,
+        output: &bench.path(),
+        options: &options,
+        packing: Packing::Packed,
+        position: false,
+    };
     convert(&request, &mut |_| std::ops::ControlFlow::Continue(())).unwrap().unwrap().file.commit().unwrap();
     let rows = |path: &std::path::Path| {
         LogReader::open_with(path, &options).unwrap().collect::<Result<Vec<_>, _>>().unwrap()

@@ -95,7 +95,13 @@ fn a_folder_names_what_it_leaves_out() {
     fs::write(&text, table(4000)).unwrap();
     let options = LogOptions::default();
     let output = parts.join("a.parquet");
-    let request = Request { input: &text, output: &output, options: &options, packing: Packing::Plain };
+    let request = Request {
+        input: &text,
+        output: &output,
+        options: &options,
+        packing: Packing::Plain,
+        position: false,
+    };
     convert(&request, &mut |_| ControlFlow::Continue(())).unwrap().unwrap().file.commit().unwrap();
     let said = || {
         let mut log = LogReader::open(&parts).unwrap();

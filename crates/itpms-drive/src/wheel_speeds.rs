@@ -153,10 +153,10 @@ impl WheelSpeeds {
             None => self.wheels.update(&sample),
         }
         if self.alone {
-            self.wheels.tell_alone(&mut self.report);
+            self.wheels.write_report_into(&mut self.report);
         } else {
             *self.report = *beside;
-            self.wheels.tell(&mut self.report);
+            self.wheels.write_alert_into(&mut self.report);
         }
     }
 

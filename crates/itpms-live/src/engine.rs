@@ -18,11 +18,11 @@ use itpms_data::{LogRow, Vehicle};
 use crate::describe;
 use crate::drive::{Clock, Drive, DriveOptions};
 use crate::error::LiveError;
-use crate::input::{Note, Say, SourceName};
+use crate::input::{Note, NoteSink, SourceName};
 use crate::latency::LatencyWindow;
 use crate::past::{Past, Place};
 use crate::snapshot::{Snapshot, Source, SourceState, Transition};
-use crate::speed::{SpeedDoubt, SpeedWord};
+use crate::speed::{SpeedDoubt, SpeedDoubts};
 use crate::state::SavedDrive;
 use crate::units::UnitWatch;
 
@@ -48,7 +48,7 @@ pub enum Published {
 pub struct Engine {
     vehicle: Vehicle,
     options: DriveOptions,
-    say: Say,
+    say: NoteSink,
     stage: Stage,
     /// A drive that waits for its first row.
     saved: Option<SavedDrive>,
@@ -56,7 +56,7 @@ pub struct Engine {
     /// Tooth pulses until the first row that is not earlier.
     pulses: VecDeque<Pulse>,
     latency: LatencyWindow,
-    speed: SpeedWord,
+    speed: SpeedDoubts,
     snapshots: u64,
     transitions: u64,
     past: Past,
@@ -85,7 +85,7 @@ impl Engine {
         options: DriveOptions,
         source: SourceName,
         saved: Option<SavedDrive>,
-        say: Say,
+        say: NoteSink,
     ) -> Self {
         let source = Source {
             name: source.name,
@@ -111,7 +111,7 @@ impl Engine {
             source,
             pulses: VecDeque::new(),
             latency,
-            speed: SpeedWord::default(),
+            speed: SpeedDoubts::default(),
             snapshots: 0,
             transitions: 0,
             past: Past::new(),

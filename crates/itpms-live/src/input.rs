@@ -68,4 +68,4 @@ pub enum Note {
 }
 
 /// Where notes go.
-pub type Say = std::sync::Arc<dyn Fn(Note) + Send + Sync>;
+pub type NoteSink = std::sync::Arc<dyn Fn(Note) + Send + Sync>;

@@ -15,7 +15,7 @@ use crate::engine::{Engine, Published};
 use crate::error::LiveError;
 use crate::feed::Feed;
 use crate::hub::Hub;
-use crate::input::{Input, Note, Say};
+use crate::input::{Input, Note, NoteSink};
 use crate::output::Output;
 use crate::queue::{Queue, Taken};
 use crate::snapshot::SourceState;
@@ -47,7 +47,7 @@ pub struct Monitor {
     hub: Arc<Hub>,
     outputs: Vec<Output>,
     state: Option<StateFile>,
-    say: Say,
+    say: NoteSink,
     last_row: Instant,
     /// When a frame with a signal that is wanted came last.
     last_frame: Instant,
@@ -68,7 +68,7 @@ impl Monitor {
         hub: Arc<Hub>,
         outputs: Vec<Output>,
         state: Option<PathBuf>,
-        say: Say,
+        say: NoteSink,
     ) -> Self {
         let state = state.map(|path| StateFile::new(path, Arc::clone(&say)));
         let now = Instant::now();
@@ -318,7 +318,7 @@ struct StateFile {
 }
 
 impl StateFile {
-    fn new(path: PathBuf, say: Say) -> Self {
+    fn new(path: PathBuf, say: NoteSink) -> Self {
         let queue = Arc::new(Queue::<Vec<u8>>::new(1));
         let writer = thread::spawn({
             let (queue, path) = (Arc::clone(&queue), path.clone());

@@ -36,7 +36,7 @@ impl Roughness {
             else {
                 continue;
             };
-            survey.push(distance_m, estimate.road_m, speed_m_s);
+            survey.push(estimate.time_s, distance_m, estimate.road_m, speed_m_s);
             if let Some(segment) = survey.take_newest() {
                 // A segment with too little road says nothing, and what was before it is no longer the last.
                 self.iri_m_per_km[corner.index()] = segment.iri_m_per_km.unwrap_or(f64::NAN);

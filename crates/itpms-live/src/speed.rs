@@ -27,13 +27,13 @@ impl SpeedDoubt {
 
 /// What was reported of the speed.
 #[derive(Debug, Default)]
-pub(crate) struct SpeedWord {
+pub(crate) struct SpeedDoubts {
     /// What is doubted now, since when, and when that was looked at last.
     doubted: Option<(SpeedDoubt, f64, f64)>,
     reported: Vec<SpeedDoubt>,
 }
 
-impl SpeedWord {
+impl SpeedDoubts {
     /// Takes the doubt after a row at `time_s`; gives what is to be reported, once of each.
     pub(crate) fn take(&mut self, time_s: f64, doubt: Option<SpeedDoubt>) -> Option<String> {
         let since_s = match (self.doubted, doubt) {
@@ -63,7 +63,7 @@ mod tests {
 
     #[test]
     fn each_reason_is_reported_once_and_a_hole_only_when_it_lasts() {
-        let mut word = SpeedWord::default();
+        let mut word = SpeedDoubts::default();
         let mut reported = Vec::new();
         let rows = (0..600u32).map(|tenths| 0.1 * f64::from(tenths));
         for time_s in rows {
@@ -82,7 +82,7 @@ mod tests {
             "{reported:?}"
         );
         // A clock that is set back begins to count again, and so does a bus that slept.
-        let mut word = SpeedWord::default();
+        let mut word = SpeedDoubts::default();
         for time_s in [100.0, 104.0, 3.0, 7.0, 5000.0] {
             assert_eq!(word.take(time_s, Some(SpeedDoubt::Missing)), None);
         }

@@ -60,10 +60,10 @@ impl Wheels {
         }
         if !self.alone {
             *self.report = *beside;
-            self.monitor.tell(&mut self.report);
+            self.monitor.write_alert_into(&mut self.report);
             return None;
         }
-        self.monitor.tell_alone(&mut self.report);
+        self.monitor.write_report_into(&mut self.report);
         Some(0.25 * sample.wheel_speed_m_s.iter().sum::<f64>())
     }
 

@@ -18,7 +18,7 @@ use itpms_live::drive::DriveOptions;
 use itpms_live::engine::{Engine, Published};
 use itpms_live::feed::Feed;
 use itpms_live::hub::Hub;
-use itpms_live::input::{Input, Note, Say, SourceName};
+use itpms_live::input::{Input, Note, NoteSink, SourceName};
 use itpms_live::monitor::{End, Monitor};
 use itpms_live::output::{JsonLines, WhenSlow};
 use itpms_live::queue::Queue;
@@ -41,7 +41,7 @@ fn input(row: LogRow) -> Input {
 /// An engine and what it has to say.
 fn telling_engine(saved: Option<SavedDrive>) -> (Engine, Arc<Mutex<Vec<String>>>) {
     let said = Arc::new(Mutex::new(Vec::new()));
-    let say: Say = Arc::new({
+    let say: NoteSink = Arc::new({
         let said = Arc::clone(&said);
         move |note| {
             let (Note::Remark(text) | Note::Warning(text)) = note;

@@ -267,7 +267,7 @@ fn who_has_the_password_and_believes_the_authority_is_let_in_and_nobody_else() {
         let password = password.map(|text| Password::new(text.to_owned()));
         let address = address.with_access(password, ca.as_deref()).unwrap();
         let (said, heard) = mpsc::channel();
-        let say: itpms_live::input::Say = Arc::new(move |note| {
+        let say: itpms_live::input::NoteSink = Arc::new(move |note| {
             let (itpms_live::input::Note::Remark(text) | itpms_live::input::Note::Warning(text)) = note;
             drop(said.send(text));
         });

@@ -171,7 +171,7 @@ pub(crate) struct EstimateArgs {
     /// speeds.
     #[arg(long, value_name = "PULSES")]
     pub(crate) pulses: Option<PathBuf>,
-    /// Which loss is warned of: un-r141 20 % of the pressure that a calibration in this drive found warm, else of the placard's;
+    /// Which loss is warned of: un-r141 20 % of the warm pressure found by a calibration in this drive, else of the placard's;
     /// fmvss-138 25 % of the placard's.
     #[arg(long, value_name = "NAME", default_value = Regulation::default().label(), value_parser = regulation_names())]
     pub(crate) regulation: Regulation,

@@ -179,7 +179,7 @@ impl Equipped {
         *self.report = *self.car.report();
         if let (Some(wheels), Some((sample, _))) = (&mut self.wheels, wheel_speed_sample(row)) {
             wheels.update(&sample);
-            wheels.tell(&mut self.report);
+            wheels.write_alert_into(&mut self.report);
             self.car.follow_wheels(wheels);
         }
         estimate

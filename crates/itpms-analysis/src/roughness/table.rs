@@ -30,6 +30,15 @@ pub struct RoughnessTable {
     tracks: Vec<(String, TrackRoughness)>,
 }
 
+/// A segment on a map.
+pub(super) struct Place<'a> {
+    pub(super) start_m: f64,
+    pub(super) length_m: f64,
+    /// The mean over both sides, or of the tracks that there are.
+    pub(super) iri_m_per_km: f64,
+    pub(super) tracks: Vec<(&'a str, f64)>,
+}
+
 impl RoughnessTable {
     /// From named tracks whose segments begin at the same places; `segment_m` is the length asked for. `left`, `fl` and
     /// `rl` are on one side, `right`, `fr` and `rr` on the other.
@@ -83,6 +92,20 @@ impl RoughnessTable {
     /// The tracks that reach a segment.
     fn segment(&self, i: usize) -> impl Iterator<Item = (&str, &SegmentRoughness)> {
         self.tracks.iter().filter_map(move |(name, track)| Some((name.as_str(), track.segments.get(i)?)))
+    }
+
+    /// The segments that any track has a roughness of, for a map.
+    pub(super) fn places(&self) -> impl Iterator<Item = Place<'_>> {
+        (0..self.segments()).filter_map(|i| {
+            let tracks: Vec<(&str, f64)> = self
+                .segment(i)
+                .filter_map(|(name, segment)| Some((name, segment.iri_m_per_km.ok()?)))
+                .collect();
+            let (_, first) = self.segment(i).find(|(_, segment)| segment.iri_m_per_km.is_ok())?;
+            let mean = tracks.iter().map(|(_, iri)| iri).sum::<f64>() / tracks.len() as f64;
+            let iri_m_per_km = self.mri_m_per_km(i).unwrap_or(mean);
+            Some(Place { start_m: first.start_m, length_m: first.length_m, iri_m_per_km, tracks })
+        })
     }
 
     fn rows(&self) -> impl Iterator<Item = (usize, &str, &SegmentRoughness)> {

@@ -117,7 +117,10 @@ fn a_segment_longer_than_the_road_is_the_road() {
     // A wheel, whose cells begin and end anywhere.
     let rolled = |segment_m: f64| {
         let mut wheel = WheelSurvey::new(segment_m, 500.0).unwrap();
-        heights.iter().enumerate().for_each(|(i, height)| wheel.push(i as f64 * 0.1, *height, 20.0));
+        heights
+            .iter()
+            .enumerate()
+            .for_each(|(i, height)| wheel.push(i as f64 * 0.005, i as f64 * 0.1, *height, 20.0));
         wheel.finish()
     };
     assert!(rolled(1e300).segments[0].fit.is_ok());
@@ -196,7 +199,7 @@ fn a_wheel_rolls_over_the_road_at_any_speed() {
     let (mut distance_m, mut time_s) = (0.0, 0.0f64);
     while distance_m < 395.0 {
         let speed_m_s = 20.0 + 5.0 * (0.3 * time_s).sin();
-        wheel.push(distance_m, at(distance_m), speed_m_s);
+        wheel.push(time_s, distance_m, at(distance_m), speed_m_s);
         distance_m += speed_m_s * 0.002;
         time_s += 0.002;
     }

@@ -2,6 +2,7 @@
 //!
 //! Called by the roughness command for every row of a drive's road. Knows nothing of estimators.
 
+use super::anomaly::{Anomaly, AnomalySearch};
 use super::cells::Cells;
 use super::golden_car::Enveloping;
 use super::survey::{Sampling, SegmentRoughness, SurveyError, SurveyOptions, TrackRoughness, TrackSurvey};
@@ -22,11 +23,12 @@ const HIGHEST_SHARE: f64 = 0.25;
 /// The road under one wheel in the making.
 #[derive(Debug)]
 pub struct WheelSurvey {
-    cells: Cells<1>,
+    cells: Cells<2>,
     start_m: f64,
     done: u64,
     rate_hz: f64,
     survey: TrackSurvey,
+    anomalies: Option<AnomalySearch>,
 }
 
 impl WheelSurvey {
@@ -43,12 +45,19 @@ impl WheelSurvey {
             enveloping: Enveloping::Done,
             sampling: Sampling::CellMeans,
         })?;
-        Ok(Self { cells: Cells::new(CELL_M), start_m: 0.0, done: 0, rate_hz, survey })
+        Ok(Self { cells: Cells::new(CELL_M), start_m: 0.0, done: 0, rate_hz, survey, anomalies: None })
     }
 
-    /// The next sample: distance driven and road height in m, speed in m/s. A height that is not known, a standing car
+    /// The same, and looks for holes and bumps.
+    #[must_use]
+    pub fn with_anomalies(mut self) -> Self {
+        self.anomalies = Some(AnomalySearch::new(CELL_M));
+        self
+    }
+
+    /// The next sample: time in s, distance driven and road height in m, speed in m/s. A height that is not known, a standing car
     /// and a step of more than a metre end a stretch of road.
-    pub fn push(&mut self, distance_m: f64, height_m: f64, speed_m_s: f64) {
+    pub fn push(&mut self, time_s: f64, distance_m: f64, height_m: f64, speed_m_s: f64) {
         let step = self.cells.last_m().map_or(0.0, |last_m| distance_m - last_m);
         let known = height_m.is_finite() && distance_m.is_finite() && speed_m_s > SLOWEST_M_S;
         if !(known && (0.0..=LONGEST_STEP_M).contains(&step)) {
@@ -61,9 +70,13 @@ impl WheelSurvey {
         }
         let shortest_m = SHORTEST_M.max(speed_m_s / (HIGHEST_SHARE * self.rate_hz));
         let waves_m = (shortest_m, speed_m_s / SLOWEST_HZ);
-        let Self { cells, start_m, done, survey, .. } = self;
-        cells.push(distance_m, [height_m], |[height_m]| {
-            survey.push(*start_m + *done as f64 * CELL_M, height_m, waves_m);
+        let Self { cells, start_m, done, survey, anomalies, .. } = self;
+        cells.push(distance_m, [height_m, time_s], |[height_m, time_s]| {
+            let at_m = *start_m + *done as f64 * CELL_M;
+            survey.push(at_m, height_m, waves_m);
+            if let Some(anomalies) = anomalies {
+                anomalies.push(at_m, time_s, height_m);
+            }
             *done += 1;
         });
     }
@@ -77,5 +90,11 @@ impl WheelSurvey {
     #[must_use]
     pub fn finish(self) -> TrackRoughness {
         self.survey.finish()
+    }
+
+    /// The same with the holes and bumps, if they were [looked for](Self::with_anomalies).
+    #[must_use]
+    pub fn finish_with_anomalies(self) -> (TrackRoughness, Vec<Anomaly>) {
+        (self.survey.finish(), self.anomalies.map(AnomalySearch::finish).unwrap_or_default())
     }
 }

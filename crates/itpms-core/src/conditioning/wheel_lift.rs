@@ -28,7 +28,7 @@ const LANDING_S: f64 = 0.5;
 /// What a grid step shows of the wheel's hold on the road.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Contact {
-    /// It may be in the air: this step is no word about the tire, its neighbours may be.
+    /// It may be in the air: the tire equation does not hold at this step; at its neighbours it may.
     pub(crate) unloaded: bool,
     /// It surely was, now or a moment ago: no spectrum of such steps is that of a tire on its road.
     pub(crate) hopping: bool,

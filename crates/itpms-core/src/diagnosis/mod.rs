@@ -51,8 +51,8 @@ const MOVING_M_S: f64 = 1.5;
 const DRIVING_M_S: f64 = 3.0;
 /// Share of missing values up to which a sensor is fine and held against others.
 const FEW_MISSING: f64 = 0.1;
-/// Power of white noise in the hop band, at most, over what its quietest part says: of five parts of a tenth of a second
-/// the quietest has half of it, and half a second of the band is few swings. One block in a hundred has more.
+/// Upper bound of the power of white noise in the hop band, relative to the quietest of the block's five tenths of a second, which has
+/// half of it: 99 % of blocks have less.
 const WHITE_AT_MOST: f64 = 8.0;
 /// Blocks after something was wrong until the filters have forgotten it.
 const FORGETTING_BLOCKS: u32 = 6;

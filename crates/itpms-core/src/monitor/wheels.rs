@@ -327,18 +327,18 @@ impl<T: Real> MonitoredWheels<T> {
     }
 
     /// Writes what is reported of the tires into the report of another monitor of the same car.
-    pub fn tell(&self, report: &mut MonitorReport<T>) {
+    pub fn write_alert_into(&self, report: &mut MonitorReport<T>) {
         report.put_of_wheel_speeds(self.alert.get());
     }
 
     /// The same into a report of nothing else: with its time, and what is known of each wheel.
-    pub fn tell_alone(&self, report: &mut MonitorReport<T>) {
+    pub fn write_report_into(&self, report: &mut MonitorReport<T>) {
         let radii = self.radii.report();
         report.begin(radii.time_s, 0.0);
         for (corner, wheel) in Corner::ALL.into_iter().zip(&mut report.wheels) {
             *wheel = Some(self.wheel(corner));
         }
-        self.tell(report);
+        self.write_alert_into(report);
     }
 
     fn wheel(&self, corner: Corner) -> WheelReport<T> {

@@ -150,7 +150,8 @@ impl<T: Real> BodyEquation<T> {
         self.damping = of(&|c| c.quarter_car.damping_n_s_per_m());
         self.spring = of(&|c| c.quarter_car.spring_n_per_m());
         self.noise_density = of(&|c| per_hz * c.accel_noise_or_usual_m_s2() * c.accel_noise_or_usual_m_s2());
-        self.slip_first = corners.each_ref().map(|corner| corner.as_ref().map_or([T::zero(), T::one()], fit::slip_first));
+        self.slip_first =
+            corners.each_ref().map(|corner| corner.as_ref().map_or([T::zero(), T::one()], fit::slip_first));
         self.parameters = self.first();
         self.information.fill(T::zero());
         self.score.fill(T::zero());

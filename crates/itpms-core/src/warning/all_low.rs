@@ -98,7 +98,8 @@ impl<T: Real> AllLow<T> {
             let least = (shares.lowest - T::one()).max(T::one() - shares.highest);
             shares.stored && least > fine && off > T::lit(ONE_SIDED_95) * shares.sd
         };
-        let axles = [Corner::FrontLeft, Corner::RearLeft].map(|left| Wheels::from(left) | left.same_axle().into());
+        let axles =
+            [Corner::FrontLeft, Corner::RearLeft].map(|left| Wheels::from(left) | left.same_axle().into());
         let of = |wheels| Shares::of(estimate, reference_kpa, wheels);
         let shifted = match axles.map(|wheels| Some((wheels, of(wheels).filter(far)?))) {
             [one, None] | [None, one] if one.is_some() => one,

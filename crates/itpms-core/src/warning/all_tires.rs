@@ -60,7 +60,11 @@ fn losses<T: Real>(estimate: &CarEstimate<T>, reference_kpa: [T; 4]) -> [Option<
 
 /// A weighted sum of the tires' shares of their references, and its sd; weights that sum to zero leave out what all are wrong by
 /// alike. `None` where one that has a weight is not known.
-pub(crate) fn weighted_share<T: Real>(estimate: &CarEstimate<T>, weights: [T; 4], reference_kpa: [T; 4]) -> Option<[T; 2]> {
+pub(crate) fn weighted_share<T: Real>(
+    estimate: &CarEstimate<T>,
+    weights: [T; 4],
+    reference_kpa: [T; 4],
+) -> Option<[T; 2]> {
     let (mut sum, mut sds) = (T::zero(), [T::zero(); 4]);
     for i in Corner::ALL.into_iter().filter(|&i| weights[i] != T::zero()) {
         let (tire, weight) = (valid(estimate, i)?, weights[i] / reference_kpa[i]);

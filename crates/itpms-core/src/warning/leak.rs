@@ -77,7 +77,8 @@ impl<T: Real> LeakWatch<T> {
             self.probability[wheel] = lost.low(wheel);
             let leaks = rate >= least_kpa_per_min && self.probability[wheel] > T::lit(SURELY_LOW);
             if leaks {
-                let before = if self.leaks[wheel].is_suspected() { self.rate_kpa_per_min[wheel] } else { rate };
+                let before =
+                    if self.leaks[wheel].is_suspected() { self.rate_kpa_per_min[wheel] } else { rate };
                 self.rate_kpa_per_min[wheel] = before.at_least(rate);
             }
             let evidence = match (leaks, is_doubted[wheel]) {

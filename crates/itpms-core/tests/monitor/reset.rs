@@ -92,10 +92,7 @@ fn what_a_reset_changes_is_no_leak() {
     let mut drive = Drive::new();
     drive.on(60.0, &before);
     let level = Reported { sd: 2.0, loss: loses(0.0), ..low(242.0) };
-    assert_eq!(
-        drive.until(60.0, &level, |report| report.alerts().next().is_some()),
-        None
-    );
+    assert_eq!(drive.until(60.0, &level, |report| report.alerts().next().is_some()), None);
 }
 
 /// What the air is like.

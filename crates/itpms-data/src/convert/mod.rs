@@ -39,6 +39,8 @@ pub struct Request<'a> {
     pub options: &'a LogOptions,
     /// Whether MDF4 is compressed.
     pub packing: Packing,
+    /// Whether rows say where the car was, if the log does.
+    pub position: bool,
 }
 
 /// A converted log.

@@ -2,13 +2,13 @@
 
 use super::{Converted, LOOK, Look, Request, counted};
 use crate::error::DataError;
-use crate::log::{LogFormat, LogOptions, LogReader};
+use crate::log::{LogFormat, LogOptions, LogReader, PositionColumns};
 use crate::out::LogWriter;
 
 pub(super) fn convert(request: &Request<'_>, look: Look<'_>) -> Result<Option<Converted>, DataError> {
     let mut log = LogReader::open_with(request.input, &for_reading(request)?)?;
-    let mut writer =
-        LogWriter::create_with(request.output, *log.columns(), request.options, request.packing)?;
+    let columns = if request.position { log.columns().with_position() } else { *log.columns() };
+    let mut writer = LogWriter::create_with(request.output, columns, request.options, request.packing)?;
     writer.set_start_ns(log.start_ns());
     let mut count = 0u64;
     while let Some(row) = log.next_row()? {
@@ -22,10 +22,16 @@ pub(super) fn convert(request: &Request<'_>, look: Look<'_>) -> Result<Option<Co
     warnings.extend(writer.losses());
     let mut remarks = log.mapping().to_vec();
     remarks.extend(log.remarks());
+    if columns.motion.position == PositionColumns::Private {
+        remarks.push(
+            "latitude_deg and longitude_deg are left out, expected --positions where they are to be kept"
+                .to_owned(),
+        );
+    }
     Ok(Some(Converted { file: writer.finish()?, content: counted(count, "row"), warnings, remarks }))
 }
 
-/// Of what was given of signals, what is meant for reading the log; the rest is for the file to be.
+/// The signal options that apply to reading; the others apply to the output file.
 fn for_reading(request: &Request<'_>) -> Result<LogOptions, DataError> {
     let mut options = request.options.clone();
     match LogFormat::of_log(request.input, options.dbc.as_deref())? {

@@ -10,6 +10,7 @@
 //! | `{c}_wheel_speed_m_s` or `{c}_wheel_speed_rad_s` | speed of each wheel, of all four or none |
 //! | `{c}_tpms_kpa`, `{c}_tpms_c` | the car's own tire sensors, sparse, optional |
 //! | `ambient_temperature_c`, `barometric_kpa` or `altitude_m` | the air around the car, sparse, optional |
+//! | `latitude_deg`, `longitude_deg` | where the car is, sparse, optional; written nowhere unless asked for |
 //! | `yaw_rate_rad_s`, `accel_x_m_s2`, `accel_y_m_s2`, `brake` | how the car moves, optional: left and forward positive |
 //!
 //! Both accelerations of one corner, or the speeds of all four wheels, make a log.
@@ -25,6 +26,7 @@
 //!
 //! Called by the commands of the binary and by the live monitor; knows nothing of estimators and of simulation.
 
+mod around;
 #[cfg(feature = "can")]
 mod bus;
 #[cfg(feature = "can")]
@@ -76,6 +78,7 @@ mod units;
 mod vbox;
 mod wide;
 
+pub use around::{AirColumns, AirField, PositionColumns, PositionField};
 #[cfg(feature = "can")]
 pub(crate) use bus::attached;
 #[cfg(feature = "can")]
@@ -97,8 +100,7 @@ pub(crate) use quantity::Quantity;
 pub use reader::LogReader;
 pub use repair::RepairReport;
 pub use row::{
-    AirColumns, AirField, CornerColumns, Field, LogColumns, LogCorner, LogMotion, LogRow, Motion,
-    MotionColumns, SLOTS, Slot,
+    CornerColumns, Field, LogColumns, LogCorner, LogMotion, LogRow, Motion, MotionColumns, SLOTS, Slot,
 };
 pub use selection::Selection;
 pub use survey::{SURVEY_ROWS, Survey};

@@ -1,6 +1,7 @@
 //! What a column of a drive log measures, and in which unit.
 
-use super::row::{AirField, Field, Motion, Slot};
+use super::around::AirField;
+use super::row::{Field, Motion, Slot};
 
 /// What a column measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -19,6 +20,8 @@ pub(crate) enum Quantity {
     Rotation,
     /// In degrees Celsius.
     Temperature,
+    /// In degrees.
+    Angle,
     /// 0 or 1.
     Switch,
 }
@@ -39,6 +42,7 @@ impl Quantity {
             Slot::Air(AirField::Temperature) => Quantity::Temperature,
             Slot::Air(AirField::Pressure) => Quantity::Pressure,
             Slot::Air(AirField::Altitude) => Quantity::Length,
+            Slot::Position(_) => Quantity::Angle,
         }
     }
 
@@ -52,6 +56,7 @@ impl Quantity {
             Quantity::Time => "s",
             Quantity::Rotation => "rad/s",
             Quantity::Temperature => "degC",
+            Quantity::Angle => "deg",
             Quantity::Switch => "1",
         }
     }
@@ -66,6 +71,7 @@ impl Quantity {
             Quantity::Time => "a time",
             Quantity::Rotation => "a speed of rotation",
             Quantity::Temperature => "a temperature",
+            Quantity::Angle => "an angle",
             Quantity::Switch => "0 or 1",
         }
     }
@@ -80,6 +86,7 @@ impl Quantity {
             Quantity::Time => "s, ms, us, ns, min or d (days)",
             Quantity::Rotation => "rad/s, deg/s or rpm",
             Quantity::Temperature => "degC, K or degF",
+            Quantity::Angle => "deg or rad",
             Quantity::Switch => "1",
         }
     }

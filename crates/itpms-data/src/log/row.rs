@@ -3,6 +3,8 @@
 use itpms_core::model::{Air, CarSample, Corner, CornerSample, Sample};
 use itpms_core::wheel_speed::WheelSpeedSample;
 
+use super::around::{AirColumns, AirField, PositionColumns, PositionField};
+
 /// One quantity of one corner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Field {
@@ -76,29 +78,6 @@ impl Motion {
     }
 }
 
-/// What a car says of the air around it; for cold pressures.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum AirField {
-    /// Temperature in degrees Celsius.
-    Temperature,
-    /// Absolute pressure in kPa.
-    Pressure,
-    /// Height above the sea in m, in the place of the pressure.
-    Altitude,
-}
-
-impl AirField {
-    const ALL: [AirField; 3] = [AirField::Temperature, AirField::Pressure, AirField::Altitude];
-
-    fn name(self) -> &'static str {
-        match self {
-            AirField::Temperature => "ambient_temperature_c",
-            AirField::Pressure => "barometric_kpa",
-            AirField::Altitude => "altitude_m",
-        }
-    }
-}
-
 /// A column that means something to us.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Slot {
@@ -112,10 +91,15 @@ pub enum Slot {
     Motion(Motion),
     /// `ambient_temperature_c` and the like.
     Air(AirField),
+    /// `latitude_deg` and `longitude_deg`.
+    Position(PositionField),
 }
 
 /// Number of columns that mean something.
-pub const SLOTS: usize = 2 + 4 * Field::ALL.len() + Motion::ALL.len() + AirField::ALL.len();
+pub const SLOTS: usize = OF_POSITION + PositionField::ALL.len();
+const OF_MOTION: usize = 2 + 4 * Field::ALL.len();
+const OF_AIR: usize = OF_MOTION + Motion::ALL.len();
+const OF_POSITION: usize = OF_AIR + AirField::ALL.len();
 
 /// The values of one row, by [`Slot::index`]; NaN where missing.
 pub(crate) type RawRow = [f64; SLOTS];
@@ -126,7 +110,8 @@ impl Slot {
         let corners =
             Corner::ALL.into_iter().flat_map(|c| Field::ALL.into_iter().map(move |f| Slot::Corner(c, f)));
         let car = Motion::ALL.map(Slot::Motion).into_iter().chain(AirField::ALL.map(Slot::Air));
-        [Slot::Time, Slot::Speed].into_iter().chain(corners).chain(car)
+        let position = PositionField::ALL.map(Slot::Position);
+        [Slot::Time, Slot::Speed].into_iter().chain(corners).chain(car).chain(position)
     }
 
     /// Its place in [`Slot::all`].
@@ -136,8 +121,9 @@ impl Slot {
             Slot::Time => 0,
             Slot::Speed => 1,
             Slot::Corner(corner, field) => 2 + Field::ALL.len() * corner.index() + field as usize,
-            Slot::Motion(motion) => 2 + 4 * Field::ALL.len() + motion as usize,
-            Slot::Air(field) => 2 + 4 * Field::ALL.len() + Motion::ALL.len() + field as usize,
+            Slot::Motion(motion) => OF_MOTION + motion as usize,
+            Slot::Air(field) => OF_AIR + field as usize,
+            Slot::Position(field) => OF_POSITION + field as usize,
         }
     }
 
@@ -150,6 +136,7 @@ impl Slot {
             Slot::Corner(corner, field) => format!("{}_{}", corner.label(), field.suffix()),
             Slot::Motion(motion) => motion.name().to_owned(),
             Slot::Air(field) => field.name().to_owned(),
+            Slot::Position(field) => field.name().to_owned(),
         }
     }
 
@@ -158,9 +145,10 @@ impl Slot {
         matches!(self, Slot::Corner(_, Field::BodyAccel | Field::WheelAccel))
     }
 
-    /// Whether it comes seldom, and when its sensor likes: of a tire's own sensor, with every minute or less, and of the air.
+    /// Whether it comes seldom, and when its sensor likes: of a tire's own sensor, with every minute or less, of the air, and of where
+    /// the car is.
     pub(crate) fn is_sparse(self) -> bool {
-        self.is_tire_sensor() || matches!(self, Slot::Air(_))
+        self.is_tire_sensor() || matches!(self, Slot::Air(_) | Slot::Position(_))
     }
 
     /// Whether it is of a sensor in a tire.
@@ -206,27 +194,8 @@ pub struct MotionColumns {
     pub tire_temperatures: [bool; 4],
     /// What there is of the air around the car.
     pub air: AirColumns,
-}
-
-/// Which columns of the air there are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct AirColumns {
-    /// Whether `ambient_temperature_c` is there.
-    pub temperature: bool,
-    /// Whether `barometric_kpa` is there.
-    pub pressure: bool,
-    /// Whether `altitude_m` is there.
-    pub altitude: bool,
-}
-
-impl AirColumns {
-    fn has(&self, field: AirField) -> bool {
-        match field {
-            AirField::Temperature => self.temperature,
-            AirField::Pressure => self.pressure,
-            AirField::Altitude => self.altitude,
-        }
-    }
+    /// Whether `latitude_deg` and `longitude_deg` are there.
+    pub position: PositionColumns,
 }
 
 impl MotionColumns {
@@ -243,10 +212,10 @@ impl MotionColumns {
             brake: motion(Motion::Brake),
             tire_sensors: each(Field::TireSensor),
             tire_temperatures: each(Field::TireTemperature),
-            air: AirColumns {
-                temperature: has(Slot::Air(AirField::Temperature)),
-                pressure: has(Slot::Air(AirField::Pressure)),
-                altitude: has(Slot::Air(AirField::Altitude)),
+            air: AirColumns::of(&has),
+            position: match PositionField::ALL.map(|field| has(Slot::Position(field))) {
+                [true, true] => PositionColumns::Private,
+                _ => PositionColumns::Absent,
             },
         }
     }
@@ -318,13 +287,24 @@ impl LogColumns {
             }),
             Slot::Motion(motion) => self.motion.has(motion),
             Slot::Air(field) => self.motion.air.has(field),
+            Slot::Position(_) => self.motion.position != PositionColumns::Absent,
         }
     }
 
-    /// The columns that are there, in the order in which they are written.
+    /// The columns that are there, in the order in which they are written; where the car is only if that was [asked for](Self::with_position).
     pub fn slots(&self) -> impl Iterator<Item = Slot> + use<> {
         let columns = *self;
-        Slot::all().filter(move |slot| columns.has(*slot))
+        let is_open = columns.motion.position == PositionColumns::Written;
+        Slot::all().filter(move |slot| columns.has(*slot) && (is_open || !matches!(slot, Slot::Position(_))))
+    }
+
+    /// The same, where the car was being written, too.
+    #[must_use]
+    pub fn with_position(mut self) -> Self {
+        if self.motion.position == PositionColumns::Private {
+            self.motion.position = PositionColumns::Written;
+        }
+        self
     }
 }
 
@@ -383,6 +363,8 @@ pub struct LogMotion {
     pub tire_sensor_c: [f64; 4],
     /// The air around the car, in a row where it was sent, or held.
     pub air: Air<f64>,
+    /// Latitude and longitude in degrees, north and east positive, in a row where they were sent, or held.
+    pub position_deg: [f64; 2],
 }
 
 impl LogMotion {
@@ -397,6 +379,7 @@ impl LogMotion {
         tire_sensor_kpa: [f64::NAN; 4],
         tire_sensor_c: [f64::NAN; 4],
         air: Air { ambient_temperature_c: f64::NAN, barometric_kpa: f64::NAN, altitude_m: f64::NAN },
+        position_deg: [f64::NAN; 2],
     };
 
     /// The row at `time_s` for radius analysis; speeds of rotation are those of wheels with this rolling radius in m.
@@ -466,6 +449,7 @@ impl LogRow {
                 barometric_kpa: of(Slot::Air(AirField::Pressure)),
                 altitude_m: of(Slot::Air(AirField::Altitude)),
             },
+            position_deg: PositionField::ALL.map(|field| of(Slot::Position(field))),
         };
         Self { time_s: raw[Slot::Time.index()], speed_m_s: raw[Slot::Speed.index()], corners, motion }
     }
@@ -486,6 +470,7 @@ impl LogRow {
             Slot::Air(AirField::Temperature) => self.motion.air.ambient_temperature_c,
             Slot::Air(AirField::Pressure) => self.motion.air.barometric_kpa,
             Slot::Air(AirField::Altitude) => self.motion.air.altitude_m,
+            Slot::Position(field) => self.motion.position_deg[field as usize],
             Slot::Corner(corner, field) => {
                 let of = |value: fn(&LogCorner) -> f64| {
                     self.corners[corner.index()].as_ref().map_or(f64::NAN, value)
@@ -521,5 +506,6 @@ mod tests {
         assert_eq!(slots[32].name(), "rr_tpms_kpa");
         assert_eq!(slots[37].name(), "brake");
         assert_eq!(slots[40].name(), "altitude_m");
+        assert_eq!(slots[42].name(), "longitude_deg");
     }
 }

@@ -104,7 +104,7 @@ fn split(name: &str) -> (&str, String) {
     let name = name.trim();
     for (open, close) in [('[', ']'), ('(', ')')] {
         let inside = name.strip_suffix(close).and_then(|rest| rest.rsplit_once(open));
-        // In round brackets stands many a thing, in square ones hardly anything but a unit.
+        // Round brackets may hold anything; square brackets almost always hold a unit.
         if let Some((bare, unit)) = inside.filter(|(_, unit)| open == '[' || is_unit(unit)) {
             return (bare.trim_end(), unit.to_owned());
         }

@@ -6,7 +6,7 @@
 
 use itpms_core::model::Corner;
 
-use crate::log::{AirField, Field, Motion, Slot};
+use crate::log::{AirField, Field, Motion, PositionField, Slot};
 
 /// How sure the words are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -45,6 +45,10 @@ enum Word {
     Air,
     Barometer,
     Altitude,
+    /// Of where the car is.
+    Gps,
+    Latitude,
+    Longitude,
     /// As a group's name: what other instruments have measured.
     Reference,
     /// A unit in which nothing but a speed over ground is given, so that of a corner it is its wheel's.
@@ -59,7 +63,7 @@ enum Word {
 }
 
 #[rustfmt::skip]
-const WORDS: [(&str, Word); 193] = [
+const WORDS: [(&str, Word); 197] = [
     ("fl", Word::Corner(Corner::FrontLeft)), ("lf", Word::Corner(Corner::FrontLeft)), ("vl", Word::Corner(Corner::FrontLeft)),
     ("fr", Word::Corner(Corner::FrontRight)), ("rf", Word::Corner(Corner::FrontRight)), ("vr", Word::Corner(Corner::FrontRight)),
     ("rl", Word::Corner(Corner::RearLeft)), ("lr", Word::Corner(Corner::RearLeft)), ("hl", Word::Corner(Corner::RearLeft)),
@@ -82,6 +86,7 @@ const WORDS: [(&str, Word); 193] = [
     ("external", Word::Ambient), ("aussen", Word::Ambient), ("umgebung", Word::Ambient), ("umgebungs", Word::Ambient), ("aat", Word::Ambient), ("oat", Word::Ambient),
     ("air", Word::Air), ("luft", Word::Air), ("atmospheric", Word::Ambient), ("barometric", Word::Barometer), ("barometer", Word::Barometer), ("baro", Word::Barometer),
     ("luftdruck", Word::Barometer), ("altitude", Word::Altitude), ("alt", Word::Altitude),
+    ("gps", Word::Gps), ("gnss", Word::Gps), ("latitude", Word::Latitude), ("longitude", Word::Longitude),
     ("temperatur", Word::Temperature), ("druck", Word::Pressure),
     // A speed of rotation, as in `WhlFl_W_Meas` and `VehYaw_W_Actl`.
     ("w", Word::Speed), ("meas", Word::Filler), ("actl", Word::Filler), ("esp", Word::Filler), ("abs", Word::Filler),
@@ -132,12 +137,27 @@ pub(crate) fn meaning_in(group: &str, name: &str, unit: &str) -> Option<(Slot, F
         let sure = !has(Word::Unknown) && !has(Word::Reference);
         return Some((Slot::Air(field), if sure { Fit::AllWords } else { Fit::SomeWords }));
     }
+    if let Some(field) = position(&own) {
+        return Some((
+            Slot::Position(field),
+            if has(Word::Unknown) { Fit::SomeWords } else { Fit::AllWords },
+        ));
+    }
     if has(Word::Other) || says(Word::Machine) || has(Word::Temperature) && !says(Word::Tire) {
         return None;
     }
     let corner = corner(&own).or_else(|| if names_corner(&own) { None } else { corner(&around) });
-    let stranger =
-        [Word::Unknown, Word::Reference, Word::Ambient, Word::Air, Word::Barometer, Word::Altitude];
+    let stranger = [
+        Word::Unknown,
+        Word::Reference,
+        Word::Ambient,
+        Word::Air,
+        Word::Barometer,
+        Word::Altitude,
+        Word::Gps,
+        Word::Latitude,
+        Word::Longitude,
+    ];
     let complete = !stranger.into_iter().any(has);
     let fit = |sure: bool| if sure && complete { Fit::AllWords } else { Fit::SomeWords };
     if [Word::Yaw, Word::Rate, Word::Lateral, Word::Longitudinal].into_iter().any(has) {
@@ -192,6 +212,21 @@ fn air(words: &[Word]) -> Option<AirField> {
         (true, false, true) => Some(AirField::Pressure),
         (false, false, _) if has(Word::Barometer) => Some(AirField::Pressure),
         (false, false, false) if has(Word::Altitude) => Some(AirField::Altitude),
+        _ => None,
+    }
+}
+
+/// Where the car is, if it is of that: `Latitude`, `gps_lat`; nothing that has a speed, an acceleration or a spread.
+fn position(words: &[Word]) -> Option<PositionField> {
+    let has = |word| words.contains(&word);
+    if [Word::Other, Word::Machine, Word::Acceleration, Word::Speed, Word::Rate].into_iter().any(has) {
+        return None;
+    }
+    let north = has(Word::Latitude) || has(Word::Gps) && has(Word::Lateral);
+    let east = has(Word::Longitude) || has(Word::Gps) && has(Word::Longitudinal);
+    match (north, east) {
+        (true, false) => Some(PositionField::Latitude),
+        (false, true) => Some(PositionField::Longitude),
         _ => None,
     }
 }

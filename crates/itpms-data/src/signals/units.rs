@@ -90,8 +90,8 @@ fn plain(text: &str) -> String {
 }
 
 #[rustfmt::skip]
-const UNITS: [(&str, Quantity, f64); 115] = {
-    use Quantity::{Acceleration, Length, Pressure, Rotation, Speed, Temperature, Time};
+const UNITS: [(&str, Quantity, f64); 122] = {
+    use Quantity::{Acceleration, Angle, Length, Pressure, Rotation, Speed, Temperature, Time};
     [
         ("m/s2", Acceleration, 1.0), ("m/s/s", Acceleration, 1.0), ("ms-2", Acceleration, 1.0), ("mps2", Acceleration, 1.0),
         ("m/sec2", Acceleration, 1.0), ("m/ss", Acceleration, 1.0), ("mpss", Acceleration, 1.0), ("ms2", Acceleration, 1.0),
@@ -133,6 +133,9 @@ const UNITS: [(&str, Quantity, f64); 115] = {
         ("K", Temperature, 1.0), ("degK", Temperature, 1.0), ("Kelvin", Temperature, 1.0),
         ("degF", Temperature, FAHRENHEIT), ("°F", Temperature, FAHRENHEIT), ("Fahrenheit", Temperature, FAHRENHEIT),
         ("DegreesFahrenheit", Temperature, FAHRENHEIT),
+
+        ("deg", Angle, 1.0), ("°", Angle, 1.0), ("degree", Angle, 1.0), ("degrees", Angle, 1.0), ("DegreeOfArc", Angle, 1.0), ("rad", Angle, 1.0 / DEGREE),
+        ("radian", Angle, 1.0 / DEGREE),
     ]
 };
 

@@ -15,7 +15,7 @@ use itpms_data::dbc::{Dbc, Message};
 use super::{Output, WhenSlow};
 use crate::engine::{Published, unix_s};
 use crate::error::LiveError;
-use crate::input::{Note, Say};
+use crate::input::{Note, NoteSink};
 use crate::snapshot::{Snapshot, SourceState, Wheel};
 
 /// The description of our frames.
@@ -176,7 +176,7 @@ impl CanOut {
     ///
     /// # Errors
     /// There is no such interface, or the file cannot be written.
-    pub fn open(target: &str, say: &Say) -> Result<Self, LiveError> {
+    pub fn open(target: &str, say: &NoteSink) -> Result<Self, LiveError> {
         let frames = Frames::new()?;
         let name = target.to_owned();
         if is_interface(target) {
@@ -235,12 +235,12 @@ pub fn is_interface(target: &str) -> bool {
 }
 
 #[cfg(target_os = "linux")]
-fn open_bus(interface: &str, say: &Say) -> Result<Target, LiveError> {
+fn open_bus(interface: &str, say: &NoteSink) -> Result<Target, LiveError> {
     bus::Bus::open(interface, say).map(Target::Bus)
 }
 
 #[cfg(not(target_os = "linux"))]
-fn open_bus(interface: &str, _say: &Say) -> Result<Target, LiveError> {
+fn open_bus(interface: &str, _say: &NoteSink) -> Result<Target, LiveError> {
     let error = io::Error::new(io::ErrorKind::Unsupported, "SocketCAN is Linux's alone; expected a file");
     Err(LiveError::Output { target: interface.to_owned(), error })
 }
@@ -251,7 +251,7 @@ mod bus {
     use std::io;
     use std::time::{Duration, Instant};
 
-    use super::{CanFrame, LiveError, Note, Say};
+    use super::{CanFrame, LiveError, Note, NoteSink};
     use socketcan::{CanDataFrame, CanSocket, EmbeddedFrame as _, Socket as _, StandardId};
 
     /// How long a full buffer of the interface is waited for.
@@ -264,11 +264,11 @@ mod bus {
         socket: Option<CanSocket>,
         tried: Instant,
         failed: bool,
-        say: Say,
+        say: NoteSink,
     }
 
     impl Bus {
-        pub(super) fn open(name: &str, say: &Say) -> Result<Self, LiveError> {
+        pub(super) fn open(name: &str, say: &NoteSink) -> Result<Self, LiveError> {
             let socket = open(name).map_err(|error| LiveError::Output { target: name.to_owned(), error })?;
             let (name, say) = (name.to_owned(), std::sync::Arc::clone(say));
             Ok(Self { name, socket: Some(socket), tried: Instant::now(), failed: false, say })

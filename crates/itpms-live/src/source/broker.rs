@@ -13,7 +13,7 @@ use tokio::time::timeout;
 
 use super::lines::Lines;
 use crate::broker::{Backoff, BrokerAddress};
-use crate::input::{Input, Say, SourceName};
+use crate::input::{Input, NoteSink, SourceName};
 use crate::queue::Queue;
 
 /// Longest time without a look whether an end is wanted.
@@ -26,7 +26,7 @@ pub fn name(address: &BrokerAddress) -> SourceName {
 }
 
 /// Starts to listen; a broker that is not there yet is waited for.
-pub fn start(address: BrokerAddress, inputs: Arc<Queue<Input>>, stop: Arc<AtomicBool>, say: Say) {
+pub fn start(address: BrokerAddress, inputs: Arc<Queue<Input>>, stop: Arc<AtomicBool>, say: NoteSink) {
     thread::spawn(move || {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
         match runtime {
@@ -39,7 +39,7 @@ pub fn start(address: BrokerAddress, inputs: Arc<Queue<Input>>, stop: Arc<Atomic
     });
 }
 
-async fn listen(address: &BrokerAddress, inputs: &Queue<Input>, stop: &AtomicBool, say: Say) {
+async fn listen(address: &BrokerAddress, inputs: &Queue<Input>, stop: &AtomicBool, say: NoteSink) {
     let (mut options, network) = address.options("in");
     options.set_manual_acks(true);
     let (client, mut events) = AsyncClient::new(options, 64);

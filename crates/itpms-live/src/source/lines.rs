@@ -6,17 +6,17 @@ use std::time::Instant;
 
 use itpms_data::can::candump::{LineProblem, parse_line};
 
-use crate::input::{Input, Note, Say};
+use crate::input::{Input, Note, NoteSink};
 
 /// Turns lines into inputs.
 pub(super) struct Lines {
     name: String,
-    say: Say,
+    say: NoteSink,
     complained: bool,
 }
 
 impl Lines {
-    pub(super) fn new(name: &str, say: Say) -> Self {
+    pub(super) fn new(name: &str, say: NoteSink) -> Self {
         Self { name: name.to_owned(), say, complained: false }
     }
 

@@ -11,7 +11,7 @@ use itpms_data::pulses::PulseReader;
 use itpms_data::{DataError, LogReader};
 
 use super::pace::{Pace, Speed};
-use crate::input::{Input, Note, Say, SourceName};
+use crate::input::{Input, Note, NoteSink, SourceName};
 use crate::queue::Queue;
 
 /// Rows that are handed on at once when nothing has to wait.
@@ -90,7 +90,7 @@ pub fn start(
     speed: Speed,
     inputs: Arc<Queue<Input>>,
     stop: Arc<AtomicBool>,
-    say: Say,
+    say: NoteSink,
 ) -> JoinHandle<()> {
     thread::spawn(move || {
         let opened = Input::Opened {
@@ -116,7 +116,7 @@ pub fn start_frames(
     speed: Speed,
     inputs: Arc<Queue<Input>>,
     stop: Arc<AtomicBool>,
-    say: Say,
+    say: NoteSink,
 ) -> JoinHandle<()> {
     thread::spawn(move || {
         let next = || {
@@ -135,7 +135,7 @@ fn end(
     (path, warnings): (&Path, &[String]),
     pulses: Option<&Pulses>,
     inputs: &Queue<Input>,
-    say: &Say,
+    say: &NoteSink,
 ) {
     let warn = |path: &Path, warning: &str| say(Note::Warning(format!("{}: {warning}", path.display())));
     warnings.iter().for_each(|warning| warn(path, warning));

@@ -6,7 +6,7 @@ use std::thread;
 use std::time::Instant;
 
 use super::lines::Lines;
-use crate::input::{Input, Say, SourceName};
+use crate::input::{Input, NoteSink, SourceName};
 use crate::queue::Queue;
 
 /// Longest line in bytes; the rest of a longer one is passed over.
@@ -19,14 +19,14 @@ pub fn name() -> SourceName {
 }
 
 /// Starts to read standard input.
-pub fn start(inputs: Arc<Queue<Input>>, say: Say) {
+pub fn start(inputs: Arc<Queue<Input>>, say: NoteSink) {
     thread::spawn(move || {
         read(BufReader::with_capacity(1 << 16, io::stdin()), &inputs, say);
     });
 }
 
 /// Reads to the end.
-fn read(mut reader: BufReader<impl Read>, inputs: &Queue<Input>, say: Say) {
+fn read(mut reader: BufReader<impl Read>, inputs: &Queue<Input>, say: NoteSink) {
     let mut lines = Lines::new("-", say);
     let mut line = Vec::new();
     let mut batch = Vec::new();

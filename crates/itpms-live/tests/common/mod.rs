@@ -12,7 +12,7 @@ use std::sync::Arc;
 use itpms_core::model::Corner;
 use itpms_data::LogRow;
 use itpms_data::log::{LogCorner, LogMotion};
-use itpms_live::input::{Note, Say};
+use itpms_live::input::{Note, NoteSink};
 use itpms_live::snapshot::{Latency, Snapshot, Source, SourceState, Transition};
 
 /// Rows of four corners that shake at random, at 200 Hz: enough for whatever does not ask what the pressures are.
@@ -77,7 +77,7 @@ pub(crate) fn transition(seq: u64) -> Arc<Transition> {
 }
 
 /// Notes into the test's own output.
-pub(crate) fn say() -> Say {
+pub(crate) fn say() -> NoteSink {
     Arc::new(|note| match note {
         Note::Remark(text) => println!("{text}"),
         Note::Warning(text) => println!("warning: {text}"),

@@ -18,6 +18,9 @@ pub(crate) struct ConvertArgs {
     pub(crate) output: PathBuf,
     #[command(flatten)]
     pub(crate) reading: LogArgs,
+    /// Rows say where the car was, too, if the log does (latitude_deg, longitude_deg).
+    #[arg(long)]
+    pub(crate) positions: bool,
     /// MDF4: not compressed.
     #[arg(long)]
     pub(crate) plain: bool,

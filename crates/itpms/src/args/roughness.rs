@@ -9,7 +9,7 @@ use super::{LogArgs, positive};
 /// From a profile: OpenCRG (.crg), or text or Parquet with distance_m and height_m, or left_height_m and right_height_m, or
 /// what estimate --road-out wrote; without a header two columns are distance and height, three are distance, left and
 /// right. Or from a drive, with --vehicle: then
-/// the road under every wheel is estimated first. A segment with too little road says so instead of a number.
+/// the road under every wheel is estimated first, and its holes and bumps are listed. A segment with too little road says so instead of a number.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct RoughnessArgs {
@@ -35,6 +35,10 @@ pub(crate) struct RoughnessArgs {
     pub(crate) speed_m_s: Option<f64>,
     #[command(flatten)]
     pub(crate) reading: LogArgs,
+    /// Drive log: where the map goes, as GeoJSON: a line per segment, a point per hole or bump. The log says where the car was
+    /// (latitude_deg, longitude_deg); that is written here and nowhere else.
+    #[arg(long, value_name = "ROAD.geojson", requires = "vehicle")]
+    pub(crate) geojson: Option<PathBuf>,
     /// Where the table goes: .csv, a row per segment and track.
     #[arg(short, long, value_name = "TABLE.csv")]
     pub(crate) output: Option<PathBuf>,
@@ -47,4 +51,5 @@ const EXAMPLES: &str = "\
 Examples:
   itpms roughness survey.csv
   itpms roughness road.crg --segment-m 20 --lateral-m 0.8,-0.7 -o roughness.csv
-  itpms roughness drive.csv --vehicle car.toml --json";
+  itpms roughness drive.csv --vehicle car.toml --json
+  itpms roughness drive.csv --vehicle car.toml --geojson road.geojson";

@@ -14,7 +14,13 @@ pub(crate) fn run(args: &ConvertArgs, screen: &Screen, interrupt: &Interrupt) ->
     names::check(&[(Some(&args.input), "the log"), dbc, signals], &[Some(&args.output)])?;
     let options = args.reading.options();
     let packing = if args.plain { Packing::Plain } else { Packing::Packed };
-    let request = Request { input: &args.input, output: &args.output, options: &options, packing };
+    let request = Request {
+        input: &args.input,
+        output: &args.output,
+        options: &options,
+        packing,
+        position: args.positions,
+    };
     let progress = screen.progress("converting");
     let mut look = |share: f64| -> ControlFlow<()> {
         progress.set(share);

@@ -109,7 +109,10 @@ mod tests {
         assert_eq!(low(Cause::UnderInflated(reading), one), None);
         assert_eq!(low(Cause::FastLeak { reading, rate_kpa_per_min: 50.0 }, one), None);
         assert_eq!(low(Cause::UnderInflated(reading), fr.into()), Some(Wrong::Wheel));
-        assert_eq!(low(Cause::AllLow { mean_share: 0.8, sd_share: 0.01, probability: 0.998 }, all), Some(Wrong::Wheel));
+        assert_eq!(
+            low(Cause::AllLow { mean_share: 0.8, sd_share: 0.01, probability: 0.998 }, all),
+            Some(Wrong::Wheel)
+        );
         assert_eq!(low(Cause::OverInflated(reading), fr.into()), Some(Wrong::Lamp));
         assert_eq!(low(Cause::Malfunction(stuck), one), Some(Wrong::Lamp));
         assert_eq!(low(Cause::NoInformation { driven_s: 600.0 }, one), Some(Wrong::Lamp));

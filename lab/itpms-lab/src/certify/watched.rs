@@ -93,7 +93,7 @@ impl Watched {
                     }
                     None => wheels.update(&sample),
                 }
-                wheels.tell_alone(report);
+                wheels.write_report_into(report);
             }
         }
     }
@@ -116,7 +116,7 @@ impl Watched {
                     accel_y_m_s2: 0.0,
                     brake: Some(true),
                 });
-                wheels.tell_alone(report);
+                wheels.write_report_into(report);
             }
         }
     }

@@ -326,7 +326,11 @@ mod tests {
         outcome.note(&kind, Phase::Said, &broken(Malfunction::Stuck(wheel(fr))));
         outcome.note(&kind, Phase::Over, &low(rl));
         let all: Wheels = Corner::ALL.into_iter().collect();
-        outcome.note(&kind, Phase::Over, &alert(Cause::AllLow { mean_share: 0.8, sd_share: 0.01, probability: 0.998 }, all));
+        outcome.note(
+            &kind,
+            Phase::Over,
+            &alert(Cause::AllLow { mean_share: 0.8, sd_share: 0.01, probability: 0.998 }, all),
+        );
         assert_eq!(outcome.tires_during, TireWarnings { low: 1, ..TireWarnings::default() });
         assert_eq!(outcome.tires_after, TireWarnings { low: 1, all_low: 1, ..TireWarnings::default() });
         assert_eq!(outcome.tires_during.plus(outcome.tires_after).total(), 3);

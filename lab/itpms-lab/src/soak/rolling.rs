@@ -56,7 +56,7 @@ pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) 
             }
             None => wheels.update(&sample),
         }
-        wheels.tell_alone(&mut report);
+        wheels.write_report_into(&mut report);
         note(row.time_s, &before, &report, &mut said);
         before = report;
         watch.push(row.time_s, 1.0 / scenario.rate_hz, wheels.radii(), &truth.ln_radius);

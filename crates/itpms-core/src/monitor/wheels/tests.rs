@@ -46,7 +46,7 @@ fn a_calibration_ends_with_its_time_and_a_loss_is_reported_and_taken_back() {
     assert!(alert.wheels == Corner::RearRight.into() && knows(&alert) && alert.cause.is_low(), "{alert}");
     assert!(found_s < 60.0 && alert.since_s < alert.reported_s, "{alert}");
     let mut report = MonitorReport::empty();
-    wheels.tell_alone(&mut report);
+    wheels.write_report_into(&mut report);
     let [fl, _, _, rr] = report.wheels.map(|wheel| wheel.unwrap());
     assert_eq!((rr.state, rr.warning), (WheelState::Low, Warning::Low));
     assert_eq!((fl.state, fl.warning), (WheelState::Fine, Warning::None));

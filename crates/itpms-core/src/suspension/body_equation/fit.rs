@@ -3,8 +3,9 @@
 use nalgebra::SMatrix;
 
 use super::{
-    BAR, BAR_FIRST, BAR_SD, BodyEquation, DAMPER, DAMPER_SD, DELAY, DELAY_SD, FURTHEST, INERTIA, INERTIA_SD,
-    ELEMENTS, FORCE_N, LARGEST_STEP, MOST_DELAY, MOST_WARP, Parameters, SIZE, SLIP, SPRING, SPRING_SD, WARP, WARP_SD,
+    BAR, BAR_FIRST, BAR_SD, BodyEquation, DAMPER, DAMPER_SD, DELAY, DELAY_SD, ELEMENTS, FORCE_N, FURTHEST,
+    INERTIA, INERTIA_SD, LARGEST_STEP, MOST_DELAY, MOST_WARP, Parameters, SIZE, SLIP, SPRING, SPRING_SD,
+    WARP, WARP_SD,
 };
 use crate::cholesky;
 use crate::model::{Corner, CornerConfig};
@@ -125,13 +126,14 @@ fn hold_negative<T: Real>(held: &mut [bool; SIZE], best: &Parameters<T>) -> bool
     any
 }
 
-/// Slip force of each of a strut's elements by the vehicle file, and its sd, in units of [`FORCE_N`]. How friction is shared between them is
-/// not known, so that each has its whole as an error.
+/// Slip force of each of a strut's elements by the vehicle file, and its sd, in units of [`FORCE_N`]. Of a friction that is guessed only a part is taken
+/// out at first: it is shrunk by its variance (positive-part James-Stein). How it is shared between the elements is not known, so that each has
+/// its whole as an error.
 pub(super) fn slip_first<T: Real>(corner: &CornerConfig<T>) -> [T; 2] {
     let (friction, sd) = (corner.uncertainty.friction_n, corner.uncertainty.friction_sd_n);
     let whole = friction.hypot(T::lit(2.0) * sd).at_least(T::lit(LEAST_FRICTION_N));
-    let elements = T::lit(ELEMENTS as f64);
-    [friction / elements, whole / elements.sqrt()].map(|force| force / T::lit(FORCE_N))
+    let first = if friction > sd { friction - sd * sd / friction } else { T::zero() };
+    [first / T::lit(ELEMENTS as f64), whole].map(|force| force / T::lit(FORCE_N))
 }
 
 /// What is known beforehand of all but friction.

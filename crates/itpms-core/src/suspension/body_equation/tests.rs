@@ -12,7 +12,9 @@ const DAMPING: f64 = 925.8;
 const STIFFNESS: f64 = 29_114.0;
 
 fn equation(corners: usize) -> BodyEquation<f64> {
-    let corner = CornerConfig::paper().with_accel_noise(1e-3).unwrap();
+    let mut corner = CornerConfig::paper().with_accel_noise(1e-3).unwrap();
+    // A file that knows nothing of friction.
+    (corner.uncertainty.friction_n, corner.uncertainty.friction_sd_n) = (0.0, 50.0);
     let corners = core::array::from_fn(|i| (i < corners).then_some(corner));
     configured(|equation: &mut BodyEquation<f64>| equation.configure(&corners, 500.0))
 }
@@ -183,6 +185,22 @@ fn friction_that_is_known_leaves_the_models_error_of_its_stiffness() {
         // Nothing of it damps.
         assert!(damping.sqrt() < 0.02, "{damping}");
     }
+}
+
+/// The file's until four seconds were seen, from the first frame on.
+#[test]
+fn friction_begins_where_the_file_has_it() {
+    let mut corner = CornerConfig::paper().with_accel_noise(1e-3).unwrap();
+    (corner.uncertainty.friction_n, corner.uncertainty.friction_sd_n) = (45.0, 6.0);
+    let equation =
+        configured(|equation: &mut BodyEquation<f64>| equation.configure(&[Some(corner); 4], 500.0));
+    for force in equation.slip_forces_n(Corner::RearLeft) {
+        // 45 - 6²/45, a third each.
+        assert!((force - 44.2 / 3.0).abs() < 1e-9, "{force}");
+    }
+    // It may as well be all in one element: each is known to (45² + 12²)^(1/2) N.
+    let prior = equation.with_prior()[(slip(0, Corner::RearLeft), slip(0, Corner::RearLeft))];
+    assert!((FORCE_N / prior.sqrt() - (45.0f64.powi(2) + 144.0).sqrt()).abs() < 1e-9);
 }
 
 #[test]

@@ -7,7 +7,7 @@ use tokio::time::{Duration, timeout};
 
 use super::outbox::{Shared, status};
 use crate::broker::{Backoff, BrokerAddress};
-use crate::input::{Note, Say};
+use crate::input::{Note, NoteSink};
 
 /// Requests between outbox and connection.
 const REQUESTS: usize = 64;
@@ -15,7 +15,7 @@ const REQUESTS: usize = 64;
 const LOOK_EVERY: Duration = Duration::from_millis(100);
 
 /// Runs until the outbox is closed and empty, or out of time.
-pub(super) fn run(address: &BrokerAddress, shared: &Shared, say: &Say) {
+pub(super) fn run(address: &BrokerAddress, shared: &Shared, say: &NoteSink) {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
     match runtime {
         Ok(runtime) => runtime.block_on(converse(address, shared, say)),
@@ -23,7 +23,7 @@ pub(super) fn run(address: &BrokerAddress, shared: &Shared, say: &Say) {
     }
 }
 
-async fn converse(address: &BrokerAddress, shared: &Shared, say: &Say) {
+async fn converse(address: &BrokerAddress, shared: &Shared, say: &NoteSink) {
     let (mut options, network) = address.options("out");
     let will = status(&address.topic, "offline");
     options.set_last_will(LastWill::new(will.topic, will.payload, QoS::AtLeastOnce, true));
@@ -41,7 +41,7 @@ async fn converse(address: &BrokerAddress, shared: &Shared, say: &Say) {
 }
 
 /// Keeps the connection and takes acknowledgements; never ends.
-async fn listen(events: &mut EventLoop, address: &BrokerAddress, shared: &Shared, say: &Say) {
+async fn listen(events: &mut EventLoop, address: &BrokerAddress, shared: &Shared, say: &NoteSink) {
     let place = address.place();
     let mut backoff = Backoff::default();
     let mut gone: Option<Instant> = None;

@@ -22,7 +22,7 @@ use super::{Output, WhenSlow};
 use crate::broker::BrokerAddress;
 use crate::engine::Published;
 use crate::error::LiveError;
-use crate::input::{Note, Say};
+use crate::input::{Note, NoteSink};
 
 /// How long the end of the monitor waits for the broker to take what is left.
 const LAST_PATIENCE: Duration = Duration::from_secs(3);
@@ -31,7 +31,7 @@ const LAST_PATIENCE: Duration = Duration::from_secs(3);
 pub struct Mqtt {
     shared: Arc<Shared>,
     prefix: String,
-    say: Say,
+    say: NoteSink,
     link: JoinHandle<()>,
 }
 
@@ -40,7 +40,7 @@ impl Mqtt {
     ///
     /// # Errors
     /// The prefix has a wildcard, which a broker answers by hanging up; or the system gives no thread.
-    pub fn open(address: BrokerAddress, say: &Say) -> Result<Self, LiveError> {
+    pub fn open(address: BrokerAddress, say: &NoteSink) -> Result<Self, LiveError> {
         if address.topic.contains(['#', '+']) {
             return Err(LiveError::BrokerAddress { found: address.topic });
         }

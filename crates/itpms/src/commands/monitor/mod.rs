@@ -24,7 +24,7 @@ use itpms_live::drive::DriveOptions;
 use itpms_live::engine::Engine;
 use itpms_live::feed::Feed;
 use itpms_live::hub::Hub;
-use itpms_live::input::{Note, Say};
+use itpms_live::input::{Note, NoteSink};
 use itpms_live::monitor::{End, Monitor};
 use itpms_live::output::can;
 use itpms_live::queue::Queue;
@@ -98,7 +98,7 @@ fn failure(error: LiveError) -> Failure {
 }
 
 /// From any thread to the screen.
-fn notes(screen: Screen) -> Say {
+fn notes(screen: Screen) -> NoteSink {
     Arc::new(move |note| match note {
         Note::Remark(text) => screen.remark(text),
         Note::Warning(text) => screen.warn(text),

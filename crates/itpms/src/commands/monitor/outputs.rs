@@ -6,7 +6,7 @@ use std::sync::Arc;
 use itpms_console::{Failure, Screen};
 use itpms_live::http::{self, Server};
 use itpms_live::hub::Hub;
-use itpms_live::input::Say;
+use itpms_live::input::NoteSink;
 #[cfg(feature = "mcap")]
 use itpms_live::output::McapOut;
 use itpms_live::output::can::CanOut;
@@ -20,7 +20,7 @@ use crate::args::MonitorArgs;
 pub(super) fn open(
     args: &MonitorArgs,
     source_waits: bool,
-    say: &Say,
+    say: &NoteSink,
     screen: &Screen,
 ) -> Result<Vec<Output>, Failure> {
     let mut outputs = Vec::new();

@@ -12,7 +12,7 @@ use itpms_data::dbc::Decoder;
 use itpms_data::signals::SignalMap;
 use itpms_live::broker::BrokerAddress;
 use itpms_live::feed::Feed;
-use itpms_live::input::{Input, Say, SourceName};
+use itpms_live::input::{Input, NoteSink, SourceName};
 use itpms_live::output::can;
 use itpms_live::queue::Queue;
 use itpms_live::source::replay::Pulses;
@@ -144,7 +144,7 @@ impl Source {
     }
 
     /// Starts its thread.
-    pub(super) fn start(self, inputs: &Arc<Queue<Input>>, stop: &Arc<AtomicBool>, say: &Say) {
+    pub(super) fn start(self, inputs: &Arc<Queue<Input>>, stop: &Arc<AtomicBool>, say: &NoteSink) {
         let (inputs, stop, say) = (Arc::clone(inputs), Arc::clone(stop), Arc::clone(say));
         match self.kind {
             Kind::Rows(log, speed) => drop(replay::start(*log, self.pulses, speed, inputs, stop, say)),

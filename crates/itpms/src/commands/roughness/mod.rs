@@ -10,10 +10,10 @@ mod profile;
 
 use std::fs;
 
-use itpms_analysis::roughness::RoughnessTable;
+use itpms_analysis::roughness::{RoughnessTable, SideAnomaly, Way, geojson};
 use itpms_console::{Failure, Interrupt, Screen, names};
 use itpms_data::out::AtomicFile;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::args::RoughnessArgs;
 
@@ -27,12 +27,73 @@ struct Found {
     /// What was read, in a few words.
     about: String,
     table: RoughnessTable,
+    /// Holes and bumps of the left and the right track, of a drive.
+    anomalies: [Vec<SideAnomaly>; 2],
+    /// Where the car was, of a drive.
+    way: Way,
     /// What was repaired or is doubtful.
     warnings: Vec<String>,
 }
 
+/// How the tracks of [`Found::anomalies`] are called.
+const SIDES: [&str; 2] = ["left", "right"];
+
+impl Found {
+    /// What a profile tells.
+    fn of_table(about: String, table: RoughnessTable, warnings: Vec<String>) -> Self {
+        Self { about, table, anomalies: Default::default(), way: Way::default(), warnings }
+    }
+
+    /// Holes and bumps with their tracks, in the order of the road.
+    fn along_the_road(&self) -> Vec<(&'static str, SideAnomaly)> {
+        let sides = SIDES.into_iter().zip(&self.anomalies);
+        let mut all: Vec<_> =
+            sides.flat_map(|(track, found)| found.iter().map(move |one| (track, *one))).collect();
+        all.sort_by(|(_, a), (_, b)| a.anomaly.at_m.total_cmp(&b.anomaly.at_m));
+        all
+    }
+
+    /// A line each, no more than `most`.
+    fn anomaly_lines(&self, most: usize) -> Vec<String> {
+        let all = self.along_the_road();
+        let line = |(track, SideAnomaly { anomaly, passes }): &(&str, SideAnomaly)| {
+            format!(
+                "{:>14.1} m  {track:<5}  {} of {:.0} mm (sd {:.0}), {:.1} m long, by {passes} {}, at {:.1} s",
+                anomaly.at_m,
+                anomaly.kind(),
+                1e3 * anomaly.height_m.abs(),
+                1e3 * anomaly.height_sd_m,
+                anomaly.length_m,
+                if *passes == 1 { "wheel" } else { "wheels" },
+                anomaly.time_s,
+            )
+        };
+        let mut lines: Vec<String> = all.iter().take(most).map(line).collect();
+        if all.len() > most {
+            lines.push(format!("... and {} holes and bumps more: see the JSON", all.len() - most));
+        }
+        lines
+    }
+
+    fn anomalies_json(&self) -> Value {
+        let one = |(track, SideAnomaly { anomaly, passes }): (&str, SideAnomaly)| {
+            json!({
+                "kind": anomaly.kind(),
+                "track": track,
+                "distance_m": anomaly.at_m,
+                "time_s": anomaly.time_s,
+                "height_m": anomaly.height_m,
+                "height_sd_m": anomaly.height_sd_m,
+                "length_m": anomaly.length_m,
+                "passes": passes,
+            })
+        };
+        self.along_the_road().into_iter().map(one).collect()
+    }
+}
+
 pub(crate) fn run(args: &RoughnessArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
-    let file = output(args)?;
+    let (file, map) = (output(args)?, map(args)?);
     let mut found = match &args.vehicle {
         Some(vehicle) => drive::survey(args, vehicle, screen, interrupt)?,
         None => profile::survey(args)?,
@@ -46,6 +107,18 @@ pub(crate) fn run(args: &RoughnessArgs, screen: &Screen, interrupt: &Interrupt) 
         file.settle()?;
         file.commit()?;
     }
+    if let Some(mut file) = map {
+        let [left, right] = [0, 1].map(|side| (SIDES[side], found.anomalies[side].as_slice()));
+        let (road, left_out) = geojson(&found.table, &[left, right], &found.way);
+        file.append(format!("{road}\n").as_bytes())?;
+        file.settle()?;
+        file.commit()?;
+        if left_out > 0 {
+            found.warnings.push(format!(
+                "{left_out} segments, holes and bumps have no position near them and are not on the map"
+            ));
+        }
+    }
     for warning in &found.warnings {
         screen.warn(format!("{}: {warning}", args.input.display()));
     }
@@ -53,15 +126,26 @@ pub(crate) fn run(args: &RoughnessArgs, screen: &Screen, interrupt: &Interrupt) 
         let mut value = found.table.json();
         value["input"] = json!(args.input.display().to_string());
         value["warnings"] = json!(found.warnings);
+        if args.vehicle.is_some() {
+            value["anomalies"] = found.anomalies_json();
+        }
         value["output"] = json!(args.output.as_ref().map(|path| path.display().to_string()));
         screen.print_lines(format!("{value:#}"));
         return Ok(());
     }
     screen.print(format!("{}: {}", args.input.display(), found.about));
-    for line in found.table.lines(MOST_LINES) {
+    for line in found.table.lines(MOST_LINES).into_iter().chain(found.anomaly_lines(MOST_LINES)) {
         screen.print(line);
     }
     Ok(())
+}
+
+/// Starts the map's file, as [`output`] does the table's.
+fn map(args: &RoughnessArgs) -> Result<Option<AtomicFile>, Failure> {
+    let Some(path) = &args.geojson else { return Ok(None) };
+    let inputs = [(Some(args.input.as_path()), "the road"), (args.vehicle.as_deref(), "the vehicle file")];
+    names::check(&inputs, &[Some(path), args.output.as_deref()])?;
+    Ok(Some(AtomicFile::create(path)?))
 }
 
 /// Starts the table's file, so that one that cannot be written is known before the work begins.

@@ -49,7 +49,7 @@ fn from_crg(args: &RoughnessArgs) -> Result<Found, Failure> {
         names.iter().zip(&args.lateral_m).map(|(name, v)| format!("{name} at {v:+} m")).collect();
     let length_m = (road.rows() - 1) as f64 * road.increment_m();
     let about = format!("{length_m:.1} m by {} m, {}", road.increment_m(), places.join(", "));
-    Ok(Found { about, table: RoughnessTable::new(args.segment_m, tracks), warnings })
+    Ok(Found::of_table(about, RoughnessTable::new(args.segment_m, tracks), warnings))
 }
 
 fn from_table(args: &RoughnessArgs) -> Result<Found, Failure> {
@@ -80,7 +80,7 @@ fn from_table(args: &RoughnessArgs) -> Result<Found, Failure> {
     }
     let x = &profile.distance_m;
     let about = format!("{:.1} m, {} points", x[x.len() - 1] - x[0], x.len());
-    Ok(Found { about, table: RoughnessTable::new(args.segment_m, tracks), warnings })
+    Ok(Found::of_table(about, RoughnessTable::new(args.segment_m, tracks), warnings))
 }
 
 fn remark_holes(name: &str, even: &EvenProfile, warnings: &mut Vec<String>) {
@@ -126,7 +126,7 @@ fn wheel(args: &RoughnessArgs, profile: &RoadProfile, height_m: &[f64]) -> Resul
     for i in 0..x.len() {
         let from = i.saturating_sub(1);
         let to = from + 1;
-        survey.push(x[i], height_m[i], (x[to] - x[from]) / (t[to] - t[from]));
+        survey.push(t[i], x[i], height_m[i], (x[to] - x[from]) / (t[to] - t[from]));
     }
     Ok(survey.finish())
 }

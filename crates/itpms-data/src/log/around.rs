@@ -1,0 +1,89 @@
+//! What a car says of its surroundings: the air around it, and where it is.
+
+use super::row::Slot;
+
+/// What a car says of the air around it; for cold pressures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum AirField {
+    /// Temperature in degrees Celsius.
+    Temperature,
+    /// Absolute pressure in kPa.
+    Pressure,
+    /// Height above the sea in m, in the place of the pressure.
+    Altitude,
+}
+
+impl AirField {
+    pub(super) const ALL: [AirField; 3] = [AirField::Temperature, AirField::Pressure, AirField::Altitude];
+
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            AirField::Temperature => "ambient_temperature_c",
+            AirField::Pressure => "barometric_kpa",
+            AirField::Altitude => "altitude_m",
+        }
+    }
+}
+
+/// Which columns of the air there are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct AirColumns {
+    /// Whether `ambient_temperature_c` is there.
+    pub temperature: bool,
+    /// Whether `barometric_kpa` is there.
+    pub pressure: bool,
+    /// Whether `altitude_m` is there.
+    pub altitude: bool,
+}
+
+impl AirColumns {
+    pub(super) fn has(self, field: AirField) -> bool {
+        match field {
+            AirField::Temperature => self.temperature,
+            AirField::Pressure => self.pressure,
+            AirField::Altitude => self.altitude,
+        }
+    }
+
+    /// Those among these columns.
+    pub(super) fn of(has: impl Fn(Slot) -> bool) -> Self {
+        let has = |field| has(Slot::Air(field));
+        Self {
+            temperature: has(AirField::Temperature),
+            pressure: has(AirField::Pressure),
+            altitude: has(AirField::Altitude),
+        }
+    }
+}
+
+/// Where the car is, in degrees; for the road's place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum PositionField {
+    /// North positive.
+    Latitude,
+    /// East positive.
+    Longitude,
+}
+
+impl PositionField {
+    pub(super) const ALL: [PositionField; 2] = [PositionField::Latitude, PositionField::Longitude];
+
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            PositionField::Latitude => "latitude_deg",
+            PositionField::Longitude => "longitude_deg",
+        }
+    }
+}
+
+/// Whether a log says where the car was, and whether what is written of the log may say it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum PositionColumns {
+    /// It does not.
+    #[default]
+    Absent,
+    /// It does, and that is written nowhere.
+    Private,
+    /// It does, and was asked for.
+    Written,
+}
