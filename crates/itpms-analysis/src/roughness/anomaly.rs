@@ -18,8 +18,9 @@ const BLOCK_M: f64 = 100.0;
 const MAD_TO_SD: f64 = 1.4826;
 /// Parts less than this apart in m are one hole.
 const BRIDGED_M: f64 = 0.3;
-/// What a wheel's height is off by at a hole that its tire spans, as an sd in m.
-const SPANNED_SD_M: f64 = 7e-3;
+/// What a height is off by where a tire spans what is short, or leaves what is deep: an sd in m, and one as a share of the height.
+const SPANNED_SD_M: f64 = 3e-3;
+const SPANNED_SD_SHARE: f64 = 0.2;
 
 /// A hole or a bump that a wheel went over.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -134,7 +135,7 @@ impl AnomalySearch {
                 self.block[from..=to].iter().max_by(|a, b| a.height_m.abs().total_cmp(&b.height_m.abs()));
             if let Some(&Place { at_m, time_s, height_m }) = deepest {
                 let length_m = self.block[to].at_m - self.block[from].at_m + self.spacing_m;
-                let height_sd_m = sd_m.hypot(SPANNED_SD_M);
+                let height_sd_m = sd_m.hypot(SPANNED_SD_M).hypot(SPANNED_SD_SHARE * height_m);
                 self.found.push(Anomaly { at_m, time_s, height_m, height_sd_m, length_m });
             }
             i = to + 1;

@@ -12,7 +12,7 @@ use itpms_data::{LogRow, Vehicle};
 use itpms_drive::{Drive, Settings, reference, simulated};
 use itpms_live::drive::DriveOptions;
 use itpms_live::engine::Engine;
-use itpms_live::input::{Say, SourceName};
+use itpms_live::input::{NoteSink, SourceName};
 use itpms_live::state::SavedDrive;
 use itpms_sim::scenario::Scenario;
 use itpms_sim::simulation::Simulation;
@@ -66,7 +66,7 @@ impl Subject {
     }
 
     /// An engine of this car that waits for rows.
-    pub(super) fn engine(&self, saved: Option<SavedDrive>, say: Say) -> Engine {
+    pub(super) fn engine(&self, saved: Option<SavedDrive>, say: NoteSink) -> Engine {
         let source = SourceName { name: "faults".to_owned(), kind: "replay" };
         let mut engine = Engine::new(self.vehicle.clone(), options(), source, saved, say);
         // Fails only for a car without these corners; the first row says so, too.
@@ -85,7 +85,7 @@ pub(super) fn options() -> DriveOptions {
 }
 
 /// What is reported to no one.
-pub(super) fn silent() -> Say {
+pub(super) fn silent() -> NoteSink {
     Arc::new(|_| {})
 }
 
