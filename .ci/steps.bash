@@ -49,8 +49,7 @@ lean() {
 # Every published crate as it would be published, with its README and both licences.
 package() {
     local unpublished exclude=() name archive
-    unpublished="$(cargo metadata --no-deps --format-version 1 --locked |
-        python3 -c 'import json, sys; print(*(p["name"] for p in json.load(sys.stdin)["packages"] if p["publish"] == []))')"
+    unpublished="$(crates 'p["publish"] == []')"
     for name in $unpublished; do exclude+=(--exclude "$name"); done
     rm -rf "$target_dir/package"
     cargo package --workspace "${exclude[@]}" --no-verify --locked --allow-dirty
@@ -59,6 +58,28 @@ package() {
             tar -tzf "$archive" | grep "/$name$" >/dev/null || { echo "$archive lacks $name"; exit 1; }
         done
     done
+}
+
+# The names of the crates of which cargo's description p says this, in Python.
+crates() {
+    cargo metadata --no-deps --format-version 1 --locked |
+        python3 -c "import json, sys; print(*(p['name'] for p in json.load(sys.stdin)['packages'] if $1))"
+}
+
+# What a published crate offered in the newest release it offers still, or its version says that it does not.
+semver() {
+    local tag name packages=()
+    tag="$(git describe --tags --abbrev=0 --match 'v*' 2>/dev/null)" || skip "there is no release (a tag v*) to compare with"
+    command -v cargo-semver-checks >/dev/null || skip "cargo-semver-checks is not installed (cargo install cargo-semver-checks)"
+    for name in $(crates 'p["publish"] != [] and any("lib" in t["kind"] for t in p["targets"])'); do packages+=(-p "$name"); done
+    cargo semver-checks --baseline-rev "$tag" "${packages[@]}"
+}
+
+# Which lines the tests run: a table, and lcov.info in the target folder.
+coverage() {
+    command -v cargo-llvm-cov >/dev/null || skip "cargo-llvm-cov is not installed (cargo install cargo-llvm-cov)"
+    CARGO_TARGET_DIR="$target_dir/coverage" cargo llvm-cov --workspace --tests --locked --lcov --output-path "$target_dir/lcov.info"
+    CARGO_TARGET_DIR="$target_dir/coverage" cargo llvm-cov report --summary-only
 }
 
 # The oldest compiler that Cargo.toml promises, with all features.
@@ -345,7 +366,7 @@ python() {
     if command -v java >/dev/null; then spark=("pyspark>=4,<5"); else echo "no Java: itpms.spark is not tested"; fi
     python3 -c 'import sys; sys.exit(sys.version_info < (3, 10))' || skip "Python 3.10 or later is not installed"
     rm -rf "$venv"
-    { python3 -m venv "$venv" && timeout 600 "$bin/pip" install -q "maturin>=1.9,<2" numpy pandas pandas-stubs polars pyarrow matplotlib \
+    { python3 -m venv "$venv" && timeout 600 "$bin/pip" install -q "maturin>=1.16,<2" numpy pandas pandas-stubs polars pyarrow matplotlib \
         tqdm types-tqdm pytest mypy ruff nbclient nbformat ipykernel "${spark[@]}"; } || skip "maturin and the test packages cannot be fetched"
     export PATH="$bin:$PATH"
     # Built while pip waits; the same flags as the other release builds.
@@ -384,6 +405,13 @@ fuzz_with() {
         fi
         echo "$target: $(grep number_of_executed_units "$found/$target.txt")"
     done
+}
+
+# What a release has for this machine, built and tried in an empty root: archive, Debian package, wheel. Three builds with all optimized at
+# once, so it runs only when it is named.
+dist() {
+    rm -rf "$target_dir/ci-dist"
+    .ci/dist "$target_dir/ci-dist"
 }
 
 # Two release builds in different folders have the same bytes. Takes as long as two release builds, so it runs only when it

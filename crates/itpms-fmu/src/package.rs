@@ -46,7 +46,8 @@ pub enum PackageError {
     Platform(&'static str),
 }
 
-/// The shared library: as given, else beside the program or in the folder `deps` there, where cargo leaves it.
+/// The shared library: as given, else beside the program, in the folder `deps` there, where cargo leaves it, or in `../lib/itpms`, where
+/// packages put it that have programs in a folder of their own.
 ///
 /// # Errors
 /// It is in none of these places.
@@ -54,7 +55,11 @@ pub fn find_library(given: Option<&Path>, program: &Path) -> Result<PathBuf, Pac
     let name = library_name();
     let folder = program.parent().unwrap_or(Path::new("."));
     let places = given.map_or_else(
-        || vec![folder.join(&name), folder.join("deps").join(&name)],
+        || {
+            let mut places = vec![folder.join(&name), folder.join("deps").join(&name)];
+            places.extend(folder.parent().map(|prefix| prefix.join("lib").join("itpms").join(&name)));
+            places
+        },
         |given| vec![given.to_owned()],
     );
     let searched = places.iter().map(|place| place.display().to_string()).collect::<Vec<_>>().join(", ");
@@ -97,4 +102,17 @@ pub fn package(fmi: Fmi, vehicle: &Vehicle, library: &Path, step_s: f64) -> Resu
     archive.start_file(format!("resources/{VEHICLE_FILE}"), options)?;
     archive.write_all(vehicle.to_toml().as_bytes())?;
     Ok(archive.finish()?.into_inner())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_library_is_looked_for_where_packages_put_it() {
+        let prefix = Path::new("no-such-prefix");
+        let error = find_library(None, &prefix.join("bin").join("itpms")).map_err(|error| error.to_string());
+        let place = prefix.join("lib").join("itpms").join(library_name());
+        assert!(error.is_err_and(|sentence| sentence.contains(&place.display().to_string())));
+    }
 }

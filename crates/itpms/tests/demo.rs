@@ -30,6 +30,19 @@ fn the_demo_finds_the_punctured_tire_and_no_other() {
     assert_eq!(bench.names(), ["here"]);
 }
 
+#[cfg(unix)]
+#[test]
+fn the_demo_needs_no_environment_and_speaks_the_unit_that_is_asked_for() {
+    let bench = Bench::new();
+    let done = bench.command(["--quiet", "demo", "--pressure-unit", "psi"]).env_clear().output().unwrap();
+    assert!(done.status.success() && done.stderr.is_empty(), "{done:?}");
+    let said = String::from_utf8(done.stdout).unwrap();
+    let low: Vec<&str> = said.lines().filter(|line| line.contains("LOW")).collect();
+    assert!(low.len() == 1 && low[0].starts_with("fl") && low[0].contains(" psi"), "{said}");
+    assert!(said.ends_with("See itpms-demo/report.html for the whole story.\n"), "{said}");
+    assert_eq!(bench.names(), ["itpms-demo"]);
+}
+
 #[test]
 fn a_file_in_its_place_is_refused() {
     let bench = Bench::new();
