@@ -46,7 +46,7 @@ pub(super) struct Following<T> {
     usual_bend: [T; 2],
     usual_speeding: T,
     /// Sums of what a bend leaves of each ratio times the acceleration over the speed, and of the square of that.
-    late: [T; 2],
+    late: [T; 3],
     speeding: T,
     /// Sums of each ratio times what bends make of it, and of the square of that.
     turned: [T; 3],
@@ -113,6 +113,7 @@ impl<T: Real> Following<T> {
             self.turned[i] = kept * self.turned[i] + ratio * bend;
             self.bends[i] = kept * self.bends[i] + bend * bend;
         }
+        self.late[AXLE] = kept * self.late[AXLE] + between * speeding;
         self.turned[AXLE] = kept * self.turned[AXLE] + between * mean_bend;
     }
 
@@ -122,7 +123,7 @@ impl<T: Real> Following<T> {
         if !(self.speeding > T::lit(SPEEDING_SEEN)) {
             return None;
         }
-        let [front, rear] = self.late.map(|late| -late / (T::lit(SCALE) * self.speeding));
+        let [front, rear, _] = self.late.map(|late| -late / (T::lit(SCALE) * self.speeding));
         match (self.yaw_known, self.coupled) {
             (true, [front_coupled, rear_coupled]) => {
                 let of = |coupled, delay| if coupled { T::zero() } else { delay };
@@ -164,8 +165,13 @@ impl<T: Real> Following<T> {
     }
 
     /// What surely does not follow; on a slippery road the driven wheels may do as they like.
-    /// `slip_s`: the slip per m/s² times the speed, as which it looks like a delay.
-    pub(super) fn astray(&self, driven: DrivenAxle, slippery: bool, slip_s: T) -> Option<Astray> {
+    /// `slip_s`: the slip per m/s² times the speed, as which it looks like a delay, and what it is on a dry road.
+    pub(super) fn astray(
+        &self,
+        driven: DrivenAxle,
+        slippery: bool,
+        [slip_s, dry_slip_s]: [T; 2],
+    ) -> Option<Astray> {
         let seen = |i: usize| self.bends[i] > T::lit(BENDS_SEEN);
         let [fl, fr, rl, rr] = Corner::ALL;
         for (i, other, axle) in [(FRONT, REAR, [fl, fr]), (REAR, FRONT, [rl, rr])] {
@@ -186,11 +192,15 @@ impl<T: Real> Following<T> {
         }
         let [front, rear] = delays.map(|delay| delay.abs());
         let (axle, delay, other) = if front > rear { (0, delays[0], rear) } else { (1, delays[1], front) };
-        // What both axles do is a bend.
-        let alone = other < T::lit(0.5) * delay.abs();
+        // What both axles do is a bend, and coupled wheels do not show one.
+        let alone = other < T::lit(0.5) * delay.abs() && self.coupled == [false; 2];
+        // A driven wheel that slips more than the other does so by more than its axle's slip; one that comes late holds its axle's mean back, by half of the delay.
+        let ahead_s = self.late[AXLE] / (T::lit(SCALE) * self.speeding);
+        let ahead_s = if axle == 0 { ahead_s } else { -ahead_s };
         let is_driven = driven.axles()[axle];
+        let slips = is_driven && !(ahead_s < dry_slip_s - T::lit(0.25) * delay.abs());
         let by_slip_s = if is_driven { T::lit(UNEQUAL_SLIP) * slip_s } else { T::zero() };
-        let late = alone && delay.abs() > T::lit(LATE_S) + by_slip_s && !slippery;
+        let late = alone && delay.abs() > T::lit(LATE_S) + by_slip_s && !slips && !slippery;
         let corner = *Corner::ALL.get(2 * axle + usize::from(!(delay > T::zero())))?;
         late.then_some(Astray::Late(corner))
     }
@@ -261,7 +271,8 @@ mod tests {
     #[test]
     fn a_late_speed_is_known_by_its_delay_and_an_exchanged_one_by_the_bends() {
         let config = WheelSpeedConfig::new(2.7, TRACK, TRACK, DrivenAxle::Front);
-        let astray = |following: &Following<f64>| following.astray(DrivenAxle::Front, false, 3.5e-3 * 15.0);
+        let astray =
+            |following: &Following<f64>| following.astray(DrivenAxle::Front, false, [3.5e-3 * 15.0; 2]);
         let usual = |i: usize, time_s: f64| speeds(time_s, 3.5e-3).0[i];
         let right = driven(&config, usual, 1.0, FREE);
         assert!(astray(&right).is_none() && !right.is_doubtful(), "{right:?}");
@@ -314,7 +325,10 @@ mod tests {
         };
         let late = |coupled| {
             let following = driven(&config, alike, 1.0, coupled);
-            (following.delays_s().unwrap()[1].abs(), following.astray(DrivenAxle::Rear, false, 3.5e-3 * 15.0))
+            (
+                following.delays_s().unwrap()[1].abs(),
+                following.astray(DrivenAxle::Rear, false, [3.5e-3 * 15.0; 2]),
+            )
         };
         assert!(late(FREE).0 > DOUBTED_S);
         assert_eq!(late([false, true]), (0.0, None));

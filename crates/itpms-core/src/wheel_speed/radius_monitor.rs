@@ -392,7 +392,8 @@ impl<T: Real> RadiusMonitor<T> {
 
     /// The speeds that do not follow the car's bends and accelerations as a wheel's does.
     fn astray(&self) -> Option<Astray> {
-        let slip_s = T::lit(1.0 / SCALE) * self.filter.slip_1e3() * self.last.speed_m_s;
+        let per_m_s2 = T::lit(1.0 / SCALE) * self.last.speed_m_s;
+        let slip_s = self.filter.slip_1e3().map(|slip| per_m_s2 * slip);
         self.following.astray(self.config.driven, self.filter.is_slippery()[1], slip_s)
     }
 
