@@ -82,21 +82,10 @@ pub(super) struct BlockSums<T> {
 }
 
 impl<T: Real> Block<T> {
-    /// Leaves out the ratios that a slippery road hides under this force, and those that a differential hides: those of axles whose wheels were found to turn alike in wide bends, and those of a
-    /// limited-slip axle under torque, or as long as it is not known to turn freely without.
-    pub(super) fn hide(
-        &mut self,
-        config: &WheelSpeedConfig<T>,
-        [free, coupled]: [[bool; 2]; 2],
-        slip_1e3: [T; 2],
-    ) {
-        let driven = match config.driven {
-            DrivenAxle::Front => [true, false],
-            DrivenAxle::Rear => [false, true],
-            DrivenAxle::Both => [true; 2],
-        };
+    /// Leaves out the ratios that a slippery road hides under this force, and those of coupled axles, whatever the torque.
+    pub(super) fn hide(&mut self, coupled: [bool; 2], slip_1e3: [T; 2]) {
         for (i, (hidden, used)) in self.hidden.iter_mut().zip(&mut self.used).enumerate() {
-            *hidden |= coupled[i] || config.limited_slip && driven[i] && !free[i];
+            *hidden |= coupled[i];
             *used &= !*hidden && slip_1e3[i] < T::lit(MOST_UNEQUAL);
         }
         // Without a yaw rate only the other axle tells a bend from a tire.

@@ -17,6 +17,13 @@ pub enum DrivenAxle {
     Both,
 }
 
+impl DrivenAxle {
+    /// Whether it turns the front wheels, and the rear ones.
+    pub(super) fn axles(self) -> [bool; 2] {
+        [self != DrivenAxle::Rear, self != DrivenAxle::Front]
+    }
+}
+
 /// By how much the loads of the tires may change while the car stands, as standard deviations; zero where loads are known not to change.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -33,9 +33,13 @@ const SLIP_SHARE_DAY: f64 = 1.0;
 const SLIP_SHARE_STANDING: f64 = 0.25;
 const SLIP_SHARE_WALK: f64 = 0.01;
 /// How unequally a driven axle's two wheels slip, as a share of their slip: as their loads, their tires and the road under them differ;
-/// beforehand and whenever the car has stood, and per √s of driving.
+/// beforehand and whenever the car has stood.
 const UNEQUAL_SHARE: f64 = 0.25;
-const UNEQUAL_SHARE_WALK: f64 = 0.04;
+/// A road changes at once, where a block is an outlier: by which share of it the slip, by which share of that how unequally the wheels of a driven axle slip, and in
+/// thousandths what parts the wheels of both axles alike.
+const ROAD_SLIP: f64 = 0.3;
+const ROAD_UNEQUAL: f64 = 0.15;
+const ROAD_SIDE: f64 = 0.4;
 /// By how much what the load of a bend does may change while the car stands.
 const BEND_STANDING_SD: f64 = 0.1;
 /// Slip beyond so many times that of a dry road is a road's on which left and right differ from place to place: by which share of what is
@@ -62,7 +66,7 @@ const YAW_MEASURED: (f64, f64) = (0.85, 1.0);
 const YAW_UNKNOWN: (f64, f64) = (65.0, 4.0);
 const OF_AN_AXLE: [(f64, f64); 2] = [(0.16, 25.0), (0.22, 25.0)];
 /// The same of what does so to both axles alike, a road that differs from left to right; it forgets as those do.
-const OF_A_SIDE: f64 = 0.35;
+const OF_A_SIDE: f64 = 0.2;
 const FORCE_MEASURED: (f64, f64) = (0.3, 20.0);
 const FORCE_BY_SPEED: [(f64, f64); 2] = [(1.35, 13.0), (1.65, 13.0)];
 /// A block's noise, eq. (7), beside its [least](LEAST_NOISE): its share of the spread within the block for each ratio, and for the axles'
@@ -215,12 +219,21 @@ impl<T: Real> Filter<T> {
             mode.widen_along(FRONT_WANDER, &[1.0, 1.0], side);
             let slip = T::lit(SLIP_SHARE_WALK) * mode.mean[SLIP];
             mode.widen(SLIP, (T::lit(1e-6) + slip * slip) * step_s);
+            if number == OUTLIER {
+                mode.widen_along(FRONT_WANDER, &[1.0, 1.0], T::lit(ROAD_SIDE * ROAD_SIDE));
+                let slip = T::lit(ROAD_SLIP) * mode.mean[SLIP];
+                mode.widen(SLIP, slip * slip);
+            }
             let slippery = slippery(mode, self.dry_slip);
             for (i, share) in shares_driven.into_iter().enumerate() {
-                let walks = T::lit(UNEQUAL_SHARE_WALK) * slip_size(mode) + T::lit(PLACES_WALK) * slippery;
-                let jumps = T::lit(if number == OUTLIER { PLACES_SHARE } else { 0.0 }) * slippery;
                 let share = T::lit(share * share);
-                mode.widen(UNEQUAL_SLIP + i, share * (walks * walks * step_s + jumps * jumps));
+                let walks = T::lit(PLACES_WALK) * slippery;
+                mode.widen(UNEQUAL_SLIP + i, share * walks * walks * step_s);
+                if number == OUTLIER {
+                    let (road, place) =
+                        (T::lit(ROAD_UNEQUAL) * slip_size(mode), T::lit(PLACES_SHARE) * slippery);
+                    mode.widen(UNEQUAL_SLIP + i, share * (road * road + place * place));
+                }
             }
             mode.widen(YAW_BIAS, T::lit(1e-4) * step_s);
             if !learning {
@@ -297,9 +310,9 @@ impl<T: Real> Filter<T> {
         driven_shares(driven).map(|share| T::lit(share) * slip)
     }
 
-    /// How large the slip is, or may be, in thousandths per m/s².
-    pub(super) fn slip_1e3(&self) -> T {
-        slip_size(&self.modes[QUIET])
+    /// How large the slip is, or may be, in thousandths per m/s², and how large it is on a dry road.
+    pub(super) fn slip_1e3(&self) -> [T; 2] {
+        [slip_size(&self.modes[QUIET]), self.dry_slip]
     }
 
     /// The yaw rate's offset where nothing happens, and its sd, in rad/s.

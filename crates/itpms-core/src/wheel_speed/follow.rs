@@ -39,12 +39,14 @@ const MAYBE_TURNED: f64 = -0.2;
 pub(super) struct Following<T> {
     begun: bool,
     yaw_known: bool,
+    /// Axles whose wheels turn alike in bends, which reads as a delay: none is read from them.
+    coupled: [bool; 2],
     /// Usual ratios, what bends make of them, and the acceleration over the speed.
     usual: [T; 3],
     usual_bend: [T; 2],
     usual_speeding: T,
     /// Sums of what a bend leaves of each ratio times the acceleration over the speed, and of the square of that.
-    late: [T; 2],
+    late: [T; 3],
     speeding: T,
     /// Sums of each ratio times what bends make of it, and of the square of that.
     turned: [T; 3],
@@ -68,14 +70,16 @@ impl<T: Real> Following<T> {
         self.begun = false;
     }
 
-    /// Takes a block, braking or not, with the offset of its yaw rate, and whether that is believed.
+    /// Takes a block, braking or not, with the offset of its yaw rate, whether that is believed, and the axles whose wheels are coupled.
     pub(super) fn take(
         &mut self,
         block: &Block<T>,
         config: &WheelSpeedConfig<T>,
         bias_rad_s: T,
         believed: bool,
+        coupled: [bool; 2],
     ) {
+        self.coupled = coupled;
         let v = block.speed_m_s;
         let ratio = block.ratio;
         let sane = ratio.iter().all(|ratio| ratio.abs() < T::lit(MOST_RATIO));
@@ -109,21 +113,26 @@ impl<T: Real> Following<T> {
             self.turned[i] = kept * self.turned[i] + ratio * bend;
             self.bends[i] = kept * self.bends[i] + bend * bend;
         }
+        self.late[AXLE] = kept * self.late[AXLE] + between * speeding;
         self.turned[AXLE] = kept * self.turned[AXLE] + between * mean_bend;
     }
 
     /// Delay in s of the left wheel of each axle against the right one; without a yaw rate, which takes bends off, all of it of the axle
-    /// that shows more. `None` where too little was seen.
+    /// that shows more. `None` where too little was seen. Of coupled wheels none.
     fn delays_s(&self) -> Option<[T; 2]> {
         if !(self.speeding > T::lit(SPEEDING_SEEN)) {
             return None;
         }
-        let [front, rear] = self.late.map(|late| -late / (T::lit(SCALE) * self.speeding));
-        Some(match self.yaw_known {
-            true => [front, rear],
+        let [front, rear, _] = self.late.map(|late| -late / (T::lit(SCALE) * self.speeding));
+        match (self.yaw_known, self.coupled) {
+            (true, [front_coupled, rear_coupled]) => {
+                let of = |coupled, delay| if coupled { T::zero() } else { delay };
+                Some([of(front_coupled, front), of(rear_coupled, rear)])
+            }
             // A bend does the same to both.
-            false => [front - rear, T::zero()],
-        })
+            (false, [false, false]) => Some([front - rear, T::zero()]),
+            (false, _) => None,
+        }
     }
 
     /// Whether a ratio follows at least this share of what bends make of the ratio of an axle.
@@ -156,8 +165,13 @@ impl<T: Real> Following<T> {
     }
 
     /// What surely does not follow; on a slippery road the driven wheels may do as they like.
-    /// `slip_s`: the slip per m/s² times the speed, as which it looks like a delay.
-    pub(super) fn astray(&self, driven: DrivenAxle, slippery: bool, slip_s: T) -> Option<Astray> {
+    /// `slip_s`: the slip per m/s² times the speed, as which it looks like a delay, and what it is on a dry road.
+    pub(super) fn astray(
+        &self,
+        driven: DrivenAxle,
+        slippery: bool,
+        [slip_s, dry_slip_s]: [T; 2],
+    ) -> Option<Astray> {
         let seen = |i: usize| self.bends[i] > T::lit(BENDS_SEEN);
         let [fl, fr, rl, rr] = Corner::ALL;
         for (i, other, axle) in [(FRONT, REAR, [fl, fr]), (REAR, FRONT, [rl, rr])] {
@@ -178,15 +192,15 @@ impl<T: Real> Following<T> {
         }
         let [front, rear] = delays.map(|delay| delay.abs());
         let (axle, delay, other) = if front > rear { (0, delays[0], rear) } else { (1, delays[1], front) };
-        // What both axles do is a bend.
-        let alone = other < T::lit(0.5) * delay.abs();
-        let is_driven = match driven {
-            DrivenAxle::Front => axle == 0,
-            DrivenAxle::Rear => axle == 1,
-            DrivenAxle::Both => true,
-        };
+        // What both axles do is a bend, and coupled wheels do not show one.
+        let alone = other < T::lit(0.5) * delay.abs() && self.coupled == [false; 2];
+        // A driven wheel that slips more than the other does so by more than its axle's slip; one that comes late holds its axle's mean back, by half of the delay.
+        let ahead_s = self.late[AXLE] / (T::lit(SCALE) * self.speeding);
+        let ahead_s = if axle == 0 { ahead_s } else { -ahead_s };
+        let is_driven = driven.axles()[axle];
+        let slips = is_driven && !(ahead_s < dry_slip_s - T::lit(0.25) * delay.abs());
         let by_slip_s = if is_driven { T::lit(UNEQUAL_SLIP) * slip_s } else { T::zero() };
-        let late = alone && delay.abs() > T::lit(LATE_S) + by_slip_s && !slippery;
+        let late = alone && delay.abs() > T::lit(LATE_S) + by_slip_s && !slips && !slippery;
         let corner = *Corner::ALL.get(2 * axle + usize::from(!(delay > T::zero())))?;
         late.then_some(Astray::Late(corner))
     }
@@ -221,6 +235,7 @@ mod tests {
     use super::*;
 
     const TRACK: f64 = 1.55;
+    const FREE: [bool; 2] = [false; 2];
 
     /// Speeds of the four wheels of a car that speeds up, slows down and turns, on tires of unequal size; `slip`: of the front wheels.
     fn speeds(time_s: f64, slip: f64) -> ([f64; 4], f64, f64) {
@@ -236,6 +251,7 @@ mod tests {
         config: &WheelSpeedConfig<f64>,
         wheel: impl Fn(usize, f64) -> f64,
         yaw_gain: f64,
+        coupled: [bool; 2],
     ) -> Following<f64> {
         let mut following = Following::<f64>::BLANK;
         for k in 0..240 {
@@ -247,7 +263,7 @@ mod tests {
             let speed_m_s = 15.0 + 4.0 * (time_s / 7.0).sin();
             let yaw_rate_rad_s = Some(yaw_gain * yaw);
             let block = Block { ratio, speed_m_s, yaw_rate_rad_s, slope_m_s2: slope, ..Block::BLANK };
-            following.take(&block, config, 0.0, true);
+            following.take(&block, config, 0.0, true, coupled);
         }
         following
     }
@@ -255,15 +271,16 @@ mod tests {
     #[test]
     fn a_late_speed_is_known_by_its_delay_and_an_exchanged_one_by_the_bends() {
         let config = WheelSpeedConfig::new(2.7, TRACK, TRACK, DrivenAxle::Front);
-        let astray = |following: &Following<f64>| following.astray(DrivenAxle::Front, false, 3.5e-3 * 15.0);
+        let astray =
+            |following: &Following<f64>| following.astray(DrivenAxle::Front, false, [3.5e-3 * 15.0; 2]);
         let usual = |i: usize, time_s: f64| speeds(time_s, 3.5e-3).0[i];
-        let right = driven(&config, usual, 1.0);
+        let right = driven(&config, usual, 1.0, FREE);
         assert!(astray(&right).is_none() && !right.is_doubtful(), "{right:?}");
         for (late, corner) in [(0, Corner::FrontLeft), (1, Corner::FrontRight), (3, Corner::RearRight)] {
             for delay_s in [0.1, 0.2, 0.5] {
                 let wheel =
                     |i: usize, time_s: f64| usual(i, if i == late { time_s - delay_s } else { time_s });
-                let following = driven(&config, wheel, 1.0);
+                let following = driven(&config, wheel, 1.0, FREE);
                 let found = following.delays_s().unwrap()[late / 2];
                 let expected = if late % 2 == 0 { delay_s } else { -delay_s };
                 // To first order; what is usual follows by 10 s.
@@ -272,7 +289,7 @@ mod tests {
             }
         }
         // A tire that has lost a third is none of this.
-        let low = driven(&config, |i, time_s| usual(i, time_s) * if i == 2 { 1.003 } else { 1.0 }, 1.0);
+        let low = driven(&config, |i, time_s| usual(i, time_s) * if i == 2 { 1.003 } else { 1.0 }, 1.0, FREE);
         assert!(astray(&low).is_none() && !low.is_doubtful());
         let exchanged = |a: usize, b: usize| {
             let of = move |i: usize| {
@@ -284,7 +301,7 @@ mod tests {
                     i
                 }
             };
-            driven(&config, |i, time_s| usual(of(i), time_s), 1.0)
+            driven(&config, |i, time_s| usual(of(i), time_s), 1.0, FREE)
         };
         let [fl, fr, rl, rr] = Corner::ALL;
         assert_eq!(astray(&exchanged(0, 1)), Some(Astray::Exchanged([fl, fr])));
@@ -295,6 +312,25 @@ mod tests {
         assert_eq!(astray(&exchanged(0, 2)), Some(Astray::Axles));
         assert!(exchanged(0, 2).is_doubtful());
         // A sensor turned round is another matter: both axles do the same.
-        assert!(astray(&driven(&config, usual, -1.0)).is_none());
+        assert!(astray(&driven(&config, usual, -1.0, FREE)).is_none());
+    }
+
+    /// Wheels that a preload keeps alike follow no bend; where the car slows down for its bends, that reads as a delay.
+    #[test]
+    fn wheels_of_an_axle_that_turn_alike_are_not_late() {
+        let config = WheelSpeedConfig::new(2.7, TRACK, TRACK, DrivenAxle::Rear);
+        let alike = |i: usize, time_s: f64| {
+            let (speeds, ..) = speeds(time_s, 0.0);
+            if i < 2 { speeds[i] } else { 0.5 * (speeds[2] + speeds[3]) }
+        };
+        let late = |coupled| {
+            let following = driven(&config, alike, 1.0, coupled);
+            (
+                following.delays_s().unwrap()[1].abs(),
+                following.astray(DrivenAxle::Rear, false, [3.5e-3 * 15.0; 2]),
+            )
+        };
+        assert!(late(FREE).0 > DOUBTED_S);
+        assert_eq!(late([false, true]), (0.0, None));
     }
 }

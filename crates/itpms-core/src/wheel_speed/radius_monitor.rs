@@ -341,7 +341,7 @@ impl<T: Real> RadiusMonitor<T> {
         if self.yaw.is_doubted() {
             block.yaw_rate_rad_s = None;
         }
-        block.hide(&self.config, [self.yaw.free(), self.yaw.coupled()], slip_1e3);
+        block.hide(self.coupled(), slip_1e3);
         if block.good {
             self.sensors.take_block(&block);
         }
@@ -371,10 +371,17 @@ impl<T: Real> RadiusMonitor<T> {
         self.last = block;
     }
 
+    /// The axles whose wheels a differential keeps alike: those that were found to turn alike in wide bends, and the driven ones of a car with
+    /// limited slip as long as they are not known to turn freely.
+    fn coupled(&self) -> [bool; 2] {
+        let (found, free, driven) = (self.yaw.coupled(), self.yaw.free(), self.config.driven.axles());
+        core::array::from_fn(|i| found[i] || self.config.limited_slip && driven[i] && !free[i])
+    }
+
     /// Whether the wheels follow the car; what was learned with one that does not is forgotten, and nothing is learned from it.
     fn follow(&mut self, block: &mut Block<T>) {
         let (bias_rad_s, believed) = (self.filter.yaw_bias_rad_s().0, !self.yaw.is_doubted());
-        self.following.take(block, &self.config, bias_rad_s, believed);
+        self.following.take(block, &self.config, bias_rad_s, believed, self.coupled());
         let is_astray = self.astray().is_some();
         if is_astray != self.was_astray {
             self.was_astray = is_astray;
@@ -385,7 +392,8 @@ impl<T: Real> RadiusMonitor<T> {
 
     /// The speeds that do not follow the car's bends and accelerations as a wheel's does.
     fn astray(&self) -> Option<Astray> {
-        let slip_s = T::lit(1.0 / SCALE) * self.filter.slip_1e3() * self.last.speed_m_s;
+        let per_m_s2 = T::lit(1.0 / SCALE) * self.last.speed_m_s;
+        let slip_s = self.filter.slip_1e3().map(|slip| per_m_s2 * slip);
         self.following.astray(self.config.driven, self.filter.is_slippery()[1], slip_s)
     }
 

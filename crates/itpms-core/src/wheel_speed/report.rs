@@ -10,11 +10,10 @@ use crate::torsion::TorsionEvidence;
 /// Probability from which a state is reported.
 const SURE: f64 = 0.99;
 /// Usable driving in s over which it has to be that probable.
-const SURE_FOR_S: f64 = 2.0;
-/// The same of what a road may do, too, that differs from left to right, or a load or a slip that moves the axles apart: those pass.
-const PASSES_S: f64 = 20.0;
-/// The same while it is open which tire it is: a moment later it may be known.
-const OPEN_FOR_S: f64 = 10.0;
+const SURE_FOR_S: f64 = 4.0;
+/// The same of what a road may do, too, that differs from left to right, or a load or a slip that moves the axles apart: those pass. And while
+/// it is open which tire it is: later it may be known.
+const PASSES_S: f64 = 30.0;
 /// The same of anything on a slippery road, on which wheels slip as the place has it; and for how long a road is slippery, in s, after it was
 /// seen to be.
 const SLIPPERY_S: f64 = 120.0;
@@ -240,7 +239,7 @@ impl<T: Real> RadiusReport<T> {
                 Pattern::Wheel(_) | Pattern::Diagonal if !self.unseen.which_of_a_diagonal => SURE_FOR_S,
                 _ => PASSES_S,
             },
-            RadiusState::OneOf(_) => OPEN_FOR_S,
+            RadiusState::OneOf(_) => PASSES_S,
             _ => 0.0,
         };
         self.lasted_s += step_s;

@@ -92,7 +92,9 @@ impl<T: Real> SensorWatch<T> {
     pub(super) fn take_block(&mut self, block: &Block<T>) {
         for (i, (absurd_s, mean)) in self.absurd_s.iter_mut().zip(&mut self.absurd).enumerate() {
             let now = [block.ratio[i], block.ratio[AXLE]];
-            if !(now[0].abs() < T::lit(ABSURD_RATIO)) {
+            // A bend does the same to both axles.
+            let other = T::lit(2.0) * block.ratio[1 - i].abs();
+            if !(now[0].abs() < T::lit(ABSURD_RATIO).at_least(other)) {
                 *absurd_s = (*absurd_s + T::lit(BLOCK_S)).at_most(T::lit(ABSURD_S + 2.0));
                 for (mean, now) in mean.iter_mut().zip(now) {
                     *mean += (now - *mean) * T::lit(BLOCK_S) / *absurd_s;
