@@ -201,7 +201,7 @@ pub(crate) fn conclude(
     let of_pulses = pulses.finish(log.path(), log.last_time_s().unwrap_or(f64::NAN))?;
     let sensors_kpa = record.sensors_kpa;
     let suspension = record.suspension.as_ref().map(SuspensionWatch::conclude);
-    let struts = suspension.as_ref().and_then(|verdict| verdict.learned.ok());
+    let struts = suspension.as_ref().and_then(|verdict| verdict.learned);
     let provenance = provenance(job, log, &sensors_kpa);
     let (mut data, alerts) = record.complete(provenance, sink)?;
     let mut concerns = concerns::of(job, log, &drive);

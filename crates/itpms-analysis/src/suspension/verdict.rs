@@ -26,8 +26,8 @@ pub struct SuspensionVerdict {
     pub dampers: [DamperHealth; 4],
     /// What the axles carry.
     pub load: Load,
-    /// What it would teach of a car that is healthy, or why nothing.
-    pub learned: Result<SuspensionReference, Because>,
+    /// What it would teach of a car that is healthy; nothing where there is a reference already, or where the drive does not suffice.
+    pub learned: Option<SuspensionReference>,
     /// Seconds of driving that were of use.
     pub usable_s: f64,
 }
@@ -44,13 +44,15 @@ impl SuspensionVerdict {
         let adaptive = terms.adaptive_dampers.then_some(Because::Adaptive);
         let leveled = terms.level_control.then_some(Because::LevelControl);
         let doubt = adaptive.or(leveled.filter(|_| reference.is_some()));
-        let alone = SuspensionReading::alone(car, spectra);
-        let learned = alone.as_ref().map_err(|because| *because).and_then(SuspensionReading::as_reference);
-        let against = match reference {
+        let read = match reference {
             Some(reference) => SuspensionReading::against(car, spectra, reference),
-            None => alone,
+            None => SuspensionReading::alone(car, spectra),
         };
-        let (dampers, load) = match (&against, reference) {
+        let learned = match (&read, reference) {
+            (Ok(reading), None) => reading.as_reference().ok(),
+            _ => None,
+        };
+        let (dampers, load) = match (&read, reference) {
             (Err(because), _) => ([DamperHealth::unknown(*because); 4], Load::unknown(*because)),
             (Ok(reading), reference) => {
                 let load = match (leveled, reference) {
