@@ -71,7 +71,7 @@ pub struct DamperHealth {
 /// temperature that is not known; the absolute value.
 const LEFT_RIGHT_SD: f64 = 0.012;
 const LEFT_RIGHT_ALONE_SD: f64 = 0.045;
-const FRONT_REAR_SD: f64 = 0.013;
+const FRONT_REAR_SD: f64 = 0.015;
 const OVER_REFERENCE_SD: f64 = 0.06;
 const DAMPING_SD: f64 = 0.1;
 /// Share of friction in what the struts damp that doubles these, and up to which they are judged.

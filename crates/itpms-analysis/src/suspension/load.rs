@@ -9,8 +9,8 @@ use super::reading::{CarBody, SuspensionReading};
 
 /// What a drive's load is wrong by on cars whose springs are known, over many drives (docs/load.md), without friction, of the total and of an axle as shares; with friction by more, see
 /// [`growth`].
-const TOTAL_SD: f64 = 0.015;
-const AXLE_SD: f64 = 0.017;
+const TOTAL_SD: f64 = 0.02;
+const AXLE_SD: f64 = 0.022;
 /// Share of dry friction in what the struts damp that doubles these, and most of it.
 const FRICTION_SHARE: f64 = 0.4;
 const MOST_FRICTION: f64 = 0.55;
