@@ -13,6 +13,7 @@
 //! | [`plot`] | figures as SVG |
 //! | [`report`] | one HTML page about a drive |
 //! | [`roughness`] | International Roughness Index, ISO 8608 level and slope, per track and segment |
+//! | [`suspension`] | dampers and load of a drive against what the car was when it was healthy |
 //! | [`transfer`] | how a corner's body answers its wheel, and whether that is its vehicle file's suspension |
 #![forbid(unsafe_code)]
 
@@ -26,4 +27,5 @@ pub mod plot;
 pub mod report;
 pub mod roughness;
 pub mod spectrum;
+pub mod suspension;
 pub mod transfer;

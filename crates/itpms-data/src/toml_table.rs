@@ -111,14 +111,22 @@ impl<'a> Table<'a> {
     /// The number under `key`, integer or float, if there is one.
     pub(crate) fn number(&self, key: &str) -> Result<Option<f64>, Problem> {
         let Some((_, value)) = self.entry(key) else { return Ok(None) };
-        let number = match value {
-            DeValue::Integer(integer) => {
-                i64::from_str_radix(integer.as_str(), integer.radix()).ok().map(|integer| integer as f64)
+        number_of(value).map(Some).ok_or_else(|| self.not_a(key, value, "a number"))
+    }
+
+    /// The two numbers of an array under `key`, if there is one.
+    pub(crate) fn pair(&self, key: &str) -> Result<Option<[f64; 2]>, Problem> {
+        let Some((_, value)) = self.entry(key) else { return Ok(None) };
+        let pair = match value {
+            DeValue::Array(values) => {
+                match values.iter().map(|value| number_of(value.get_ref())).collect::<Vec<_>>()[..] {
+                    [Some(first), Some(second)] => Some([first, second]),
+                    _ => None,
+                }
             }
-            DeValue::Float(float) => float.as_str().parse().ok(),
             _ => None,
         };
-        number.map(Some).ok_or_else(|| self.not_a(key, value, "a number"))
+        pair.map(Some).ok_or_else(|| self.not_a(key, value, "an array of two numbers, front and rear"))
     }
 
     /// The number under `key`, which has to be there.
@@ -164,6 +172,16 @@ impl<'a> Table<'a> {
         };
         let line = self.line_of_key(key);
         Problem::ValueType { line, table: self.path.clone(), key: key.to_owned(), found, expected }
+    }
+}
+
+fn number_of(value: &DeValue<'_>) -> Option<f64> {
+    match value {
+        DeValue::Integer(integer) => {
+            i64::from_str_radix(integer.as_str(), integer.radix()).ok().map(|integer| integer as f64)
+        }
+        DeValue::Float(float) => float.as_str().parse().ok(),
+        _ => None,
     }
 }
 

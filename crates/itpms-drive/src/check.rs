@@ -1,6 +1,7 @@
 //! A vehicle file held against a drive: whether the suspension in the drive is the file's, and where the estimator says that body and wheel
 //! do not go together.
 
+use itpms_analysis::suspension::SuspensionVerdict;
 use itpms_analysis::transfer::{CornerCheck, CrossSpectra, Suspension, Verdict, page};
 use itpms_core::model::Corner;
 use itpms_data::out::WheelSpeedUse;
@@ -14,6 +15,7 @@ use crate::error::DriveError;
 use crate::run::{Fit, ROWS_PER_LOOK, Watch};
 use crate::settings::Settings;
 use crate::summary::fit_json;
+use crate::suspension::{SuspensionWatch, dampers_json, left_right_lines};
 use crate::time_axis::TimeAxis;
 
 /// Steps of time that are a gap.
@@ -24,6 +26,8 @@ const GAP_STEPS: f64 = 1.5;
 pub struct CheckedVehicle {
     /// Corner by corner, those that the log has measured and the file describes.
     pub corners: Vec<CornerCheck>,
+    /// Left against right of each axle, where all four corners are measured.
+    pub suspension: Option<SuspensionVerdict>,
     /// What contradicts itself in the log, and what was repaired, a sentence each.
     pub concerns: Vec<String>,
     vehicle: String,
@@ -43,7 +47,7 @@ pub fn check(vehicle: &Vehicle, log: &mut LogReader, watch: Watch<'_>) -> Result
         )));
     }
     let mut axis = TimeAxis::of(vehicle);
-    let (spectra, fits, alerts) = listen(vehicle, log, &corners, &mut axis, watch)?;
+    let (spectra, fits, alerts, struts) = listen(vehicle, log, &corners, &mut axis, watch)?;
     let checked = corners.iter().zip(&spectra).filter_map(|(corner, spectra)| {
         let mut check = CornerCheck::of(corner.label(), spectra, suspension(vehicle, *corner)?);
         check.fit = fits[corner.index()];
@@ -53,6 +57,7 @@ pub fn check(vehicle: &Vehicle, log: &mut LogReader, watch: Watch<'_>) -> Result
     let name = log.path().file_name().unwrap_or(log.path().as_os_str());
     Ok(CheckedVehicle {
         corners: checked.collect(),
+        suspension: struts,
         concerns: axis.contradiction().into_iter().chain(log.repairs().warnings()).collect(),
         vehicle: vehicle.name.clone(),
         log: name.to_string_lossy().into_owned(),
@@ -60,7 +65,7 @@ pub fn check(vehicle: &Vehicle, log: &mut LogReader, watch: Watch<'_>) -> Result
 }
 
 /// See [`listen`].
-type Heard = (Vec<CrossSpectra>, [Option<Fit>; 4], Alerts);
+type Heard = (Vec<CrossSpectra>, [Option<Fit>; 4], Alerts, Option<SuspensionVerdict>);
 
 /// The spectra of all rows, corner by corner, and what an estimator that is given no more than the file says at their end of how body and
 /// wheel go together, in the order of [`Corner::ALL`], and what its monitor reports. `axis` takes the rows, too.
@@ -76,6 +81,7 @@ fn listen(
         Drive::new(&Settings::default(), vehicle, corners, WheelSpeedUse::None, survey.estimator_rate_hz())?;
     let mut spectra: Vec<CrossSpectra> =
         corners.iter().map(|_| CrossSpectra::new(survey.sample_period_s)).collect();
+    let mut struts = SuspensionWatch::new(vehicle, corners, survey.sample_period_s, None);
     let (mut rows, mut before_s, mut events) = (0u64, f64::NAN, Events::default());
     while let Some(mut row) = log.next_row()? {
         if rows.is_multiple_of(ROWS_PER_LOOK) && watch(log.progress()).is_break() {
@@ -94,10 +100,14 @@ fn listen(
             }
         }
         axis.take(&row);
+        if let Some(struts) = &mut struts {
+            struts.take(&row);
+        }
         drive.update(&mut row);
         events.take(drive.report(), &mut |_, _| Ok(()))?;
     }
-    Ok((spectra, Corner::ALL.map(|corner| drive.fit(corner)), events.complete()))
+    let suspension = struts.as_ref().map(SuspensionWatch::conclude);
+    Ok((spectra, Corner::ALL.map(|corner| drive.fit(corner)), events.complete(), suspension))
 }
 
 fn suspension(vehicle: &Vehicle, corner: Corner) -> Option<Suspension> {
@@ -133,7 +143,16 @@ impl CheckedVehicle {
             });
             (check.label.clone(), value)
         };
-        json!({ "corners": self.corners.iter().map(corner).collect::<Map<String, Value>>() })
+        json!({
+            "corners": self.corners.iter().map(corner).collect::<Map<String, Value>>(),
+            "dampers": dampers_json(self.suspension.as_ref()),
+        })
+    }
+
+    /// Left against right of each axle, a line each; none where corners are missing.
+    #[must_use]
+    pub fn damper_lines(&self) -> Vec<String> {
+        self.suspension.as_ref().map_or_else(Vec::new, left_right_lines)
     }
 
     /// The page with a picture of each corner (HTML, complete in itself).

@@ -157,7 +157,7 @@ impl Drive {
         let torsion = self.wheels.as_ref().map_or([None; 4], WheelSpeeds::learned_torsion);
         let corners = self.car.estimator().and_then(CarEstimator::calibration);
         let days = self.wheels.as_ref().and_then(WheelSpeeds::days);
-        Taught { corners, wheel_speeds, torsion, days }
+        Taught { corners, wheel_speeds, torsion, suspension: None, days }
     }
 
     /// The rows' times count from here, in s since 1970; zero: from there, or from no date.

@@ -13,6 +13,7 @@
 //! | [`learn`](mod@learn) | a vehicle file from drives at known pressures |
 //! | [`check`](mod@check) | a vehicle file held against a drive |
 //! | [`summary`] | what is known at the end, as JSON |
+//! | `suspension` | dampers and load of a drive, beside its pressures |
 //! | [`files`] | the sink of the command line: files, complete or not there |
 //! | [`fleet`] | many drives of many cars |
 //! | [`simulated`] | simulated drives as logs hold them |
@@ -46,6 +47,7 @@ pub mod run;
 pub mod settings;
 pub mod simulated;
 pub mod summary;
+mod suspension;
 mod time_axis;
 pub mod tire_sensors;
 mod wheel_speeds;
@@ -67,4 +69,5 @@ pub use road::{LateRow, RoadTrack};
 pub use run::{Done, Job, Sink, Watch, estimate};
 pub use settings::Settings;
 pub use summary::{corner_lines, summary_json, torsion_line, wheel_speed_lines};
+pub use suspension::{left_right_lines, suspension_lines};
 pub use wheel_speeds::wheel_speed_use;

@@ -9,7 +9,7 @@ use itpms_core::model::{CalibrationError, VehicleCalibration};
 use itpms_core::wheel_speed::{RadiusCalibration, RadiusDays};
 use itpms_data::Vehicle;
 use itpms_data::out::AtomicFile;
-use itpms_data::reference::{LearnedTorsion, ReferenceProblem, StoredReference};
+use itpms_data::reference::{LearnedTorsion, ReferenceProblem, StoredReference, SuspensionReference};
 
 use crate::car::AnyCar;
 use crate::error::DriveError;
@@ -24,6 +24,8 @@ pub struct Taught {
     pub wheel_speeds: Option<RadiusCalibration<f64>>,
     /// Of tooth pulses.
     pub torsion: LearnedTorsion,
+    /// Of struts and body.
+    pub suspension: Option<SuspensionReference>,
     /// What the days since the calibration of the wheel speeds show, with this one, or why it does not count; `None` without one.
     pub days: Option<Result<RadiusDays<f64>, &'static str>>,
 }
@@ -139,7 +141,7 @@ impl Saving {
 
 impl Saving {
     fn stored(&self, learned: &Taught) -> Result<StoredReference, itpms_data::error::Problem> {
-        let Taught { corners, wheel_speeds, torsion, days } = *learned;
+        let Taught { corners, wheel_speeds, torsion, suspension, days } = *learned;
         // By the log's date, where it has one: days are counted from there.
         let dated_s = days.and_then(Result::ok).map_or(0.0, |days| days.calibrated_unix_s);
         let learned_unix_s = if dated_s > 0.0 { dated_s as u64 } else { now_unix_s() };
@@ -150,7 +152,9 @@ impl Saving {
             }
             (corners, wheel_speeds) => {
                 let corners = corners.ok_or(ReferenceProblem::Lacks("a corner"))?;
-                StoredReference::new(&self.vehicle, corners, learned_unix_s)?.with_wheel_speeds(wheel_speeds)
+                StoredReference::new(&self.vehicle, corners, learned_unix_s)?
+                    .with_wheel_speeds(wheel_speeds)
+                    .with_suspension(suspension)
             }
         };
         Ok(stored.with_torsion(torsion))

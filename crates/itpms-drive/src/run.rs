@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 
 use itpms_analysis::report::{CornerRow, Provenance, ReportCollector, ReportData, ReportOptions};
+use itpms_analysis::suspension::SuspensionVerdict;
 use itpms_core::model::{BodyFit, Corner, Misfit};
 use itpms_core::torsion::TorsionChange;
 use itpms_core::warning::{Cause, Change, MonitorReport};
@@ -18,8 +19,9 @@ pub use crate::job::Job;
 use crate::plausibility::Plausibility;
 use crate::provenance::provenance;
 use crate::pulses::Pulses;
-use crate::reference::Taught;
+use crate::reference::{self, Taught};
 use crate::road::{LateRow, RoadTrack};
+use crate::suspension::SuspensionWatch;
 use crate::time_axis::TimeAxis;
 use crate::wheel_speeds::YawFault;
 use crate::wheel_speeds::wheel_speed_use;
@@ -91,6 +93,8 @@ pub struct Done {
     pub has_temperature: bool,
     /// What the tires' own sensors sent last, in kPa, in the order of [`Corner::ALL`](itpms_core::model::Corner::ALL); NaN: nothing.
     pub sensors_kpa: [f64; 4],
+    /// Dampers and load, where all four corners are measured.
+    pub suspension: Option<SuspensionVerdict>,
 }
 
 impl Done {
@@ -153,6 +157,8 @@ pub(crate) fn begin(log: &LogReader, job: &Job<'_>) -> Result<(Drive, Record), D
     }
     let track = road.then(|| RoadTrack::new(job.vehicle, job.corners, rate_hz)).transpose()?;
     let axis = TimeAxis::of(job.vehicle);
+    let before = reference::read(job.settings, job.vehicle)?.and_then(|(_, stored)| stored.suspension);
+    let suspension = SuspensionWatch::new(job.vehicle, job.corners, log.survey().sample_period_s, before);
     Ok((
         drive,
         Record {
@@ -164,6 +170,7 @@ pub(crate) fn begin(log: &LogReader, job: &Job<'_>) -> Result<(Drive, Record), D
             rolling_radius_m: job.vehicle.rolling_radius_m().unwrap_or(f64::NAN),
             sensors_kpa: [f64::NAN; 4],
             air: AirCheck::default(),
+            suspension,
         },
     ))
 }
@@ -193,6 +200,8 @@ pub(crate) fn conclude(
     let of_air: Vec<String> = record.air.concerns(has_temperature).collect();
     let of_pulses = pulses.finish(log.path(), log.last_time_s().unwrap_or(f64::NAN))?;
     let sensors_kpa = record.sensors_kpa;
+    let suspension = record.suspension.as_ref().map(SuspensionWatch::conclude);
+    let struts = suspension.as_ref().and_then(|verdict| verdict.learned);
     let provenance = provenance(job, log, &sensors_kpa);
     let (mut data, alerts) = record.complete(provenance, sink)?;
     let mut concerns = concerns::of(job, log, &drive);
@@ -212,12 +221,13 @@ pub(crate) fn conclude(
         concerns,
         not_estimated,
         fits,
-        learned: drive.learned(),
+        learned: Taught { suspension: struts, ..drive.learned() },
         placards_kpa,
         radii: drive.radii(),
         torsion: drive.torsion(),
         has_temperature,
         sensors_kpa,
+        suspension,
     })
 }
 
@@ -232,6 +242,7 @@ pub(crate) struct Record {
     /// What the tires' own sensors sent last, in kPa; NaN: nothing.
     sensors_kpa: [f64; 4],
     air: AirCheck,
+    suspension: Option<SuspensionWatch>,
 }
 
 impl Record {
@@ -250,6 +261,9 @@ impl Record {
         self.axis.take(row);
         self.plausibility.take(row, self.rolling_radius_m);
         self.air.take(&row.motion.air);
+        if let Some(suspension) = &mut self.suspension {
+            suspension.take(row);
+        }
         for (last, sent) in self.sensors_kpa.iter_mut().zip(row.motion.tire_sensor_kpa) {
             if sent.is_finite() {
                 *last = sent;

@@ -8,6 +8,7 @@ use itpms_data::out::{RadiusRow, state_label};
 use serde_json::{Map, Value, json};
 
 use crate::run::{Done, Fit};
+use crate::suspension::{dampers_json, load_json};
 
 /// Seconds before the end for which a reading counts as the one at the end.
 const FRESH_S: f64 = 1.0;
@@ -37,6 +38,8 @@ pub fn summary_json(done: &Done, rows: u64) -> Map<String, Value> {
         ("not_estimated", Value::Object(not_estimated.collect())),
         ("wheel_speeds", json!(done.radii.as_ref().map(wheels_json))),
         ("torsion", json!(done.torsion.as_ref().map(torsion_json))),
+        ("dampers", dampers_json(done.suspension.as_ref())),
+        ("load", load_json(done.suspension.as_ref())),
         ("tire_sensors_kpa", sensors_json(&done.sensors_kpa)),
         ("alerts", alerts.json()),
         ("rows", json!(rows)),

@@ -22,6 +22,7 @@
 //! [corner.fl]                            # placard_kpa, unsprung_mass, damping, spring, spectrum_bias_kpa, shared_road_bias
 //! [wheel_speeds]                         # of a car whose wheel speeds were read: how the tires' radii differ, with covariances
 //! [days]                                 # what the days since then have shown of its wheel speeds, as sums over them
+//! [suspension]                           # of a car with four corners: struts and body, for dampers and load
 //! [torsion.fl]                           # of one whose tooth pulses were: resonance and shape of each wheel's spectrum over the speed
 //! ```
 //!
@@ -30,6 +31,7 @@
 mod days;
 mod identity;
 pub(crate) mod problem;
+mod suspension;
 mod text;
 mod torsion;
 mod wheel_speeds;
@@ -48,10 +50,13 @@ use crate::vehicle::Vehicle;
 pub use identity::VehicleIdentity;
 pub use itpms_files::crc64;
 pub use problem::ReferenceProblem;
+pub use suspension::{FRICTION_ELEMENTS, SuspensionReference};
 pub use text::day;
 
-/// The newest format that is read, and that of a reference with days.
-pub const FORMAT: u32 = 7;
+/// The newest format that is read, and that of a reference with struts.
+pub const FORMAT: u32 = 8;
+/// The format of one with days and without struts.
+const WITHOUT_SUSPENSION: u32 = 7;
 /// The format of one with wheel speeds and without days.
 const WITHOUT_DAYS: u32 = 6;
 /// The format of one without.
@@ -94,6 +99,8 @@ pub struct StoredReference {
     pub torsion: LearnedTorsion,
     /// What the days since then have shown of the wheel speeds; none without wheel speeds.
     pub days: RadiusDays<f64>,
+    /// What struts and body were, for dampers and load; never without corners.
+    pub suspension: Option<SuspensionReference>,
 }
 
 impl StoredReference {
@@ -117,7 +124,9 @@ impl StoredReference {
         }
         let vehicle = VehicleIdentity::of(vehicle);
         let (wheel_speeds, days) = (None, RadiusDays::since(learned_unix_s as f64));
-        Ok(Self { vehicle, learned_unix_s, wheelbase_m, reference, wheel_speeds, torsion: [None; 4], days })
+        let torsion = [None; 4];
+        let suspension = None;
+        Ok(Self { vehicle, learned_unix_s, wheelbase_m, reference, wheel_speeds, torsion, days, suspension })
     }
 
     /// What the wheel speeds of `vehicle` were found to be at the given time, its accelerations not being known.
@@ -131,6 +140,7 @@ impl StoredReference {
             wheel_speeds: Some(learned),
             torsion: [None; 4],
             days: RadiusDays::since(learned_unix_s as f64),
+            suspension: None,
         }
     }
 
@@ -138,6 +148,12 @@ impl StoredReference {
     #[must_use]
     pub fn with_wheel_speeds(self, wheel_speeds: Option<RadiusCalibration<f64>>) -> Self {
         Self { wheel_speeds, ..self }
+    }
+
+    /// The same with what was learned of struts and body.
+    #[must_use]
+    pub fn with_suspension(self, suspension: Option<SuspensionReference>) -> Self {
+        Self { suspension, ..self }
     }
 
     /// The same with what was learned of tooth pulses.

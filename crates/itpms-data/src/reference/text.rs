@@ -8,8 +8,8 @@ use itpms_files::crc64;
 use toml::de::DeTable;
 
 use super::{
-    FORMAT, ReferenceProblem, StoredReference, VehicleIdentity, WITHOUT_DAYS, WITHOUT_WHEEL_SPEEDS, days,
-    nothing_of_corners, torsion, wheel_speeds,
+    FORMAT, ReferenceProblem, StoredReference, VehicleIdentity, WITHOUT_DAYS, WITHOUT_SUSPENSION,
+    WITHOUT_WHEEL_SPEEDS, days, nothing_of_corners, suspension, torsion, wheel_speeds,
 };
 use crate::error::Problem;
 use crate::toml_table::{Table, escaped, syntax_problem};
@@ -28,7 +28,8 @@ pub(super) fn sealed(stored: &StoredReference) -> String {
     let body = body(stored);
     let rolls = torsion::is_there(&stored.torsion) || stored.wheel_speeds.is_some();
     let format = match (stored.days.is_empty(), rolls) {
-        (false, _) => FORMAT,
+        _ if stored.suspension.is_some() => FORMAT,
+        (false, _) => WITHOUT_SUSPENSION,
         (true, true) => WITHOUT_DAYS,
         (true, false) => WITHOUT_WHEEL_SPEEDS,
     };
@@ -89,6 +90,9 @@ fn body(stored: &StoredReference) -> String {
     if !stored.days.is_empty() {
         days::write(&mut out, &stored.days);
     }
+    if let Some(learned) = &stored.suspension {
+        suspension::write(&mut out, learned);
+    }
     torsion::write(&mut out, &stored.torsion);
     out
 }
@@ -132,7 +136,7 @@ fn write_learned(out: &mut String, name: &str, learned: &Learned<f64>) {
 fn read_body(text: &str, format: u32) -> Result<StoredReference, Problem> {
     let document = DeTable::parse(text).map_err(|error| syntax_problem(text, &error))?;
     let root = Table::root(text, document.get_ref());
-    root.check_keys(&["vehicle", "learned", "corner", "wheel_speeds", "torsion", "days"])?;
+    root.check_keys(&["vehicle", "learned", "corner", "wheel_speeds", "torsion", "days", "suspension"])?;
     let vehicle = needed_table(&root, "vehicle")?;
     vehicle.check_keys(&["name", "id", "parameters"])?;
     let vehicle = VehicleIdentity {
@@ -164,6 +168,7 @@ fn read_body(text: &str, format: u32) -> Result<StoredReference, Problem> {
             wheel_speeds,
             torsion,
             days,
+            suspension: None,
         });
     }
     let [[left_gain, left_skew], [right_gain, right_skew]] =
@@ -183,7 +188,17 @@ fn read_body(text: &str, format: u32) -> Result<StoredReference, Problem> {
     if wheelbase_m.is_some_and(|m| !super::is_a_cars(m)) {
         return Err(ReferenceProblem::Lacks("a wheelbase that a car has").into());
     }
-    Ok(StoredReference { vehicle, learned_unix_s, wheelbase_m, reference, wheel_speeds, torsion, days })
+    let suspension = root.table("suspension")?.map(|table| suspension::read(&table)).transpose()?;
+    Ok(StoredReference {
+        vehicle,
+        learned_unix_s,
+        wheelbase_m,
+        reference,
+        wheel_speeds,
+        torsion,
+        days,
+        suspension,
+    })
 }
 
 fn read_corners(corners: &Table<'_>, format: u32) -> Result<[Option<CornerCalibration<f64>>; 4], Problem> {

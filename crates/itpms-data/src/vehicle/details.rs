@@ -57,6 +57,14 @@ pub struct VehicleDetails {
     pub limited_slip: bool,
     /// Height in m above the sea at which the tires are filled; `None`: at sea level.
     pub home_altitude_m: Option<f64>,
+    /// By how much springs stiffen as they are compressed, in 1/m: their slope goes as `exp(p x)`; `None`: not at all.
+    pub spring_stiffening_per_m: Option<f64>,
+    /// What front and rear axle may carry in kg, wheels included.
+    pub gross_axle_kg: Option<[f64; 2]>,
+    /// Whether springs follow the load.
+    pub level_control: bool,
+    /// Whether a controller tells the dampers what to do.
+    pub adaptive_dampers: bool,
     /// By corner, in the order of [`Corner::ALL`](itpms_core::model::Corner::ALL); empty for a corner that the vehicle does not have.
     pub corners: [CornerDetails; 4],
 }

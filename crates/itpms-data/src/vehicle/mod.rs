@@ -35,6 +35,10 @@
 //! track_rear_m = 1.55
 //! driven = "front"               # or "rear", "all"
 //! limited_slip = true            # coupled wheels of a driven axle
+//! spring_stiffening_per_m = 3.0  # of the springs: 3 % per cm
+//! gross_axle_kg = [1050.0, 1000.0] # what front and rear axle may carry
+//! level_control = true           # springs that follow the load
+//! adaptive_dampers = true        # dampers that a controller sets
 //! [tire]
 //! stiffness_relative_sd = 0.03   # of the line as a whole
 //! stiffness_over_mass_relative_sd = 0.02 # of stiffness over unsprung mass, where a drive has shown it

@@ -7,7 +7,7 @@ use super::details::{CornerDetails, Driven, TireDetails, VehicleDetails};
 use crate::error::Problem;
 use crate::toml_table::Table;
 
-pub(super) const VEHICLE_KEYS: [&str; 11] = [
+pub(super) const VEHICLE_KEYS: [&str; 15] = [
     "name",
     "id",
     "learned",
@@ -19,6 +19,10 @@ pub(super) const VEHICLE_KEYS: [&str; 11] = [
     "driven",
     "limited_slip",
     "home_altitude_m",
+    "spring_stiffening_per_m",
+    "gross_axle_kg",
+    "level_control",
+    "adaptive_dampers",
 ];
 
 /// The largest relative standard deviation that says anything: beyond, a value is a guess of its own order.
@@ -35,8 +39,30 @@ pub(super) fn vehicle(table: &Table<'_>) -> Result<VehicleDetails, Problem> {
         driven: word(table, "driven", Driven::ALL.map(|d| (d.label(), d)), DRIVEN)?,
         limited_slip: table.flag("limited_slip")?.unwrap_or(false),
         home_altitude_m: between(table, "home_altitude_m", -500.0, 6000.0, "a height of -500 to 6000 m")?,
+        spring_stiffening_per_m: up_to(
+            table,
+            "spring_stiffening_per_m",
+            30.0,
+            "0 to 30 per m (3 is 3 % per cm)",
+        )?,
+        gross_axle_kg: gross_axle_kg(table)?,
+        level_control: table.flag("level_control")?.unwrap_or(false),
+        adaptive_dampers: table.flag("adaptive_dampers")?.unwrap_or(false),
         ..VehicleDetails::default()
     })
+}
+
+/// What front and rear axle may carry: a kart's axle to a truck's.
+fn gross_axle_kg(table: &Table<'_>) -> Result<Option<[f64; 2]>, Problem> {
+    const KEY: &str = "gross_axle_kg";
+    let Some(axles) = table.pair(KEY)? else { return Ok(None) };
+    match axles.into_iter().find(|kg| !(40.0..=40_000.0).contains(kg)) {
+        Some(value) => {
+            let expected = "two axle loads of 40 to 40000 kg, front and rear";
+            Err(table.refuse(ParameterError { name: KEY, value, expected }))
+        }
+        None => Ok(Some(axles)),
+    }
 }
 
 const CONFIDENCES: &str = "\"measured\", \"typical\" or \"rough\"";

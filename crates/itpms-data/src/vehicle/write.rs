@@ -32,7 +32,23 @@ pub(super) fn vehicle(vehicle: &Vehicle) -> String {
     if details.limited_slip {
         out.push_str("limited_slip = true\n");
     }
-    numbers(&mut out, [("home_altitude_m", details.home_altitude_m)]);
+    numbers(
+        &mut out,
+        [
+            ("home_altitude_m", details.home_altitude_m),
+            ("spring_stiffening_per_m", details.spring_stiffening_per_m),
+        ],
+    );
+    if let Some([front, rear]) = details.gross_axle_kg {
+        let _ = writeln!(out, "gross_axle_kg = [{front:?}, {rear:?}]");
+    }
+    for (key, value) in
+        [("level_control", details.level_control), ("adaptive_dampers", details.adaptive_dampers)]
+    {
+        if value {
+            let _ = writeln!(out, "{key} = true");
+        }
+    }
     if vehicle.corners.iter().all(Option::is_none) {
         wheels(&mut out, &details.corners);
     }

@@ -10,6 +10,7 @@
 //! | `one` | one drive |
 //! | `crew` | several at a time |
 //! | [`days`] | slow leaks, over a car's drives |
+//! | `dampers` | dampers that are not as they were, over a car's drives |
 //! | `tables` | `fleet.csv`, `fleet.parquet`, `failed.csv` |
 //! | [`standing`] | how each car stands after its last drive |
 //! | [`wheels`] | what a drive showed of each wheel |
@@ -22,6 +23,7 @@
 pub mod cars;
 mod copies;
 mod crew;
+mod dampers;
 pub mod days;
 pub mod found;
 mod histogram;
@@ -169,6 +171,7 @@ pub fn survey(plan: &Plan, watch: Watch<'_>) -> Result<Outcome, DriveError> {
         let reference = carried(plan, drive, &assigned, &records).or_else(|| drive.car.reference.clone())?;
         Some((drive.car.vehicle.as_ref().ok()?, reference))
     });
+    dampers::judge(&mut drives);
     let outcome = Outcome { drives, failed: failed.into_values().collect(), kept, damaged: records.damaged };
     tables::write(&plan.out, &outcome)?;
     page::write(plan, &outcome)?;

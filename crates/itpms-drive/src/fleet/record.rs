@@ -107,6 +107,20 @@ pub struct WheelRecord {
     pub iri_m_per_km: Option<f64>,
     /// How well body and wheel go together.
     pub fit: Option<FitRecord>,
+    /// What its damper does.
+    #[serde(default)]
+    pub damper: Option<DamperRecord>,
+}
+
+/// What a drive says of a damper.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DamperRecord {
+    /// `learning`, `fine`, `weak`, `worn`, `stiff` or `unknown`.
+    pub state: String,
+    /// Damping over that after the calibration.
+    pub over_reference: Option<f64>,
+    /// Left over right of its axle, less one.
+    pub left_right: Option<f64>,
 }
 
 /// How well body and wheel of a corner go together; what was not seen long enough is `None`.

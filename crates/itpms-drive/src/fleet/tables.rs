@@ -8,7 +8,7 @@ use super::Outcome;
 use super::record::{DriveRecord, Pressure, WheelRecord};
 use crate::error::DriveError;
 
-const COLUMNS: [(&str, Kind); 33] = [
+const COLUMNS: [(&str, Kind); 36] = [
     ("file", Kind::Label),
     ("car", Kind::Label),
     ("vehicle", Kind::Label),
@@ -42,6 +42,9 @@ const COLUMNS: [(&str, Kind); 33] = [
     ("lost_share", Kind::Number),
     ("lost_share_sd", Kind::Number),
     ("detectable_loss", Kind::Number),
+    ("damper", Kind::Label),
+    ("damper_over_reference", Kind::Number),
+    ("damper_left_right", Kind::Number),
 ];
 
 /// Writes all tables.
@@ -70,7 +73,7 @@ pub(super) fn write(out: &Path, outcome: &Outcome) -> Result<(), DriveError> {
     Ok(table.finish()?.commit()?)
 }
 
-fn cells<'a>(drive: &'a DriveRecord, wheel: &'a WheelRecord, concerns: &'a str) -> [Cell<'a>; 33] {
+fn cells<'a>(drive: &'a DriveRecord, wheel: &'a WheelRecord, concerns: &'a str) -> [Cell<'a>; 36] {
     let number = |value: Option<f64>| Cell::Number(value.unwrap_or(f64::NAN));
     let of = |pressure: Option<Pressure>| match pressure {
         Some(p) => [p.pressure_kpa, p.sd_kpa, p.time_s].map(Cell::Number),
@@ -112,5 +115,8 @@ fn cells<'a>(drive: &'a DriveRecord, wheel: &'a WheelRecord, concerns: &'a str) 
         number(wheel.lost.map(|lost| lost.share)),
         number(wheel.lost.map(|lost| lost.sd)),
         number(wheel.lost.map(|lost| lost.detectable)),
+        Cell::Label(wheel.damper.as_ref().map_or("", |damper| &damper.state)),
+        number(wheel.damper.as_ref().and_then(|damper| damper.over_reference)),
+        number(wheel.damper.as_ref().and_then(|damper| damper.left_right)),
     ]
 }

@@ -1,11 +1,12 @@
 //! What a drive showed of each wheel. Called by the fleet for its tables, and by the Python package for the same rows.
 
 use itpms_analysis::report::{CornerReport, Reading};
+use itpms_analysis::suspension::DamperHealth;
 use itpms_core::model::{Corner, Misfit, Warning};
 use itpms_core::warning::{Cause, WheelState};
 use itpms_data::out::{RadiusRow, state_label};
 
-use super::record::{FitRecord, Loss, Pressure, WheelRecord};
+use super::record::{DamperRecord, FitRecord, Loss, Pressure, WheelRecord};
 use crate::alerts::Listed;
 use crate::drive::Estimates;
 use crate::run::{Done, Fit};
@@ -46,7 +47,8 @@ impl Begun {
 pub fn wheels(done: &Done, begun: &Begun) -> Vec<WheelRecord> {
     let of = |corner: &CornerReport| {
         let i = corner.corner.index();
-        wheel(corner, begun.begun[i], done.fits[i].as_ref())
+        let damper = done.suspension.as_ref().map(|verdict| &verdict.dampers[i]);
+        wheel(corner, begun.begun[i], done.fits[i].as_ref(), damper)
     };
     match &done.radii {
         Some(radii) if done.data.corners.is_empty() => {
@@ -95,10 +97,16 @@ fn rolling(done: &Done, radii: &RadiusRow, corner: Corner) -> WheelRecord {
         lost,
         iri_m_per_km: None,
         fit: None,
+        damper: None,
     }
 }
 
-fn wheel(corner: &CornerReport, [warnings, malfunctions]: [u32; 2], fit: Option<&Fit>) -> WheelRecord {
+fn wheel(
+    corner: &CornerReport,
+    [warnings, malfunctions]: [u32; 2],
+    fit: Option<&Fit>,
+    damper: Option<&DamperHealth>,
+) -> WheelRecord {
     let figures = &corner.figures;
     let pressure = |r: Reading| Pressure { time_s: r.time_s, pressure_kpa: r.pressure_kpa, sd_kpa: r.sd_kpa };
     WheelRecord {
@@ -116,6 +124,11 @@ fn wheel(corner: &CornerReport, [warnings, malfunctions]: [u32; 2], fit: Option<
         lost: None,
         iri_m_per_km: corner.road.as_ref().and_then(|road| road.iri_m_per_km),
         fit: fit.map(fitted),
+        damper: damper.map(|damper| DamperRecord {
+            state: damper.state.label().to_owned(),
+            over_reference: damper.over_reference.map(|over| over.value),
+            left_right: damper.left_right.map(|ratio| ratio.value),
+        }),
     }
 }
 

@@ -63,6 +63,9 @@ COLUMNS: tuple[tuple[str, str], ...] = (
     ("lost_share", "double"),
     ("lost_share_sd", "double"),
     ("detectable_loss", "double"),
+    ("damper", "string"),
+    ("damper_over_reference", "double"),
+    ("damper_left_right", "double"),
     ("error", "string"),
 )
 # Only what is known at the end is wanted: hardly a row of the estimates over time is kept.
@@ -398,7 +401,9 @@ def _vehicle(text: str) -> Vehicle:
 
 def _flat(wheel: dict[str, Any]) -> dict[str, Any]:
     """A wheel's record by the names of the columns."""
-    last, lowest, fit, lost = (wheel.pop(name) or {} for name in ("last", "lowest", "fit", "lost"))
+    last, lowest, fit, lost, damper = (
+        wheel.pop(name, None) or {} for name in ("last", "lowest", "fit", "lost", "damper")
+    )
     return {
         **wheel,
         "pressure_kpa": last.get("pressure_kpa"),
@@ -410,5 +415,8 @@ def _flat(wheel: dict[str, Any]) -> dict[str, Any]:
         "lost_share": lost.get("share"),
         "lost_share_sd": lost.get("sd"),
         "detectable_loss": lost.get("detectable"),
+        "damper": damper.get("state"),
+        "damper_over_reference": damper.get("over_reference"),
+        "damper_left_right": damper.get("left_right"),
         **fit,
     }

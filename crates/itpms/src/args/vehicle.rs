@@ -33,7 +33,8 @@ pub(crate) enum VehiclePart {
 /// Write a vehicle file of typical values, each with its standard deviation and its source.
 ///
 /// Masses, springs and dampers are those of other cars of the class, the tire's stiffness that of its size. The file is
-/// good enough to begin with; what is measured replaces it line by line (docs/vehicle.md).
+/// good enough to begin with; what is measured replaces it line by line (docs/vehicle.md). Dampers and load are judged better, or not at
+/// all, with spring_stiffening_per_m, gross_axle_kg, level_control and adaptive_dampers in the table [vehicle].
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   itpms vehicle init --mass 1500 --front-share 0.55 --tire 205/55R16 -o car.toml
@@ -169,7 +170,7 @@ impl std::str::FromStr for KnownPressures {
 
 /// Compare how the body answers each wheel in a drive with what the vehicle file says of spring and damper.
 ///
-/// A sentence per corner: what fits, what does not, and what to change. Needs half a minute of rough enough road; neither
+/// A sentence per corner: what fits, what does not, and what to change; one per axle: whether its dampers are alike. Needs half a minute of rough enough road; neither
 /// road nor tire nor unsprung mass enter.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example: itpms vehicle check drive.csv --vehicle car.toml --report check.html")]

@@ -44,6 +44,7 @@ pub(super) fn run(args: &CheckArgs, screen: &Screen, interrupt: &Interrupt) -> R
                 screen.print(format!("{}: {misfit}", corner.label));
             }
         }
+        checked.damper_lines().into_iter().for_each(|line| screen.print(line));
     }
     Ok(())
 }

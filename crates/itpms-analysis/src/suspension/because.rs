@@ -1,0 +1,52 @@
+//! Why a drive says nothing of dampers or load.
+
+/// Why.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Because {
+    /// Too short so far.
+    Short,
+    /// The struts hardly move: friction holds them.
+    Smooth,
+    /// They move faster or further than dampers and springs are alike.
+    Rough,
+    /// The forces of struts as they are modeled do not move the body as it moves.
+    Unexplained,
+    /// The dampers are adaptive: what they do is what they are told.
+    Adaptive,
+    /// There is nothing to compare with.
+    NoReference,
+    /// Springs that follow the load do not show it.
+    LevelControl,
+}
+
+impl Because {
+    /// As files have it.
+    #[must_use]
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Short => "short",
+            Self::Smooth => "smooth",
+            Self::Rough => "rough",
+            Self::Unexplained => "unexplained",
+            Self::Adaptive => "adaptive",
+            Self::NoReference => "no reference",
+            Self::LevelControl => "level control",
+        }
+    }
+
+    /// As the end of a sentence.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Short => {
+                "half a minute of driving at more than 11 km/h on a road that moves the wheels is needed"
+            }
+            Self::Smooth => "the road was so smooth that friction held the struts",
+            Self::Rough => "the road was so rough that dampers and springs were beyond their usual range",
+            Self::Unexplained => "the struts' forces do not explain how the body moves",
+            Self::Adaptive => "the vehicle file says that the dampers are adaptive",
+            Self::NoReference => "a calibration of this car is needed to compare with",
+            Self::LevelControl => "the vehicle file says that springs follow the load (level control)",
+        }
+    }
+}

@@ -1,0 +1,250 @@
+//! The parameters that fit best, from the cross-spectral matrix alone: Gauss-Newton steps, each bin of each corner weighed by what the equation
+//! leaves of it (docs/math/dampers.md, eq. 5 to 7).
+
+use nalgebra::{Complex, SMatrix};
+
+use super::equation::{
+    BAR, DAMPER, LATE, MASS, PITCH, Parameters, REAR, SLIP, SPRING, UNKNOWNS, WARP, Weights, residual,
+};
+use super::reading::CarBody;
+use super::spectra::{ALL, Sum};
+
+/// What is known beforehand, with its standard deviations; zero holds a parameter.
+#[derive(Debug, Clone)]
+pub(super) struct Prior {
+    pub(super) mean: Parameters,
+    pub(super) sd: Parameters,
+    /// Of the difference between left and right of an axle, where both are free: by the first of them. Zero: nothing is known of it.
+    pub(super) alike_sd: Parameters,
+}
+
+/// What was found.
+#[derive(Debug, Clone)]
+pub(super) struct Fit {
+    pub(super) parameters: Parameters,
+    /// Of the fit alone: cars differ from the equation by more.
+    pub(super) covariance: SMatrix<f64, UNKNOWNS, UNKNOWNS>,
+    /// Share of the bodies' power that the equation leaves.
+    pub(super) unexplained: f64,
+}
+
+const PASSES: usize = 15;
+/// Step, in parameters, below which a fit has settled.
+const SETTLED: f64 = 1e-4;
+const LARGEST_STEP: f64 = 0.4;
+/// Power that the equation is taken to leave at least, over the body's.
+const MODEL_ERROR: f64 = 1e-3;
+/// Share of a frame that is new, of one whose neighbors are half the same, and degrees of freedom of a complex number.
+const PER_FRAME: f64 = 0.5 * 2.0;
+/// Step of a derivative.
+const DIFFERENCE: f64 = 1e-5;
+
+type Square = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
+
+/// Part of the bins, the quietest, in which what is left is nothing but noise, where anything is.
+const NOISE_QUANTILE: f64 = 0.15;
+
+/// Fits from `begin` on; then once more without the sensors' noise, which is the file's unless less than that is left.
+pub(super) fn fit(car: &CarBody, sum: &Sum, prior: &Prior, begin: &Parameters) -> Option<Fit> {
+    let first = fit_once(car, sum, prior, begin)?;
+    let mut sum = sum.clone();
+    let quietest = noise_left(car, &sum, &first.parameters);
+    let noise = car.accel_noise_m_s2.map(|rms| (rms * rms).min(quietest).max(0.0));
+    sum.bins.iter_mut().for_each(|bin| bin.take_off(&noise));
+    fit_once(car, &sum, prior, &first.parameters)
+}
+
+/// The variance in (m/s²)² of the noise of a sensor that would explain what is left in the quietest bins.
+fn noise_left(car: &CarBody, sum: &Sum, p: &Parameters) -> f64 {
+    let mut all = Vec::new();
+    for bin in &sum.bins {
+        let weights = residual(car, p, std::f64::consts::TAU * bin.hz);
+        let mut noise = bin.clone();
+        noise.matrix.fill(Complex::new(0.0, 0.0));
+        noise.take_off(&[-1.0; 4]);
+        for row in 0..4 {
+            let column = weights.column(row).clone_owned();
+            let power = |matrix| {
+                let product = product(matrix, &sparse(&column));
+                (0..ALL).map(|i| (column[i] * product[i]).re).sum::<f64>()
+            };
+            all.push(power(&bin.matrix) / power(&noise.matrix).max(1e-30));
+        }
+    }
+    all.sort_by(f64::total_cmp);
+    all.get((NOISE_QUANTILE * all.len() as f64) as usize).copied().unwrap_or(0.0)
+}
+
+fn fit_once(car: &CarBody, sum: &Sum, prior: &Prior, begin: &Parameters) -> Option<Fit> {
+    let mut p = *begin;
+    for i in (0..UNKNOWNS).filter(|i| !(prior.sd[*i] > 0.0)) {
+        p[i] = prior.mean[i];
+    }
+    let mut held: [bool; UNKNOWNS] = std::array::from_fn(|i| !(prior.sd[i] > 0.0));
+    let mut unexplained = 1.0;
+    let mut covariance = Square::zeros();
+    for pass in 0..PASSES {
+        let (mut information, mut score) = (Square::zeros(), Parameters::zeros());
+        unexplained = accumulate(car, sum, &p, &held, &mut information, &mut score);
+        for i in (0..UNKNOWNS).filter(|i| prior.sd[*i] > 0.0) {
+            let weight = prior.sd[i].powi(-2);
+            information[(i, i)] += weight;
+            score[i] += weight * (prior.mean[i] - p[i]);
+        }
+        for i in (0..UNKNOWNS).filter(|i| prior.alike_sd[*i] > 0.0) {
+            let (j, weight) = (i + 1, prior.alike_sd[i].powi(-2));
+            let apart = p[i] - p[j];
+            (information[(i, i)], information[(j, j)]) =
+                (information[(i, i)] + weight, information[(j, j)] + weight);
+            (information[(i, j)], information[(j, i)]) =
+                (information[(i, j)] - weight, information[(j, i)] - weight);
+            (score[i], score[j]) = (score[i] - weight * apart, score[j] + weight * apart);
+        }
+        let (step, inverse) = solve(&information, &score, &p, &mut held, prior)?;
+        covariance = inverse;
+        let mut largest = 0.0f64;
+        for i in 0..UNKNOWNS {
+            let step = step[i].clamp(-LARGEST_STEP, LARGEST_STEP);
+            let [least, most] = bounds(i);
+            let next = (p[i] + step).clamp(least, most);
+            largest = largest.max((next - p[i]).abs());
+            p[i] = next;
+        }
+        if largest < SETTLED && pass > 2 {
+            break;
+        }
+        // A slip force that was held at zero may come back.
+        for i in SLIP..UNKNOWNS {
+            held[i] = !(prior.sd[i] > 0.0);
+        }
+    }
+    p.iter().all(|value| value.is_finite()).then_some(Fit { parameters: p, covariance, unexplained })
+}
+
+/// Between which a parameter is believed.
+fn bounds(i: usize) -> [f64; 2] {
+    match i {
+        REAR => [0.1, 0.9],
+        PITCH..WARP => [-6.0, 3.0],
+        WARP => [0.0, 1.5],
+        DAMPER..SPRING => [-0.5, 6.0],
+        MASS | SPRING..BAR => [-1.5, 1.5],
+        LATE..20 => [-6.0, 6.0],
+        SLIP.. => [0.0, 20.0],
+        _ => [-30.0, 30.0],
+    }
+}
+
+/// The step, and the covariance; slip forces that would become negative are held at zero.
+fn solve(
+    information: &Square,
+    score: &Parameters,
+    p: &Parameters,
+    held: &mut [bool; UNKNOWNS],
+    prior: &Prior,
+) -> Option<(Parameters, Square)> {
+    loop {
+        let (mut equations, mut target) = (*information, *score);
+        for i in (0..UNKNOWNS).filter(|i| held[*i]) {
+            // A slip force that is held goes to zero.
+            let way = if i >= SLIP && prior.sd[i] > 0.0 { -p[i] } else { 0.0 };
+            for j in 0..UNKNOWNS {
+                target[j] -= equations[(j, i)] * way;
+            }
+            for j in 0..UNKNOWNS {
+                (equations[(i, j)], equations[(j, i)]) = (0.0, 0.0);
+            }
+            (equations[(i, i)], target[i]) = (1.0, way);
+        }
+        let cholesky = equations.cholesky()?;
+        let step = cholesky.solve(&target);
+        let negative = (SLIP..UNKNOWNS).find(|i| !held[*i] && p[*i] + step[*i] < 0.0);
+        match negative {
+            Some(i) => held[i] = true,
+            None => {
+                let mut inverse = cholesky.inverse();
+                (0..UNKNOWNS).filter(|i| held[*i]).for_each(|i| inverse[(i, i)] = 0.0);
+                return Some((step, inverse));
+            }
+        }
+    }
+}
+
+/// Adds what all bins say; gives the share of the bodies' power that is left.
+fn accumulate(
+    car: &CarBody,
+    sum: &Sum,
+    p: &Parameters,
+    held: &[bool; UNKNOWNS],
+    information: &mut Square,
+    score: &mut Parameters,
+) -> f64 {
+    let (mut left, mut all) = (0.0, 0.0);
+    for bin in &sum.bins {
+        let omega = std::f64::consts::TAU * bin.hz;
+        let weights = residual(car, p, omega);
+        let slopes = slopes(car, p, held, omega, &weights);
+        for row in 0..4 {
+            let body_at = row * super::signals::SIGNALS + super::signals::BODY;
+            let body = bin.matrix[(body_at, body_at)].re;
+            // The matrix times the residual's weights, conjugated: residual power, and what goes with each slope.
+            let column = weights.column(row);
+            let product = product(&bin.matrix, &sparse(&column.clone_owned()));
+            let power: f64 = (0..ALL).map(|i| (column[i] * product[i]).re).sum();
+            left += power / body.max(1e-30);
+            all += 1.0;
+            let weight = PER_FRAME * sum.frames / power.max(MODEL_ERROR * body).max(1e-30);
+            let products: Vec<_> =
+                slopes.iter().map(|(i, slope)| (*i, self::product(&bin.matrix, &slope[row]))).collect();
+            for (i, slope) in &slopes {
+                let at: f64 = slope[row].iter().map(|(k, d)| (*d * product[*k]).re).sum();
+                score[*i] -= weight * at;
+                for (j, other) in products.iter().take_while(|(j, _)| j <= i) {
+                    let value: f64 = slope[row].iter().map(|(k, d)| (*d * other[*k]).re).sum();
+                    information[(*i, *j)] += weight * value;
+                    if i != j {
+                        information[(*j, *i)] += weight * value;
+                    }
+                }
+            }
+        }
+    }
+    left / all
+}
+
+/// The weights that are not zero.
+type Sparse = Vec<(usize, Complex<f64>)>;
+
+fn sparse(weights: &nalgebra::SVector<Complex<f64>, ALL>) -> Sparse {
+    weights.iter().enumerate().filter(|(_, w)| w.re != 0.0 || w.im != 0.0).map(|(i, w)| (i, *w)).collect()
+}
+
+/// `C a*`: of the mean of `z z*`, what goes with a sum of signals.
+fn product(matrix: &nalgebra::DMatrix<Complex<f64>>, weights: &Sparse) -> Vec<Complex<f64>> {
+    let mut out = vec![Complex::new(0.0, 0.0); ALL];
+    for (k, w) in weights {
+        let w = w.conj();
+        for (out, value) in out.iter_mut().zip(matrix.column(*k).iter()) {
+            *out += *value * w;
+        }
+    }
+    out
+}
+
+/// Derivatives of the weights by each parameter that is free.
+fn slopes(
+    car: &CarBody,
+    p: &Parameters,
+    held: &[bool; UNKNOWNS],
+    omega: f64,
+    weights: &Weights,
+) -> Vec<(usize, [Sparse; 4])> {
+    let free = (0..UNKNOWNS).filter(|i| !held[*i]);
+    free.map(|i| {
+        let mut moved = *p;
+        moved[i] += DIFFERENCE;
+        let slope = (residual(car, &moved, omega) - weights) / Complex::new(DIFFERENCE, 0.0);
+        (i, std::array::from_fn(|row| sparse(&slope.column(row).clone_owned())))
+    })
+    .collect()
+}

@@ -1,0 +1,138 @@
+//! Mass on the axles. Springs are the scale that no load changes: with them at the reference's, the drive's mass and center of gravity come out in the
+//! reference's kilograms (docs/math/dampers.md, section 4).
+
+use itpms_data::reference::SuspensionReference;
+
+use super::because::Because;
+use super::health::Measured;
+use super::reading::{CarBody, SuspensionReading};
+
+/// What a drive's load is wrong by on cars whose springs are known, over many drives (docs/load.md), without friction, of the total and of an axle as shares; with friction by more, see
+/// [`growth`].
+const TOTAL_SD: f64 = 0.02;
+const AXLE_SD: f64 = 0.022;
+/// Share of dry friction in what the struts damp that doubles these, and most of it.
+const FRICTION_SHARE: f64 = 0.4;
+const MOST_FRICTION: f64 = 0.55;
+const GRAVITY_M_S2: f64 = 9.80665;
+
+/// What is known of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LoadState {
+    /// It is known.
+    Known,
+    /// An axle carries more than it may.
+    Overload,
+    /// Too little has been driven so far.
+    Learning,
+    /// It is not.
+    Unknown,
+}
+
+impl LoadState {
+    /// As files have it.
+    #[must_use]
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Known => "known",
+            Self::Overload => "overload",
+            Self::Learning => "learning",
+            Self::Unknown => "unknown",
+        }
+    }
+}
+
+/// Masses in kg that the tires carry, wheels included.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Masses {
+    /// On the front and on the rear axle.
+    pub axles_kg: [Measured; 2],
+    /// On both.
+    pub total_kg: Measured,
+    /// More than when the reference was learned.
+    pub added_kg: Measured,
+}
+
+/// The load of a drive.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Load {
+    /// What the axles carry, where it is known.
+    pub masses: Option<Masses>,
+    /// What is known.
+    pub state: LoadState,
+    /// Why it is not.
+    pub because: Option<Because>,
+}
+
+impl Load {
+    /// Nothing is known.
+    pub(super) fn unknown(because: Because) -> Self {
+        let state = if because == Because::Short { LoadState::Learning } else { LoadState::Unknown };
+        Self { masses: None, state, because: Some(because) }
+    }
+
+    /// Of a drive against its reference; `gross_axle_kg`: what each axle may carry.
+    pub(super) fn of(
+        car: &CarBody,
+        reading: &SuspensionReading,
+        reference: &SuspensionReference,
+        gross_axle_kg: Option<[f64; 2]>,
+    ) -> Self {
+        let friction = reading.found.friction_share.max(reference.friction_share);
+        if !(friction < MOST_FRICTION) {
+            return Self::unknown(Because::Smooth);
+        }
+        let (now, before) = (axles_kg(car, &reading.found), axles_kg(car, reference));
+        let total = now[0] + now[1];
+        let with_sd = |value: f64, share: f64| {
+            let share = share * growth(friction);
+            Measured { value, sd: value.abs() * share.hypot(reading.ln_mass_sd) }
+        };
+        let axles_kg = now.map(|kg| with_sd(kg, AXLE_SD));
+        let total_kg = with_sd(total, TOTAL_SD);
+        // Surely so: one driver in twenty is warned of what is just allowed.
+        let over = |limits: [f64; 2]| {
+            axles_kg.iter().zip(limits).any(|(axle, limit)| axle.value - ONE_SIDED_95 * axle.sd > limit)
+        };
+        Self {
+            masses: Some(Masses {
+                axles_kg,
+                total_kg,
+                added_kg: Measured { value: total - before[0] - before[1], sd: total_kg.sd },
+            }),
+            state: if gross_axle_kg.is_some_and(over) { LoadState::Overload } else { LoadState::Known },
+            because: None,
+        }
+    }
+}
+
+const ONE_SIDED_95: f64 = 1.645;
+
+/// By how much errors grow with the share of friction.
+fn growth(friction_share: f64) -> f64 {
+    1.0 + (friction_share / FRICTION_SHARE).powi(3)
+}
+
+/// What front and rear axle carry in kg.
+fn axles_kg(car: &CarBody, of: &SuspensionReference) -> [f64; 2] {
+    let unsprung = &car.unsprung_mass_kg;
+    let rear = of.sprung_mass_kg * of.rear_share;
+    [of.sprung_mass_kg - rear + unsprung[0] + unsprung[1], rear + unsprung[2] + unsprung[3]]
+}
+
+/// Springs in N/m under the load that was found, from the reference's under its own (eq. 8).
+pub(super) fn stiffened(
+    car: &CarBody,
+    reference: &SuspensionReference,
+    found: &SuspensionReference,
+) -> [f64; 4] {
+    let on = |of: &SuspensionReference, i: usize| {
+        0.5 * of.sprung_mass_kg * if i < 2 { 1.0 - of.rear_share } else { of.rear_share }
+    };
+    std::array::from_fn(|i| {
+        let spring = reference.spring_n_per_m[i];
+        // The way of a spring whose slope is k exp(p x), under what is added to it.
+        let way = (on(found, i) - on(reference, i)) * GRAVITY_M_S2 / spring * car.spring_stiffening_per_m;
+        spring * (1.0 + way).clamp(0.4, 2.5)
+    })
+}

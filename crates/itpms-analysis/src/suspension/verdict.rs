@@ -1,0 +1,68 @@
+//! What a drive says of dampers and load, all that may be said of it.
+
+use itpms_data::reference::SuspensionReference;
+
+use super::because::Because;
+use super::health::DamperHealth;
+use super::load::Load;
+use super::reading::{CarBody, SuspensionReading};
+use super::spectra::SuspensionSpectra;
+
+/// What the vehicle file says of what may be judged.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Terms {
+    /// The dampers do what a controller tells them.
+    pub adaptive_dampers: bool,
+    /// The springs follow the load.
+    pub level_control: bool,
+    /// What each axle may carry in kg.
+    pub gross_axle_kg: Option<[f64; 2]>,
+}
+
+/// See the [module](self).
+#[derive(Debug, Clone, PartialEq)]
+pub struct SuspensionVerdict {
+    /// The dampers, in the order of [`Corner::ALL`](itpms_core::model::Corner::ALL).
+    pub dampers: [DamperHealth; 4],
+    /// What the axles carry.
+    pub load: Load,
+    /// What it would teach of a car that is healthy; nothing where there is a reference already, or where the drive does not suffice.
+    pub learned: Option<SuspensionReference>,
+    /// Seconds of driving that were of use.
+    pub usable_s: f64,
+}
+
+impl SuspensionVerdict {
+    /// Of a car, with or without what it was when it was healthy.
+    #[must_use]
+    pub fn of(
+        car: &CarBody,
+        spectra: &SuspensionSpectra,
+        reference: Option<&SuspensionReference>,
+        terms: &Terms,
+    ) -> Self {
+        let adaptive = terms.adaptive_dampers.then_some(Because::Adaptive);
+        let leveled = terms.level_control.then_some(Because::LevelControl);
+        let doubt = adaptive.or(leveled.filter(|_| reference.is_some()));
+        let read = match reference {
+            Some(reference) => SuspensionReading::against(car, spectra, reference),
+            None => SuspensionReading::alone(car, spectra),
+        };
+        let learned = match (&read, reference) {
+            (Ok(reading), None) => reading.as_reference().ok(),
+            _ => None,
+        };
+        let (dampers, load) = match (&read, reference) {
+            (Err(because), _) => ([DamperHealth::unknown(*because); 4], Load::unknown(*because)),
+            (Ok(reading), reference) => {
+                let load = match (leveled, reference) {
+                    (Some(because), _) => Load::unknown(because),
+                    (None, None) => Load::unknown(Because::NoReference),
+                    (None, Some(reference)) => Load::of(car, reading, reference, terms.gross_axle_kg),
+                };
+                (DamperHealth::of(car, reading, reference, doubt), load)
+            }
+        };
+        Self { dampers, load, learned, usable_s: spectra.usable_s() }
+    }
+}

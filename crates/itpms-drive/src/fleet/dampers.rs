@@ -1,0 +1,129 @@
+//! Dampers over a car's drives: one is reported in the third drive in a row that finds it weak, worn or stiff. One drive alone may be of a road that is like no other;
+//! drives that say nothing of dampers neither count nor break a row.
+
+use std::collections::BTreeMap;
+
+use super::record::DriveRecord;
+
+/// Drives in a row.
+const ROW: u32 = 3;
+
+/// The way in which a damper is not as it was.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Way {
+    Less,
+    More,
+}
+
+/// Adds to each drive, in the order of a car's drives, the dampers that are reported in it.
+pub(super) fn judge(drives: &mut [DriveRecord]) {
+    let mut rows: BTreeMap<(String, String), (Way, u32)> = BTreeMap::new();
+    for drive in drives {
+        // A calibration is a new beginning: dampers may have been replaced.
+        if drive.taught {
+            rows.retain(|(car, _), _| *car != drive.car);
+        }
+        let mut sentences = Vec::new();
+        for wheel in &drive.wheels {
+            let Some(damper) = &wheel.damper else { continue };
+            let way = match damper.state.as_str() {
+                "weak" | "worn" => Some(Way::Less),
+                "stiff" => Some(Way::More),
+                "fine" => None,
+                _ => continue,
+            };
+            let key = (drive.car.clone(), wheel.wheel.clone());
+            let Some(way) = way else {
+                rows.remove(&key);
+                continue;
+            };
+            let row = rows.entry(key).or_insert((way, 0));
+            *row = if row.0 == way { (way, row.1 + 1) } else { (way, 1) };
+            if row.1 >= ROW {
+                let does = if way == Way::Less { "less" } else { "more" };
+                let now =
+                    damper.over_reference.map_or_else(String::new, |over| format!(", {over:.2} of it now"));
+                sentences.push(format!(
+                    "{}: its damper has damped {does} than after the calibration in {} drives in a row ({}{now}): have it looked at",
+                    wheel.wheel, row.1, damper.state
+                ));
+            }
+        }
+        drive.alerts.extend(sentences);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fleet::record::{DamperRecord, Inputs, WheelRecord};
+
+    fn drive(state: &str) -> DriveRecord {
+        let wheel = WheelRecord {
+            wheel: "rl".to_owned(),
+            placard_kpa: 240.0,
+            state: "fine".to_owned(),
+            warning: "none".to_owned(),
+            last: None,
+            lowest: None,
+            share_valid: 1.0,
+            warnings: 0,
+            first_warning_s: None,
+            malfunctions: 0,
+            first_malfunction_s: None,
+            lost: None,
+            iri_m_per_km: None,
+            fit: None,
+            damper: Some(DamperRecord {
+                state: state.to_owned(),
+                over_reference: Some(0.7),
+                left_right: Some(-0.3),
+            }),
+        };
+        DriveRecord {
+            file: "d.csv".to_owned(),
+            car: "car".to_owned(),
+            vehicle: "car".to_owned(),
+            inputs: Inputs {
+                bytes: 1,
+                modified: String::new(),
+                vehicle: String::new(),
+                calibrate: false,
+                reference: None,
+                pulses: None,
+            },
+            taught: false,
+            start_s: 0.0,
+            origin_s: 0.0,
+            duration_s: 200.0,
+            rate_hz: 200.0,
+            distance_m: None,
+            wheels: vec![wheel],
+            not_estimated: Vec::new(),
+            alerts: Vec::new(),
+            concerns: Vec::new(),
+            day: None,
+            report: None,
+            estimates: None,
+        }
+    }
+
+    fn reported(states: &[&str]) -> Vec<bool> {
+        let mut drives: Vec<_> = states.iter().map(|state| drive(state)).collect();
+        judge(&mut drives);
+        drives.iter().map(|drive| !drive.alerts.is_empty()).collect()
+    }
+
+    #[test]
+    fn a_damper_is_reported_in_the_third_drive_in_a_row() {
+        assert_eq!(reported(&["weak", "weak", "worn", "weak"]), [false, false, true, true]);
+        // What says nothing does not count; what is fine or the other way begins anew.
+        assert_eq!(reported(&["weak", "unknown", "weak", "weak"]), [false, false, false, true]);
+        assert_eq!(reported(&["weak", "weak", "fine", "weak", "weak"]), [false; 5]);
+        assert_eq!(reported(&["weak", "weak", "stiff", "stiff"]), [false; 4]);
+        let mut drives: Vec<_> = ["weak"; 4].map(drive).into();
+        drives[2].taught = true;
+        judge(&mut drives);
+        assert!(drives.iter().all(|drive| drive.alerts.is_empty()));
+    }
+}
