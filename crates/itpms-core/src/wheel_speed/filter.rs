@@ -35,8 +35,8 @@ const SLIP_SHARE_WALK: f64 = 0.01;
 /// How unequally a driven axle's two wheels slip, as a share of their slip: as their loads, their tires and the road under them differ;
 /// beforehand and whenever the car has stood.
 const UNEQUAL_SHARE: f64 = 0.25;
-/// A road changes at once, where a block is an outlier: by which share of it the slip, by which share of that how unequally the wheels of a driven axle slip, and in
-/// thousandths what parts the wheels of both axles alike.
+/// A road changes at once, where a block is an outlier: by which share of it the slip, by which share of the slip how unequally the wheels
+/// of a driven axle slip, and in thousandths what parts the wheels of both axles alike.
 const ROAD_SLIP: f64 = 0.3;
 const ROAD_UNEQUAL: f64 = 0.15;
 const ROAD_SIDE: f64 = 0.4;

@@ -187,18 +187,22 @@ impl<T: Real> Following<T> {
             return None;
         }
         let delays = self.delays_s()?;
-        if !slippery && exchanged(delays, EXCHANGED_S) {
+        // By how much the front axle speeds up before the rear one: its slip, of which nothing is left where one of its wheels is exchanged.
+        let ahead_s = self.late[AXLE] / (T::lit(SCALE) * self.speeding);
+        let ahead_s = [ahead_s, -ahead_s];
+        let slips = |axle: usize, least_s: T| driven.axles()[axle] && !(ahead_s[axle] < least_s);
+        let half = T::lit(0.5) * dry_slip_s;
+        let pushed = driven != DrivenAxle::Both && (slips(FRONT, half) || slips(REAR, half));
+        if !slippery && !pushed && exchanged(delays, EXCHANGED_S) {
             return Some(Astray::Axles);
         }
         let [front, rear] = delays.map(|delay| delay.abs());
         let (axle, delay, other) = if front > rear { (0, delays[0], rear) } else { (1, delays[1], front) };
         // What both axles do is a bend, and coupled wheels do not show one.
         let alone = other < T::lit(0.5) * delay.abs() && self.coupled == [false; 2];
-        // A driven wheel that slips more than the other does so by more than its axle's slip; one that comes late holds its axle's mean back, by half of the delay.
-        let ahead_s = self.late[AXLE] / (T::lit(SCALE) * self.speeding);
-        let ahead_s = if axle == 0 { ahead_s } else { -ahead_s };
+        // A driven wheel that slips more than the other brings its axle forward; one that comes late holds it back, by half of the delay.
         let is_driven = driven.axles()[axle];
-        let slips = is_driven && !(ahead_s < dry_slip_s - T::lit(0.25) * delay.abs());
+        let slips = slips(axle, dry_slip_s - T::lit(0.25) * delay.abs());
         let by_slip_s = if is_driven { T::lit(UNEQUAL_SLIP) * slip_s } else { T::zero() };
         let late = alone && delay.abs() > T::lit(LATE_S) + by_slip_s && !slips && !slippery;
         let corner = *Corner::ALL.get(2 * axle + usize::from(!(delay > T::zero())))?;

@@ -394,7 +394,9 @@ impl<T: Real> RadiusMonitor<T> {
     fn astray(&self) -> Option<Astray> {
         let per_m_s2 = T::lit(1.0 / SCALE) * self.last.speed_m_s;
         let slip_s = self.filter.slip_1e3().map(|slip| per_m_s2 * slip);
-        self.following.astray(self.config.driven, self.filter.is_slippery()[1], slip_s)
+        // What is known of the road is forgotten with what was learned: that makes no right speed of a wrong one.
+        let slippery = self.filter.is_slippery()[1] && !self.was_astray;
+        self.following.astray(self.config.driven, slippery, slip_s)
     }
 
     /// A block was taken in.

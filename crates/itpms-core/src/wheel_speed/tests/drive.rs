@@ -29,6 +29,8 @@ pub(crate) struct Drive {
     /// What the sensor makes of a yaw rate.
     pub(super) yaw_gain: f64,
     pub(super) accel_x: bool,
+    /// What the left front wheel slips more than the right one, as a share of their slip.
+    pub(super) split: f64,
 }
 
 pub(super) const OFFSETS: [f64; 4] = [1.3e-3, -0.4e-3, -0.9e-3, 0.6e-3];
@@ -53,6 +55,7 @@ impl Drive {
             yaw_rate: true,
             yaw_gain: 1.0,
             accel_x: true,
+            split: 0.0,
         }
     }
 
@@ -90,7 +93,7 @@ impl Drive {
         let pull = if braking { 1e-3 } else { 0.0 };
         let slip = 3.7e-3 * self.front_force;
         let ratio = [
-            outer + slip - turn + 0.5 * self.wander[0] + pull,
+            outer + slip * (1.0 + self.split) - turn + 0.5 * self.wander[0] + pull,
             outer + slip + turn - 0.5 * self.wander[0],
             -turn + 0.5 * self.wander[1],
             turn - 0.5 * self.wander[1],

@@ -74,6 +74,19 @@ fn a_healthy_car_is_not_warned_of() {
     }
 }
 
+/// Gravel under the left wheels for a minute, every other one: the driven left wheel slips by two thirds more.
+#[test]
+fn a_road_that_changes_at_once_is_no_loss() {
+    for seed in [71, 72, 73] {
+        let mut drive = Drive::new(seed, 60.0, 0.04);
+        let mut monitor = calibrated::<f32>(&mut drive, 300.0);
+        for stretch in 0..20u32 {
+            drive.split = if stretch % 2 == 0 { 2.0 / 3.0 } else { 0.0 };
+            assert_eq!(found(&mut monitor, &mut drive, 60.0), None, "{seed} {stretch}");
+        }
+    }
+}
+
 /// Speeds that are sent in coarse steps teach nothing, or what they teach is right.
 #[test]
 fn coarse_speeds_warn_of_nothing() {
@@ -118,7 +131,7 @@ fn the_tire_that_became_smaller_is_found() {
             let lost = 1.0 - (f64::from(read.change) / 0.007).exp();
             assert!(
                 (f64::from(read.lost_share) - lost).abs() < 1e-3
-                    && f64::from(read.lost_share_sd) > 0.5 * lost,
+                    && f64::from(read.lost_share_sd) > 0.35 * lost,
                 "{read:?}"
             );
         }
