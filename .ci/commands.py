@@ -25,7 +25,7 @@ READ = sorted({*RUN, *(str(p.relative_to(ROOT)) for p in (ROOT / "docs").rglob("
 NOT_RUN = {
     "cargo run --release -- demo": "takes a build; the step demo runs it",
     "cargo test --workspace": "takes many minutes; the step tests runs it",
-    "pip install itpms-0.1.0-cp310-abi3-manylinux_2_17_x86_64.manylinux2014_x86_64.whl": "takes a build; the step dist installs it",
+    "pip install itpms-0.1.0-cp310-abi3-manylinux2014_x86_64.manylinux_2_17_x86_64.whl": "takes a build; the step dist installs it",
     "tar -xzf itpms-0.1.0-x86_64-linux-musl.tar.gz": "the same",
     "sudo apt install ./itpms_0.1.0-1_amd64.deb": "the same",
     "itpms monitor can0 --vehicle car.toml --dbc car.dbc --signals map.toml --http 127.0.0.1:8080": "needs a CAN interface; the step vcan has one",
