@@ -72,7 +72,7 @@ fn drive(seconds: f64, road: f64, damper: [f64; 4], added_rear_kg: f64) -> Suspe
 const ROAD: f64 = 0.012;
 
 #[test]
-fn a_damper_that_has_lost_half_and_a_load_are_found_against_the_reference() {
+fn a_damper_that_has_lost_most_and_a_load_are_found_against_the_reference() {
     let (car, terms) = (file(), Terms::default());
     let healthy = SuspensionVerdict::of(&car, &drive(120.0, ROAD, [1.0; 4], 0.0), None, &terms);
     assert!(healthy.dampers.iter().all(|damper| damper.because == Some(Because::NoReference)));
@@ -81,17 +81,17 @@ fn a_damper_that_has_lost_half_and_a_load_are_found_against_the_reference() {
     for (found, truth) in reference.spring_n_per_m.into_iter().zip(car.spring_n_per_m) {
         assert!((found / truth - 1.0).abs() < 0.06, "{reference:?}");
     }
-    let later = drive(90.0, ROAD, [1.0, 1.0, 0.5, 1.0], 200.0);
+    let later = drive(90.0, ROAD, [1.0, 1.0, 0.3, 1.0], 200.0);
     let verdict = SuspensionVerdict::of(&car, &later, Some(&reference), &terms);
     let states = verdict.dampers.map(|damper| damper.state);
     assert_eq!(states, [DamperState::Fine, DamperState::Fine, DamperState::Worn, DamperState::Fine]);
     let over = verdict.dampers[Corner::RearLeft.index()].over_reference.unwrap();
-    assert!((over.value - 0.5).abs() < 0.05, "{over:?}");
+    assert!((over.value - 0.3).abs() < 0.06, "{over:?}");
     let left_right = verdict.dampers[Corner::RearRight.index()].left_right.unwrap();
-    assert!((left_right.value + 0.5).abs() < 0.05, "{left_right:?}");
+    assert!((left_right.value + 0.7).abs() < 0.06, "{left_right:?}");
     let masses = verdict.load.masses.unwrap();
-    assert!((masses.added_kg.value - 200.0).abs() < 40.0, "{masses:?}");
-    assert!((masses.axles_kg[1].value - 820.0).abs() < 40.0, "{masses:?}");
+    assert!((masses.added_kg.value - 200.0).abs() < 60.0, "{masses:?}");
+    assert!((masses.axles_kg[1].value - 820.0).abs() < 50.0, "{masses:?}");
     assert_eq!(verdict.load.state, LoadState::Known);
     // The same drive of a car whose rear axle may not carry it, and of such as are not judged.
     let overloaded = Terms { gross_axle_kg: Some([900.0, 700.0]), ..terms };
