@@ -252,7 +252,7 @@ capi() {
     cargo build --release --locked
     "$target_dir/release/itpms" -q lab simulate drive-puncture --seed 1 -o "$out/drive.csv" --vehicle-out "$out/car.toml"
     "$target_dir/release/itpms" -q estimate "$out/drive.csv" --vehicle "$out/car.toml" -o "$out/est.csv" >/dev/null
-    "$target_dir/release/itpms" -q lab simulate examples/firmware/wheels.toml --seed 1 -o "$out/wheels.csv" --vehicle-out "$out/wheels.toml"
+    "$target_dir/release/itpms" -q lab simulate examples/firmware/wheels.toml --seed 2 -o "$out/wheels.csv" --vehicle-out "$out/wheels.toml"
     triple="$(rustc -vV | sed -n 's/^host: //p')"
     for precision in f64 f32; do
         library="$(.ci/capi-library "$triple" "$precision")"

@@ -65,7 +65,7 @@ fn wheels() -> Result<(), Box<dyn Error>> {
     let scenario = Scenario::from_file(Path::new("wheels.toml"))?;
     let mut bytes = Vec::new();
     let mut messages = 0;
-    for row in Simulation::new(&scenario, 1)? {
+    for row in Simulation::new(&scenario, 2)? {
         let bus = row.wheel_speeds.ok_or("the drive has wheel speeds")?;
         let [speed, yaw, accel] = BUS;
         let values = bus.wheel_speed_m_s.map(|value| value * speed).into_iter().chain([

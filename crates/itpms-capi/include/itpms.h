@@ -1107,6 +1107,10 @@ typedef struct {
    Of GAIN: reading over truth.
    */
   itpms_real gain;
+  /*
+   How probable it is, of what says that tires have too little air; NaN of FLAT.
+   */
+  itpms_real probability;
 } itpms_alert;
 
 /*

@@ -85,7 +85,7 @@ fn structs_lie_in_c_as_they_do_here() {
         itpms_estimate low_wheels
         itpms_wheel_radius lost_share_sd
         itpms_radius_report loads_may_differ
-        itpms_alert gain
+        itpms_alert probability
         itpms_event alert
         itpms_problem expected
     );

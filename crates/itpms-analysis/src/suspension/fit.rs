@@ -114,8 +114,8 @@ fn fit_once(car: &CarBody, sum: &Sum, prior: &Prior, begin: &Parameters) -> Opti
             break;
         }
         // A slip force that was held at zero may come back.
-        for i in SLIP..UNKNOWNS {
-            held[i] = !(prior.sd[i] > 0.0);
+        for (held, sd) in held.iter_mut().zip(&prior.sd).skip(SLIP) {
+            *held = !(*sd > 0.0);
         }
     }
     p.iter().all(|value| value.is_finite()).then_some(Fit { parameters: p, covariance, unexplained })

@@ -184,7 +184,7 @@ fn states(ln: &[f64; 4]) -> [DamperState; 4] {
         return [DamperState::Unknown; 4];
     };
     let (common, all_differ) = match mean(set).exp() {
-        all if all < ALL_WORN || all > ALL_STIFF => (0.0, true),
+        all if !(ALL_WORN..=ALL_STIFF).contains(&all) => (0.0, true),
         _ => (mean(set), false),
     };
     std::array::from_fn(|i| match (ln[i] - common).exp() {

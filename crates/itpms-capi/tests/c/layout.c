@@ -21,7 +21,7 @@ int main(void)
     SIZE(itpms_estimate, low_wheels);
     SIZE(itpms_wheel_radius, lost_share_sd);
     SIZE(itpms_radius_report, loads_may_differ);
-    SIZE(itpms_alert, gain);
+    SIZE(itpms_alert, probability);
     SIZE(itpms_event, alert);
     SIZE(itpms_problem, expected);
     return 0;

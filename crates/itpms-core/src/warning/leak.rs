@@ -95,7 +95,7 @@ impl<T: Real> LeakWatch<T> {
     fn growth(&mut self, time_s: f64, wheel: Corner, lost_kpa: T) -> Option<T> {
         let passed_s = time_s - core::mem::replace(&mut self.behind_s[wheel], time_s);
         let behind_kpa = &mut self.behind_kpa[wheel];
-        if !(passed_s >= 0.0 && passed_s < GROWTH_S && behind_kpa.is_finite()) {
+        if !((0.0..GROWTH_S).contains(&passed_s) && behind_kpa.is_finite()) {
             *behind_kpa = lost_kpa;
         }
         let behind = lost_kpa - *behind_kpa;

@@ -34,7 +34,7 @@ pub(crate) enum VehiclePart {
 ///
 /// Masses, springs and dampers are those of other cars of the class, the tire's stiffness that of its size. The file is
 /// good enough to begin with; what is measured replaces it line by line (docs/vehicle.md). Dampers and load are judged better, or not at
-/// all, with spring_stiffening_per_m, gross_axle_kg, level_control and adaptive_dampers in the table [vehicle].
+/// all, with spring_stiffening_per_m, gross_axle_kg, level_control and adaptive_dampers in the vehicle table.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   itpms vehicle init --mass 1500 --front-share 0.55 --tire 205/55R16 -o car.toml

@@ -25,10 +25,7 @@ fn listen(car: &Car, day: &Day, seed: u64) -> SuspensionSpectra {
 }
 
 fn file(car: &Car, r: &mut Pcg64Mcg) -> CarBody {
-    let mut f = || {
-        let e = [0.05, 0.2, 0.25, 0.05].map(|sd| (sd * normal(r)).exp());
-        e
-    };
+    let mut f = || [0.05, 0.2, 0.25, 0.05].map(|sd| (sd * normal(r)).exp());
     let e = [f(), f()];
     let mass_f = e[0][0];
     CarBody {
