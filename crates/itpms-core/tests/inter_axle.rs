@@ -287,7 +287,9 @@ fn both_precisions_say_the_same() {
 
 #[test]
 fn without_a_wheelbase_the_corners_are_alone() {
-    let config = CarConfig { wheelbase_m: None, ..config::<f64>() };
+    let mut config = CarConfig { wheelbase_m: None, ..config::<f64>() };
+    // There is no friction, and the file says so.
+    config.corners.iter_mut().flatten().for_each(|corner| corner.uncertainty.friction_n = 0.0);
     let alone = |i: usize| Estimator::new(config.corners[i].as_ref().unwrap(), RATE_HZ).unwrap();
     let (mut car, mut corners) = (car(&config), [0, 1, 2, 3].map(alone));
     // In a car a corner's units wait for other work, and what they tell is concluded every 10 ms: within a hop of a frame.

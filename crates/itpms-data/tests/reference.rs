@@ -134,10 +134,10 @@ fn an_assumed_wheelbase_is_replaced_by_the_one_that_was_found() {
 
 #[test]
 fn a_newer_format_is_told_from_damage() {
-    let newer = sealed("8", "something that nobody knows yet");
+    let newer = sealed("9", "something that nobody knows yet");
     assert_eq!(
         refusal(newer.as_bytes()),
-        "the learned reference has format 8, expected at most 7: a newer itpms wrote it"
+        "the learned reference has format 9, expected at most 8: a newer itpms wrote it"
     );
     let damaged = newer.replace("nobody", "n0body");
     assert!(refusal(damaged.as_bytes()).contains("is damaged"));

@@ -117,7 +117,7 @@ pub(super) enum TooLittle {
     Rough,
 }
 
-/// See the [module](self); takes a drive row by row.
+/// The cross-spectral matrix of a drive in the making; takes it row by row.
 #[derive(Debug, Clone)]
 pub struct SuspensionSpectra {
     step_s: f64,

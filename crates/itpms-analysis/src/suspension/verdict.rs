@@ -19,7 +19,7 @@ pub struct Terms {
     pub gross_axle_kg: Option<[f64; 2]>,
 }
 
-/// See the [module](self).
+/// The states of dampers and load after a drive, and what it would teach.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SuspensionVerdict {
     /// The dampers, in the order of [`Corner::ALL`](itpms_core::model::Corner::ALL).
