@@ -9,7 +9,7 @@ use itpms_sim::simulation::Simulation;
 
 const DRIVE_S: f64 = 160.0;
 /// Seconds after which it has to have been seen, and what was reported before taken back.
-const SEEN_S: f64 = 80.0;
+const SEEN_S: f64 = 90.0;
 /// Error in kPa of a pressure that is absurd: three standard deviations of one that rests on a file of confidence `typical`.
 const ABSURD_KPA: f64 = 60.0;
 /// A sample as a wrong sensor or a wrong cable gives it.
