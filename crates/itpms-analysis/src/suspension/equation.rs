@@ -4,7 +4,7 @@
 use itpms_data::reference::FRICTION_ELEMENTS;
 use nalgebra::{Complex, SMatrix, SVector};
 
-use super::reading::CarBody;
+use super::car_body::CarBody;
 use super::signals::{BODY, FRICTION, SIGNALS, SIZE, SQUARE, VELOCITY, WAY, WHEEL};
 use super::spectra::ALL;
 

@@ -3,10 +3,10 @@
 
 use nalgebra::{Complex, SMatrix};
 
+use super::car_body::CarBody;
 use super::equation::{
     BAR, DAMPER, LATE, MASS, PITCH, Parameters, REAR, SLIP, SPRING, UNKNOWNS, WARP, Weights, residual,
 };
-use super::reading::CarBody;
 use super::spectra::{ALL, Sum};
 
 /// What is known beforehand, with its standard deviations; zero holds a parameter.

@@ -4,7 +4,8 @@
 use itpms_data::reference::SuspensionReference;
 
 use super::because::Because;
-use super::reading::{CarBody, SuspensionReading};
+use super::car_body::CarBody;
+use super::reading::SuspensionReading;
 
 /// A number and its standard deviation.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -4,8 +4,9 @@
 use itpms_data::reference::SuspensionReference;
 
 use super::because::Because;
+use super::car_body::CarBody;
 use super::health::Measured;
-use super::reading::{CarBody, SuspensionReading};
+use super::reading::SuspensionReading;
 
 /// What a drive's load is wrong by on cars whose springs are known, over many drives (docs/load.md), without friction, of the total and of an axle as shares; with friction by more, see
 /// [`growth`].
@@ -14,7 +15,6 @@ const AXLE_SD: f64 = 0.022;
 /// Share of dry friction in what the struts damp that doubles these, and most of it.
 const FRICTION_SHARE: f64 = 0.4;
 const MOST_FRICTION: f64 = 0.55;
-const GRAVITY_M_S2: f64 = 9.80665;
 
 /// What is known of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -118,21 +118,4 @@ fn axles_kg(car: &CarBody, of: &SuspensionReference) -> [f64; 2] {
     let unsprung = &car.unsprung_mass_kg;
     let rear = of.sprung_mass_kg * of.rear_share;
     [of.sprung_mass_kg - rear + unsprung[0] + unsprung[1], rear + unsprung[2] + unsprung[3]]
-}
-
-/// Springs in N/m under the load that was found, from the reference's under its own (eq. 8).
-pub(super) fn stiffened(
-    car: &CarBody,
-    reference: &SuspensionReference,
-    found: &SuspensionReference,
-) -> [f64; 4] {
-    let on = |of: &SuspensionReference, i: usize| {
-        0.5 * of.sprung_mass_kg * if i < 2 { 1.0 - of.rear_share } else { of.rear_share }
-    };
-    std::array::from_fn(|i| {
-        let spring = reference.spring_n_per_m[i];
-        // The way of a spring whose slope is k exp(p x), under what is added to it.
-        let way = (on(found, i) - on(reference, i)) * GRAVITY_M_S2 / spring * car.spring_stiffening_per_m;
-        spring * (1.0 + way).clamp(0.4, 2.5)
-    })
 }

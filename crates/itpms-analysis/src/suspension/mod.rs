@@ -8,6 +8,7 @@
 //!
 //! | module | idea |
 //! |---|---|
+//! | `car_body` | a car as its vehicle file has it |
 //! | `signals` | accelerations of a corner to the signals that its strut's force is made of, by filters that all signals pass |
 //! | `spectra` | frames of these to their cross-spectral matrix, bin by bin; rough frames apart |
 //! | `equation` | the body's equation of motion: what each signal counts in it, for given parameters |
@@ -19,6 +20,7 @@
 //! | `because` | why they are not |
 
 mod because;
+mod car_body;
 mod equation;
 mod fit;
 mod health;
@@ -31,8 +33,9 @@ mod tests;
 mod verdict;
 
 pub use because::Because;
+pub use car_body::CarBody;
 pub use health::{DamperHealth, DamperState, Measured};
 pub use load::{Load, LoadState, Masses};
-pub use reading::{CarBody, SuspensionReading};
+pub use reading::SuspensionReading;
 pub use spectra::SuspensionSpectra;
 pub use verdict::{SuspensionVerdict, Terms};

@@ -4,50 +4,13 @@ use itpms_data::reference::{FRICTION_ELEMENTS, SuspensionReference};
 use nalgebra::SMatrix;
 
 use super::because::Because;
+use super::car_body::CarBody;
 use super::equation::{
     ASYMMETRY, BAR, DAMPER, FORCE_N, KNEE, LATE, LATE_S, LEFT, MASS, PITCH, Parameters, REAR, ROLL, SLIP,
     SPRING, UNKNOWNS, WARP, slip,
 };
 use super::fit::{Fit, Prior, fit};
-use super::load;
 use super::spectra::{HOP_S, Sum, SuspensionSpectra, TooLittle};
-
-/// A car as its vehicle file has it, corners in the order of [`Corner::ALL`](itpms_core::model::Corner::ALL).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CarBody {
-    /// Sprung masses in kg.
-    pub sprung_mass_kg: [f64; 4],
-    /// Unsprung masses in kg.
-    pub unsprung_mass_kg: [f64; 4],
-    /// Dampers in N s/m.
-    pub damping_n_s_per_m: [f64; 4],
-    /// Springs in N/m.
-    pub spring_n_per_m: [f64; 4],
-    /// By how much springs stiffen as they are compressed, in 1/m: their slope goes as `exp(p x)`.
-    pub spring_stiffening_per_m: f64,
-    /// Noise of the accelerometers in m/s² (rms per row).
-    pub accel_noise_m_s2: [f64; 4],
-    /// Tires at the pressures that they should have, in N/m, and what they damp, in N s/m.
-    pub tire_n_per_m: [f64; 4],
-    /// See [`tire_n_per_m`](Self::tire_n_per_m).
-    pub tire_damping_n_s_per_m: [f64; 4],
-}
-
-impl CarBody {
-    /// Sprung mass of the car in kg.
-    pub(super) fn sprung_mass_kg(&self) -> f64 {
-        self.sprung_mass_kg.iter().sum()
-    }
-
-    pub(super) fn rear_share(&self) -> f64 {
-        (self.sprung_mass_kg[2] + self.sprung_mass_kg[3]) / self.sprung_mass_kg()
-    }
-
-    /// Mean of the springs of an axle in N/m.
-    pub(super) fn axle_spring_n_per_m(&self, axle: usize) -> f64 {
-        0.5 * (self.spring_n_per_m[2 * axle] + self.spring_n_per_m[2 * axle + 1])
-    }
-}
 
 /// What a drive has shown.
 #[derive(Debug, Clone)]
@@ -149,7 +112,7 @@ impl SuspensionReading {
             let prior = Prior { mean, sd, alike_sd: Parameters::zeros() };
             let next = fit(car, &sum, &prior, &begin).ok_or(Because::Unexplained)?;
             begin = next.parameters;
-            let springs = load::stiffened(car, reference, &of_parameters(car, &next.parameters, 0.0));
+            let springs = car.stiffened(reference, &of_parameters(car, &next.parameters, 0.0));
             for (i, spring) in springs.into_iter().enumerate() {
                 mean[SPRING + i] = (spring / car.spring_n_per_m[i]).ln();
                 begin[SPRING + i] = mean[SPRING + i];

@@ -3,9 +3,10 @@
 use itpms_data::reference::SuspensionReference;
 
 use super::because::Because;
+use super::car_body::CarBody;
 use super::health::DamperHealth;
 use super::load::Load;
-use super::reading::{CarBody, SuspensionReading};
+use super::reading::SuspensionReading;
 use super::spectra::SuspensionSpectra;
 
 /// What the vehicle file says of what may be judged.

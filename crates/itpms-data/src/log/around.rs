@@ -1,7 +1,5 @@
 //! What a car says of its surroundings: the air around it, and where it is.
 
-use super::row::Slot;
-
 /// What a car says of the air around it; for cold pressures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum AirField {
@@ -46,8 +44,7 @@ impl AirColumns {
     }
 
     /// Those among these columns.
-    pub(super) fn of(has: impl Fn(Slot) -> bool) -> Self {
-        let has = |field| has(Slot::Air(field));
+    pub(super) fn of(has: impl Fn(AirField) -> bool) -> Self {
         Self {
             temperature: has(AirField::Temperature),
             pressure: has(AirField::Pressure),

@@ -212,7 +212,7 @@ impl MotionColumns {
             brake: motion(Motion::Brake),
             tire_sensors: each(Field::TireSensor),
             tire_temperatures: each(Field::TireTemperature),
-            air: AirColumns::of(&has),
+            air: AirColumns::of(|field| has(Slot::Air(field))),
             position: match PositionField::ALL.map(|field| has(Slot::Position(field))) {
                 [true, true] => PositionColumns::Private,
                 _ => PositionColumns::Absent,

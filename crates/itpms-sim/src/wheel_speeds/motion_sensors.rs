@@ -8,7 +8,6 @@ use super::chassis::{GRAVITY_M_S2, Moving};
 use super::conditions::YawFault;
 use super::disturbance::{Wander, normal};
 use super::drawn::Drawn;
-use super::run::in_steps;
 use super::spec::WheelSpeedSpec;
 
 /// Time in s in which the yaw rate's offset drifts.
@@ -83,6 +82,11 @@ impl MotionSensors {
             YawFault::Noisy => sound + FAULTY_NOISE_RAD_S / YAW_NOISE_RAD_S * noise_rad_s,
         }
     }
+}
+
+/// A value as it is sent: in whole steps, if it has any.
+pub(super) fn in_steps(value: f64, step: f64) -> f64 {
+    if step > 0.0 { (value / step).round() * step } else { value }
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use rand_pcg::Pcg64;
 use super::chassis::{Chassis, GRAVITY_M_S2, Moving};
 use super::disturbance::{Rough, Shaken, Wander, normal};
 use super::drawn::Drawn;
-use super::motion_sensors::MotionSensors;
+use super::motion_sensors::{MotionSensors, in_steps};
 use super::spec::{DrivenWheels, WheelSpeedSpec};
 use super::surface::{Ground, Surfaces};
 use super::tire::slip;
@@ -340,8 +340,4 @@ impl WheelSpeedRun {
         }
         shaken
     }
-}
-
-pub(super) fn in_steps(value: f64, step: f64) -> f64 {
-    if step > 0.0 { (value / step).round() * step } else { value }
 }

@@ -66,7 +66,7 @@ impl DaySummary {
         for (hour, day) in days() {
             let of = conditions.entry(day.condition.label()).or_default();
             of.hours += hour.driven_s / 3600.0;
-            let told = hour.said.iter().filter(|said| said.cause != super::summary::NO_INFORMATION).count();
+            let told = hour.said.iter().filter(|said| said.cause != super::hour::NO_INFORMATION).count();
             of.false_warnings += told;
             if told > 0 {
                 of.seeds.push(hour.seed);

@@ -16,6 +16,9 @@ use serde::{Deserialize, Serialize};
 use super::day::DayHour;
 use super::{Car, Plan, SoakError};
 
+/// What the monitor says when it cannot know; honest, and no false warning.
+pub(super) const NO_INFORMATION: &str = "no-information";
+
 /// Rows between two questions whether to go on.
 pub(super) const ASK_ROWS: u64 = 2000;
 /// How far the speed that the estimator is given may be off, as a share: tires wear, wheels differ.

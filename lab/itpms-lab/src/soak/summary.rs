@@ -7,9 +7,7 @@ use serde::Serialize;
 
 use super::Hour;
 use super::day_summary::DaySummary;
-
-/// What the monitor says when it cannot know; honest, and no false warning.
-pub(super) const NO_INFORMATION: &str = "no-information";
+use super::hour::NO_INFORMATION;
 
 /// Drives added up. JSON as the fields stand here.
 #[derive(Debug, Clone, PartialEq, Serialize)]
