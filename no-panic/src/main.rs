@@ -24,18 +24,24 @@ extern "C" fn car(
     config: &MonitorConfig<f32>,
     calibration: &VehicleCalibration<f32>,
     sample: &CarSample<f32>,
+    wheel_speeds: &WheelSpeedSample<f32>,
+    torsion: &mut CarTorsion<f32>,
     rate_hz: f64,
 ) -> usize {
     if car.configure(config, rate_hz).is_err() || car.load_calibration(calibration).is_err() {
         return 0;
     }
     let estimate = car.update(sample);
+    car.update_wheel_speeds(wheel_speeds);
+    car.update_with_pulses(wheel_speeds, torsion);
     if car.begin_calibration(sample.time_s).is_ok() {
         car.end_calibration();
     }
     #[cfg(feature = "left")]
     core::hint::black_box([0u8; 4][sample.time_s as usize]);
-    estimate.corners.iter().flatten().count() + car.report().wheels.iter().flatten().count()
+    estimate.corners.iter().flatten().count()
+        + car.report().wheels.iter().flatten().count()
+        + car.wheels_mut().map_or(0, |wheels| usize::from(wheels.alert().is_some()))
 }
 
 /// The same of the tooth pulses of one wheel.

@@ -1,4 +1,4 @@
-//! The car in the caller's memory: accelerations under their monitor, wheel speeds under theirs, and what was reported last.
+//! The car in the caller's memory: accelerations and wheel speeds under their monitors, the roads, and what was reported last.
 
 use itpms_core::model::{CalibrationError, CarEstimate, VehicleCalibration};
 use itpms_core::monitor::{MonitoredCar, MonitoredWheels};
@@ -18,7 +18,7 @@ use crate::status::itpms_status;
 
 const CALIBRATION: Kind = Kind::new(b'C', 2);
 /// A program with another layout of the estimator has another format.
-const STATE: Kind = Kind::new(b'S', 5);
+const STATE: Kind = Kind::new(b'S', 6);
 
 /// See the [module](self).
 #[derive(Serialize, Deserialize)]
@@ -26,7 +26,6 @@ pub(crate) struct Car {
     config: Option<Config>,
     car: MonitoredCar<itpms_real>,
     road: RoadUnderCar<itpms_real>,
-    wheels: MonitoredWheels<itpms_real>,
     estimate: Option<CarEstimate<itpms_real>>,
     /// As the events were last asked for.
     reported: Option<MonitorReport<itpms_real>>,
@@ -38,15 +37,10 @@ type Taught = (Option<VehicleCalibration<itpms_real>>, Option<RadiusCalibration<
 impl Car {
     /// Begins anew with this configuration.
     fn begin(&mut self, config: &Config) -> Result<(), itpms_core::ParameterError> {
-        if config.has_corners() {
-            self.car.configure(&config.monitor, config.sample_rate_hz)?;
-        }
+        self.car.configure(&config.monitor, config.sample_rate_hz)?;
         self.road.clear();
         if config.wants_road {
             self.road.configure(&config.monitor.car, config.sample_rate_hz)?;
-        }
-        if let Some(wheels) = &config.wheels {
-            self.wheels.configure(wheels)?;
         }
         self.config = Some(*config);
         (self.estimate, self.reported) = (None, None);
@@ -54,17 +48,13 @@ impl Car {
     }
 
     fn has_corners(&self) -> bool {
-        self.config.as_ref().is_some_and(Config::has_corners)
-    }
-
-    fn has_wheels(&self) -> bool {
-        self.config.as_ref().is_some_and(|config| config.wheels.is_some())
+        self.config.as_ref().is_some_and(|config| config.monitor.car.has_corners())
     }
 
     pub(crate) fn update(&mut self, sample: &itpms_sample) -> Result<(), itpms_status> {
         let mut sample = sample.read()?;
-        let config =
-            self.config.as_ref().filter(|config| config.has_corners()).ok_or(itpms_status::NoCorners)?;
+        let config = self.config.as_ref().filter(|config| config.monitor.car.has_corners());
+        let config = config.ok_or(itpms_status::NoCorners)?;
         for (corner, configured) in sample.corners.iter_mut().zip(&config.monitor.car.corners) {
             *corner = corner.filter(|_| configured.is_some());
         }
@@ -81,32 +71,19 @@ impl Car {
         sample: &itpms_wheel_speed_sample,
     ) -> Result<(), itpms_status> {
         let sample = sample.read()?;
-        if !self.has_wheels() {
-            return Err(itpms_status::NoWheelSpeeds);
-        }
-        self.wheels.update(&sample);
-        self.car.follow_wheels(&self.wheels);
+        self.car.wheels().ok_or(itpms_status::NoWheelSpeeds)?;
+        self.car.update_wheel_speeds(&sample);
         Ok(())
     }
 
-    /// What both monitors have to say.
-    fn report(&self) -> MonitorReport<itpms_real> {
-        let mut report = *self.car.report();
-        match (self.has_corners(), self.has_wheels()) {
-            (true, true) => self.wheels.write_alert_into(&mut report),
-            (false, true) => self.wheels.write_report_into(&mut report),
-            _ => {}
-        }
-        report
-    }
-
     pub(crate) fn estimate(&self) -> itpms_estimate {
-        let radii = self.has_wheels().then(|| self.wheels.radii());
-        estimate::estimate(self.estimate.as_ref(), &self.report(), radii)
+        let radii = self.car.wheels().map(MonitoredWheels::radii);
+        estimate::estimate(self.estimate.as_ref(), self.car.report(), radii)
     }
 
     fn taught(&self) -> Taught {
-        (self.car.estimator().calibration(), self.wheels.calibration().copied())
+        let wheels = self.car.wheels().and_then(MonitoredWheels::calibration);
+        (self.car.estimator().calibration(), wheels.copied())
     }
 
     /// Bytes of its saved state now.
@@ -137,7 +114,6 @@ impl Kept for Car {
             (&raw mut (*place).config).write(None);
             (&raw mut (*place).car).write(MonitoredCar::unconfigured());
             (&raw mut (*place).road).write(RoadUnderCar::unconfigured());
-            (&raw mut (*place).wheels).write(MonitoredWheels::unconfigured());
             (&raw mut (*place).estimate).write(None);
             (&raw mut (*place).reported).write(None);
         }
@@ -153,7 +129,7 @@ impl Kept for Car {
     }
 
     fn alerts(&self, mut take: impl FnMut(usize, &Alert<itpms_real>)) {
-        self.report().alerts().enumerate().for_each(|(i, alert)| take(i, alert));
+        self.car.report().alerts().enumerate().for_each(|(i, alert)| take(i, alert));
     }
 
     fn events(
@@ -161,7 +137,7 @@ impl Kept for Car {
         room: usize,
         mut take: impl FnMut(usize, &Change<itpms_real>),
     ) -> (usize, Result<(), itpms_status>) {
-        let (now, before) = (self.report(), self.reported.unwrap_or_else(MonitorReport::empty));
+        let (now, before) = (*self.car.report(), self.reported.unwrap_or_else(MonitorReport::empty));
         let count = now.changes_since(&before).count();
         if count > room {
             return (count, Err(itpms_status::TooSmall));
@@ -172,20 +148,11 @@ impl Kept for Car {
     }
 
     fn begin_calibration(&mut self, seconds: f64) -> Result<(), itpms_status> {
-        if self.has_corners() {
-            self.car.begin_calibration(seconds).map_err(|_| itpms_status::BadDuration)?;
-        }
-        if self.has_wheels() {
-            self.wheels.begin_calibration(seconds).map_err(|_| itpms_status::BadDuration)?;
-        }
-        Ok(())
+        self.car.begin_calibration(seconds).map_err(|_| itpms_status::BadDuration)
     }
 
     fn end_calibration(&mut self) -> Result<(), itpms_status> {
         self.car.end_calibration();
-        if self.has_wheels() {
-            self.wheels.end_calibration();
-        }
         match self.taught() {
             (None, None) => Err(itpms_status::NotCalibrated),
             _ => Ok(()),
@@ -201,7 +168,9 @@ impl Kept for Car {
 
     fn load_calibration(&mut self, bytes: &[u8]) -> Result<(), itpms_status> {
         let (corners, wheels): Taught = image::load(CALIBRATION, bytes)?;
-        if self.estimate.is_some() || self.has_wheels() && self.wheels.radii().time_s.is_finite() {
+        if self.estimate.is_some()
+            || self.car.wheels().is_some_and(|wheels| wheels.radii().time_s.is_finite())
+        {
             return Err(itpms_status::TooLate);
         }
         if let Some(corners) = corners.filter(|_| self.has_corners()) {
@@ -212,15 +181,8 @@ impl Kept for Car {
                 }
             })?;
         }
-        match wheels.filter(|_| self.has_wheels()) {
-            Some(wheels) if !self.wheels.load_calibration(&wheels) => Err(itpms_status::Implausible),
-            _ => Ok(()),
-        }
-    }
-}
-
-impl Config {
-    pub(crate) fn has_corners(&self) -> bool {
-        self.monitor.car.corners.iter().any(Option::is_some)
+        let loaded =
+            self.car.wheels_mut().zip(wheels).map(|(wheels, learned)| wheels.load_calibration(&learned));
+        if loaded == Some(false) { Err(itpms_status::Implausible) } else { Ok(()) }
     }
 }

@@ -25,7 +25,6 @@ pub(crate) struct Config {
     pub(crate) monitor: MonitorConfig<itpms_real>,
     /// Whether the roads under the wheels are estimated.
     pub(crate) wants_road: bool,
-    pub(crate) wheels: Option<WheelSpeedConfig<itpms_real>>,
 }
 
 /// What is wrong with a configuration.
@@ -76,13 +75,18 @@ impl Config {
             if flag("has_pumps", stated.has_pumps)? { Inflation::WhileRolling } else { Inflation::AtStops };
         let options = EstimatorOptions { inflation, ..EstimatorOptions::default() };
         let car = CarConfig { corners, wheelbase_m };
-        let monitor =
-            MonitorConfig { limits: limits(stated)?, reference_kpa, options, ..MonitorConfig::new(&car) };
-        let wheels = read_wheel_speeds(&stated.wheel_speeds, stated.wheelbase_m)?;
-        if corners.iter().all(Option::is_none) && wheels.is_none() {
+        let wheel_speeds = read_wheel_speeds(&stated.wheel_speeds, stated.wheelbase_m)?;
+        let monitor = MonitorConfig {
+            limits: limits(stated)?,
+            wheel_speeds,
+            reference_kpa,
+            options,
+            ..MonitorConfig::new(&car)
+        };
+        if !car.has_corners() && wheel_speeds.is_none() {
             return Err(Refusal::choice("is_measured", 0, "1 at a corner, or wheel_speeds.is_used"));
         }
-        Ok(Self { sample_rate_hz: stated.sample_rate_hz, monitor, wants_road, wheels })
+        Ok(Self { sample_rate_hz: stated.sample_rate_hz, monitor, wants_road })
     }
 }
 

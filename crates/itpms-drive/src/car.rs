@@ -2,24 +2,27 @@
 
 use itpms_core::car::CarEstimator;
 use itpms_core::estimator::OutsideStiffness;
-use itpms_core::model::CarEstimate;
-use itpms_core::model::{Air, CalibrationError, CarSample, Corner, ParameterError, VehicleCalibration};
+use itpms_core::model::{
+    Air, CalibrationError, CarConfig, CarEstimate, CarSample, Corner, ParameterError, VehicleCalibration,
+};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar, MonitoredWheels};
+use itpms_core::torsion::CarTorsion;
 use itpms_core::warning::MonitorReport;
+use itpms_core::wheel_speed::WheelSpeedSample;
 use itpms_paper::{EstimatorKind, PaperCar};
 
 /// A running estimator of a car, in its box: by value it would cross the stack, and whose that is the caller alone knows.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum AnyCar {
-    /// The default one, under its monitor.
-    Monitored(Box<MonitoredCar<f64>>),
+pub struct AnyCar {
+    /// The default estimator; beside one of the paper's it has no corners, only wheel speeds.
+    car: Box<MonitoredCar<f64>>,
     /// One of the paper's filters on each corner.
-    Paper(Box<PaperCar<f64>>),
+    paper: Option<Box<PaperCar<f64>>>,
 }
 
 impl AnyCar {
-    /// An estimator of `kind` for samples that come at about `sample_rate_hz`.
+    /// An estimator of `kind` for samples that come at about `sample_rate_hz`; of a car without corners wheel speeds are all there is.
     ///
     /// # Errors
     /// The rate must be positive and finite; limits and parameters that the estimator refuses are named.
@@ -28,48 +31,31 @@ impl AnyCar {
         config: &MonitorConfig<f64>,
         sample_rate_hz: f64,
     ) -> Result<Self, ParameterError> {
-        if kind != EstimatorKind::Informed {
-            return Ok(Self::Paper(Box::new(PaperCar::new(kind, config, sample_rate_hz)?)));
+        let (mut car, mut paper) = (Box::new(MonitoredCar::unconfigured()), None);
+        if kind == EstimatorKind::Informed || !config.car.has_corners() {
+            car.configure(config, sample_rate_hz)?;
+        } else {
+            let without_corners = CarConfig { corners: [None; 4], ..config.car };
+            car.configure(&MonitorConfig { car: without_corners, ..*config }, sample_rate_hz)?;
+            paper = Some(Box::new(PaperCar::new(kind, config, sample_rate_hz)?));
         }
-        let mut car = Box::new(MonitoredCar::unconfigured());
-        car.configure(config, sample_rate_hz)?;
-        Ok(Self::Monitored(car))
-    }
-
-    /// A car of which nothing is estimated.
-    #[must_use]
-    pub fn without_corners() -> Self {
-        Self::Monitored(Box::new(MonitoredCar::unconfigured()))
+        Ok(Self { car, paper })
     }
 
     /// The default estimator, where it is that one.
     #[must_use]
     pub fn estimator(&self) -> Option<&CarEstimator<f64>> {
-        match self {
-            Self::Monitored(car) => Some(car.estimator()),
-            Self::Paper(_) => None,
-        }
+        self.paper.is_none().then(|| self.car.estimator())
     }
 
     /// Takes the stiffness of a corner's tire that another source follows, which the paper's filters have no use for.
     pub fn follow(&mut self, corner: Corner, stiffness: Option<OutsideStiffness<f64>>) {
-        if let Self::Monitored(car) = self {
-            car.follow(corner, stiffness);
-        }
-    }
-
-    /// Takes what the car's wheel speeds have shown, which the paper's filters have no use for.
-    pub fn follow_wheels(&mut self, wheels: &MonitoredWheels<f64>) {
-        if let Self::Monitored(car) = self {
-            car.follow_wheels(wheels);
-        }
+        self.car.follow(corner, stiffness);
     }
 
     /// Takes what the car says of the air around it, which the paper's filters have no use for.
     pub fn follow_air(&mut self, air: &Air<f64>) {
-        if let Self::Monitored(car) = self {
-            car.follow_air(air);
-        }
+        self.car.follow_air(air);
     }
 
     /// All tires have their placard pressures from the next sample on, for `seconds`.
@@ -77,17 +63,13 @@ impl AnyCar {
     /// # Errors
     /// The length must be positive and finite.
     pub fn begin_calibration(&mut self, seconds: f64) -> Result<(), ParameterError> {
-        match self {
-            Self::Monitored(car) => car.begin_calibration(seconds),
-            Self::Paper(car) => car.begin_calibration(seconds),
-        }
+        self.car.begin_calibration(seconds)?;
+        self.paper.as_mut().map_or(Ok(()), |paper| paper.begin_calibration(seconds))
     }
 
     /// Ends the calibration that is under way.
     pub fn end_calibration(&mut self) {
-        if let Self::Monitored(car) = self {
-            car.end_calibration();
-        }
+        self.car.end_calibration();
     }
 
     /// Begins with what an earlier drive taught, which the paper's filters have no use for.
@@ -98,35 +80,49 @@ impl AnyCar {
         &mut self,
         calibration: &VehicleCalibration<f64>,
     ) -> Result<(), CalibrationError> {
-        match self {
-            Self::Monitored(car) => car.load_calibration(calibration),
-            Self::Paper(_) => Ok(()),
-        }
+        self.paper.as_ref().map_or_else(|| self.car.load_calibration(calibration), |_| Ok(()))
     }
 
     /// Takes one sample; gives the estimate after it.
     pub fn update(&mut self, sample: &CarSample<f64>) -> CarEstimate<f64> {
-        match self {
-            Self::Monitored(car) => car.update(sample),
-            Self::Paper(car) => car.update(sample),
+        self.paper.as_mut().map_or_else(|| self.car.update(sample), |paper| paper.update(sample))
+    }
+
+    /// Takes the wheel speeds of the same time, and the tooth pulses up to it where they are read.
+    pub fn update_wheel_speeds(
+        &mut self,
+        sample: &WheelSpeedSample<f64>,
+        torsion: Option<&mut CarTorsion<f64>>,
+    ) {
+        match torsion {
+            Some(torsion) => self.car.update_with_pulses(sample, torsion),
+            None => self.car.update_wheel_speeds(sample),
+        }
+        if let (Some(paper), Some(wheels)) = (&mut self.paper, self.car.wheels()) {
+            paper.follow_wheels(wheels);
         }
     }
 
-    /// What the monitor reports after the last sample.
+    /// The monitor of the wheel speeds, where they are used.
+    #[must_use]
+    pub fn wheels(&self) -> Option<&MonitoredWheels<f64>> {
+        self.car.wheels()
+    }
+
+    /// The same, to be prepared for the drive.
+    pub fn wheels_mut(&mut self) -> Option<&mut MonitoredWheels<f64>> {
+        self.car.wheels_mut()
+    }
+
+    /// What the monitors report after the last sample.
     #[must_use]
     pub fn report(&self) -> &MonitorReport<f64> {
-        match self {
-            Self::Monitored(car) => car.report(),
-            Self::Paper(car) => car.report(),
-        }
+        self.paper.as_ref().map_or_else(|| self.car.report(), |paper| paper.report())
     }
 
     /// Whether the speed says that the car stands while its wheels roll.
     #[must_use]
     pub fn denies_standstill(&self) -> bool {
-        match self {
-            Self::Monitored(car) => car.denies_standstill(),
-            Self::Paper(car) => car.denies_standstill(),
-        }
+        self.paper.as_ref().map_or_else(|| self.car.denies_standstill(), |paper| paper.denies_standstill())
     }
 }

@@ -4,7 +4,7 @@ use itpms_core::car::CarEstimator;
 use itpms_core::conditioning::{SpeedHold, is_a_cars};
 use itpms_core::model::CarEstimate;
 use itpms_core::model::{BodyFit, Corner, CornerEstimate, Misfit, QuarterCar};
-use itpms_core::monitor::MonitorConfig;
+use itpms_core::monitor::{MonitorConfig, MonitoredWheels};
 use itpms_core::torsion::TorsionChange;
 use itpms_core::warning::MonitorReport;
 use itpms_data::out::{RadiusRow, WheelSpeedUse};
@@ -16,7 +16,7 @@ use crate::car::AnyCar;
 use crate::error::DriveError;
 use crate::reference::{self, Taught};
 use crate::settings::{LOG_END_S, Settings};
-use crate::wheel_speeds::{WheelSpeeds, YawFault};
+use crate::wheel_speeds::{WheelSpeeds, YawFault, lacking};
 
 /// What is known of the corners after a row, in the order of [`Corner::ALL`].
 pub type Estimates = [Option<CornerEstimate<f64>>; 4];
@@ -71,10 +71,10 @@ impl Drive {
         let vehicle = stored.as_ref().map_or(vehicle, |(vehicle, _)| vehicle);
         let taught = stored.as_ref().map(|(_, stored)| stored);
         let alone = corners.is_empty();
-        let wheels = (wheel_speeds != WheelSpeedUse::None)
-            .then(|| WheelSpeeds::new(settings, vehicle, alone, taught))
+        let wheel_speeds = (wheel_speeds != WheelSpeedUse::None)
+            .then(|| vehicle.wheel_speed_config().map_err(|key| DriveError::Mismatch(lacking(vehicle, key))))
             .transpose()?;
-        if let Some(path) = settings.pulses.as_ref().filter(|_| wheels.is_none()) {
+        if let Some(path) = settings.pulses.as_ref().filter(|_| wheel_speeds.is_none()) {
             return Err(DriveError::Mismatch(format!(
                 "{}: tooth pulses count together with wheel speeds, and the log has none that can be used: expected {{c}}_wheel_speed_m_s or {{c}}_wheel_speed_rad_s of all four",
                 path.display()
@@ -82,21 +82,21 @@ impl Drive {
         }
         let (corners, home_kpa) = (vehicle.car_config(corners), vehicle.home_kpa());
         let limits = settings.regulation.into();
-        let config = MonitorConfig { limits, home_kpa, ..MonitorConfig::new(&corners) };
-        let mut car = AnyCar::without_corners();
+        let config = MonitorConfig { limits, home_kpa, wheel_speeds, ..MonitorConfig::new(&corners) };
         if !alone && settings.calibration_kpa.iter().any(Option::is_some) {
             let what = "pressures of the calibration other than the placards' (--pressure-kpa) are of use for wheel speeds alone";
             return Err(DriveError::Mismatch(what.to_owned()));
         }
-        if !alone {
-            car = AnyCar::new(settings.estimator, &config, sample_rate_hz)?;
-            if let Some((_, stored)) = stored.as_ref().filter(|(_, stored)| stored.has_corners()) {
-                reference::load(settings, &stored.reference, &mut car)?;
-            }
-            if let Some(seconds) = settings.calibrate_s {
-                car.begin_calibration(seconds)?;
-            }
+        let mut car = AnyCar::new(settings.estimator, &config, sample_rate_hz)?;
+        if let Some((_, stored)) = stored.as_ref().filter(|(_, stored)| !alone && stored.has_corners()) {
+            reference::load(settings, &stored.reference, &mut car)?;
         }
+        if let Some(seconds) = settings.calibrate_s {
+            car.begin_calibration(seconds)?;
+        }
+        let wheels =
+            car.wheels_mut().map(|wheels| WheelSpeeds::new(settings, vehicle, alone, taught, wheels));
+        let wheels = wheels.transpose()?;
         let repeated = (!alone && car.estimator().is_some())
             .then(|| RepeatedRoads::new(&corners, sample_rate_hz, settings.road_repeats).map(Box::new))
             .transpose()?;
@@ -143,8 +143,9 @@ impl Drive {
     /// The log is over. A calibration of so many seconds that lasts as long as it does, give or take one, is over, too.
     pub fn finish(&mut self, calibrate_s: Option<f64>) {
         if calibrate_s.is_some_and(|seconds| self.length_s() + LOG_END_S >= seconds) {
+            let calibrates = self.car.wheels().is_some_and(MonitoredWheels::is_calibrating);
             self.car.end_calibration();
-            if let Some(wheels) = &mut self.wheels {
+            if let Some(wheels) = self.wheels.as_mut().filter(|_| calibrates) {
                 wheels.end_calibration();
             }
         }
@@ -153,34 +154,40 @@ impl Drive {
     /// What the calibration taught, once it is over.
     #[must_use]
     pub fn learned(&self) -> Taught {
-        let wheel_speeds = self.wheels.as_ref().and_then(WheelSpeeds::learned);
+        let wheel_speeds = self.car.wheels().and_then(MonitoredWheels::calibration).copied();
         let torsion = self.wheels.as_ref().map_or([None; 4], WheelSpeeds::learned_torsion);
         let corners = self.car.estimator().and_then(CarEstimator::calibration);
-        let days = self.wheels.as_ref().and_then(WheelSpeeds::days);
+        let days =
+            self.wheels.as_ref().zip(self.car.wheels()).and_then(|(wheels, monitor)| wheels.days(monitor));
         Taught { corners, wheel_speeds, torsion, suspension: None, days }
     }
 
     /// The rows' times count from here, in s since 1970; zero: from there, or from no date.
     pub fn clock_began(&mut self, unix_s: f64) {
-        if let Some(wheels) = &mut self.wheels {
+        if let (Some(wheels), Some(monitor)) = (&mut self.wheels, self.car.wheels_mut()) {
             wheels.clock_began(unix_s);
+            monitor.clock_began(unix_s);
         }
     }
 
     /// Whether the calibration of the wheel speeds was driven on snow, and taught nothing.
     pub(crate) fn calibrated_on_snow(&self) -> bool {
-        self.wheels.as_ref().is_some_and(WheelSpeeds::refused_snow)
+        self.car.wheels().is_some_and(MonitoredWheels::refused_snow)
     }
 
     /// Whether the yaw rate's sign contradicts the wheels.
     pub(crate) fn yaw_fault(&self) -> Option<YawFault> {
-        self.wheels.as_ref().and_then(WheelSpeeds::yaw_fault)
+        self.wheels.as_ref().zip(self.car.wheels()).and_then(|(wheels, monitor)| wheels.yaw_fault(monitor))
     }
 
     /// What the wheel speeds say, where they are used.
     #[must_use]
     pub fn radii(&self) -> Option<RadiusRow> {
-        self.wheels.as_ref().map(WheelSpeeds::row)
+        self.car.wheels().map(|wheels| RadiusRow {
+            radii: *wheels.radii(),
+            states: Corner::ALL.map(|corner| Some(wheels.state_of(corner))),
+            slow_leak: *wheels.slow_leak(),
+        })
     }
 
     /// What tooth pulses say of each tire since the calibration, where they are read.
@@ -199,7 +206,7 @@ impl Drive {
     /// What the monitor says after the last row.
     #[must_use]
     pub fn report(&self) -> &MonitorReport<f64> {
-        self.wheels.as_ref().map_or(self.car.report(), WheelSpeeds::report)
+        self.car.report()
     }
 
     /// Seconds from the first row to the last.
@@ -289,8 +296,7 @@ impl Drive {
             row.speed_m_s = f64::NAN;
         }
         if let Some(wheels) = &mut self.wheels {
-            wheels.update(row, self.car.report());
-            self.car.follow_wheels(wheels.monitor());
+            wheels.update(row, &mut self.car);
         }
         estimate
     }

@@ -1,16 +1,17 @@
-//! The wheel speeds of a drive under their monitor: beside that of the accelerations, or alone.
+//! The wheel speeds of a drive, beside accelerations or alone: what earlier drives taught of them, samples made of rows, and whether the
+//! yaw rate goes with them.
 
 use itpms_core::model::Corner;
 use itpms_core::monitor::MonitoredWheels;
 use itpms_core::torsion::{CarTorsion, TorsionChange};
-use itpms_core::warning::MonitorReport;
-use itpms_core::wheel_speed::{RadiusCalibration, RadiusDays};
+use itpms_core::wheel_speed::RadiusDays;
 use itpms_data::log::LogColumns;
-use itpms_data::out::{RadiusRow, WheelSpeedUse};
+use itpms_data::out::WheelSpeedUse;
 use itpms_data::pulses::Pulse;
 use itpms_data::reference::{LearnedTorsion, StoredReference};
 use itpms_data::{LogRow, Vehicle};
 
+use crate::car::AnyCar;
 use crate::error::DriveError;
 use crate::settings::Settings;
 
@@ -33,11 +34,10 @@ pub fn wheel_speed_use(
     Ok(if corners.is_empty() { WheelSpeedUse::Alone } else { WheelSpeedUse::Beside })
 }
 
-/// The monitor and what it reported last.
+/// See the [module](self).
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct WheelSpeeds {
-    wheels: Box<MonitoredWheels<f64>>,
     rolling_radius_m: f64,
     alone: bool,
     track_rear_m: f64,
@@ -49,24 +49,21 @@ pub(crate) struct WheelSpeeds {
     /// From where the rows' times count, in s since 1970, and the last one's.
     began_unix_s: f64,
     unix_s: f64,
-    report: Box<MonitorReport<f64>>,
 }
 
 impl WheelSpeeds {
-    /// The monitor of this vehicle's wheel speeds.
+    /// This vehicle's, whose monitor begins with what was stored.
     ///
     /// # Errors
-    /// A length or a setting that it refuses, or a stored reference without wheel speeds where there is nothing else.
+    /// A setting that it refuses, or a stored reference without wheel speeds where there is nothing else.
     pub(crate) fn new(
         settings: &Settings,
         vehicle: &Vehicle,
         alone: bool,
         stored: Option<&StoredReference>,
+        wheels: &mut MonitoredWheels<f64>,
     ) -> Result<Self, DriveError> {
         let lacks = |key| DriveError::Mismatch(lacking(vehicle, key));
-        let config = vehicle.wheel_speed_config().map_err(lacks)?;
-        let mut wheels = Box::new(MonitoredWheels::unconfigured());
-        wheels.configure(&config)?;
         let mut torsion = match settings.pulses {
             None => None,
             Some(_) => {
@@ -99,31 +96,30 @@ impl WheelSpeeds {
             )));
         }
         let rolling_radius_m = vehicle.rolling_radius_m().unwrap_or(f64::NAN);
-        let (track_rear_m, turns) = (config.track_rear_m, Turns::default());
-        let report = Box::new(MonitorReport::empty());
+        let track_rear_m = vehicle.wheel_speed_config().map_err(lacks)?.track_rear_m;
         let (began_unix_s, unix_s) = (0.0, 0.0);
         Ok(Self {
-            wheels,
             rolling_radius_m,
             alone,
             track_rear_m,
-            turns,
+            turns: Turns::default(),
             torsion,
             learned_unix_s,
             began_unix_s,
             unix_s,
-            report,
         })
     }
 
     pub(crate) fn clock_began(&mut self, unix_s: f64) {
         self.began_unix_s = unix_s;
-        self.wheels.clock_began(unix_s);
     }
 
     /// What the days since the calibration show, with this one, or why it does not count; `None` without a calibration.
-    pub(crate) fn days(&self) -> Option<Result<RadiusDays<f64>, &'static str>> {
-        let (days, calibrated) = (self.wheels.days(), self.wheels.calibration().is_some());
+    pub(crate) fn days(
+        &self,
+        wheels: &MonitoredWheels<f64>,
+    ) -> Option<Result<RadiusDays<f64>, &'static str>> {
+        let (days, calibrated) = (wheels.days(), wheels.calibration().is_some());
         let problem = if !(self.unix_s > DATES_S) {
             Some("the drive has no date, expected times in s since 1970 or a log with its start")
         } else if !(self.unix_s >= days.calibrated_unix_s && days.calibrated_unix_s > DATES_S) {
@@ -136,11 +132,11 @@ impl WheelSpeeds {
         calibrated.then(|| problem.map_or(Ok(*days), Err))
     }
 
-    /// Takes a row, and what the car's other monitor reported after it. The speed of a car of which nothing else is known is that of its wheels.
-    pub(crate) fn update(&mut self, row: &mut LogRow, beside: &MonitorReport<f64>) {
+    /// Hands the car a row's sample, after that of its accelerations. The speed of a car of which nothing else is known is that of its wheels.
+    pub(crate) fn update(&mut self, row: &mut LogRow, car: &mut AnyCar) {
         self.unix_s = self.began_unix_s + row.time_s;
-        if let Some(learned_s) = self.learned_unix_s.take() {
-            self.wheels.age_calibration(KM_PER_S * age_s(learned_s, self.unix_s));
+        if let (Some(learned_s), Some(wheels)) = (self.learned_unix_s.take(), car.wheels_mut()) {
+            wheels.age_calibration(KM_PER_S * age_s(learned_s, self.unix_s));
         }
         let sample = row.motion.sample(row.time_s, self.rolling_radius_m);
         if self.alone && row.speed_m_s.is_nan() {
@@ -148,38 +144,18 @@ impl WheelSpeeds {
         }
         let [_, _, left, right] = sample.wheel_speed_m_s;
         self.turns.push(sample.yaw_rate_rad_s, left, (right - left) / self.track_rear_m);
-        match &mut self.torsion {
-            Some(torsion) => self.wheels.update_with_pulses(&sample, torsion),
-            None => self.wheels.update(&sample),
-        }
-        if self.alone {
-            self.wheels.write_report_into(&mut self.report);
-        } else {
-            *self.report = *beside;
-            self.wheels.write_alert_into(&mut self.report);
-        }
-    }
-
-    pub(crate) fn refused_snow(&self) -> bool {
-        self.wheels.refused_snow()
-    }
-
-    pub(crate) fn monitor(&self) -> &MonitoredWheels<f64> {
-        &self.wheels
+        car.update_wheel_speeds(&sample, self.torsion.as_deref_mut());
     }
 
     /// What is wrong with the yaw rate, as the wheels' way round bends shows it.
-    pub(crate) fn yaw_fault(&self) -> Option<YawFault> {
-        self.turns.fault().or_else(|| self.wheels.doubts_yaw_rate().then_some(YawFault::LeftOut))
+    pub(crate) fn yaw_fault(&self, wheels: &MonitoredWheels<f64>) -> Option<YawFault> {
+        self.turns.fault().or_else(|| wheels.doubts_yaw_rate().then_some(YawFault::LeftOut))
     }
 
     /// The log ends with its calibration.
     pub(crate) fn end_calibration(&mut self) {
-        if self.wheels.is_calibrating() {
-            self.wheels.end_calibration();
-            if let Some(torsion) = &mut self.torsion {
-                torsion.end_calibration();
-            }
+        if let Some(torsion) = &mut self.torsion {
+            torsion.end_calibration();
         }
     }
 
@@ -195,19 +171,6 @@ impl WheelSpeeds {
 
     pub(crate) fn learned_torsion(&self) -> LearnedTorsion {
         self.torsion.as_ref().map_or([None; 4], |torsion| torsion.calibration())
-    }
-
-    pub(crate) fn report(&self) -> &MonitorReport<f64> {
-        &self.report
-    }
-
-    pub(crate) fn learned(&self) -> Option<RadiusCalibration<f64>> {
-        self.wheels.calibration().copied()
-    }
-
-    pub(crate) fn row(&self) -> RadiusRow {
-        let states = Corner::ALL.map(|corner| Some(self.wheels.state_of(corner)));
-        RadiusRow { radii: *self.wheels.radii(), states, slow_leak: *self.wheels.slow_leak() }
     }
 }
 

@@ -20,9 +20,8 @@ pub(crate) fn wheels(drive: &Drive, vehicle: &Vehicle) -> Vec<Wheel> {
 
 /// A wheel of which the speed alone is known: no pressure.
 fn rolling(drive: &Drive, vehicle: &Vehicle, corner: Corner) -> Option<Wheel> {
-    let wheels = drive.wheels.as_ref()?;
-    let radius = wheels.monitor.radii().wheels[corner.index()];
-    let report = wheels.report.wheels[corner.index()]?;
+    let radius = drive.car.wheels()?.radii().wheels[corner.index()];
+    let report = drive.car.report().wheels[corner.index()]?;
     let (nan, placard_kpa) = (f64::NAN, vehicle.placard_kpa(corner).unwrap_or(f64::NAN));
     Some(Wheel {
         corner: corner.label(),

@@ -17,7 +17,7 @@ use crate::error::LiveError;
 pub use crate::options::DriveOptions;
 use crate::roughness::Roughness;
 use crate::speed::SpeedDoubt;
-use crate::wheels::Wheels;
+use crate::wheels::{Wheels, lacks};
 
 /// A drive being estimated. Made and restored in parts that are moved about: whoever does so needs a stack as a program's first
 /// thread has it (8 MB), not a test's.
@@ -52,19 +52,16 @@ impl Drive {
         let config = vehicle.car_config(&clock.corners);
         let refused = |error: &dyn std::fmt::Display| LiveError::Refused(error.to_string());
         let (limits, home_kpa) = (options.regulation.into(), vehicle.home_kpa());
-        let config = MonitorConfig { limits, home_kpa, ..MonitorConfig::new(&config) };
+        let wheel_speeds =
+            clock.wheel_speeds.then(|| vehicle.wheel_speed_config()).transpose().map_err(lacks)?;
+        let config = MonitorConfig { limits, home_kpa, wheel_speeds, ..MonitorConfig::new(&config) };
         let mut car = Box::new(MonitoredCar::unconfigured());
-        // Without corners there is nothing to configure: wheel speeds are all there is.
-        let alone = clock.corners.is_empty();
+        car.configure(&config, clock.sample_rate_hz).map_err(|error| refused(&error))?;
         let mut road = RoadUnderCar::unconfigured();
-        if !alone {
+        if config.car.has_corners() {
             road.configure(&config.car, clock.sample_rate_hz).map_err(|error| refused(&error))?;
-            car.configure(&config, clock.sample_rate_hz).map_err(|error| refused(&error))?;
             if let Some(calibration) = &options.reference {
                 car.load_calibration(calibration).map_err(|error| refused(&error))?;
-            }
-            if let Some(seconds) = options.calibrate_s {
-                car.begin_calibration(seconds).map_err(|error| refused(&error))?;
             }
         }
         if options.pulses && !clock.wheel_speeds {
@@ -72,7 +69,10 @@ impl Drive {
                 &"tooth pulses count together with wheel speeds, and the source has none that can be used: expected the speeds of all four wheels",
             ));
         }
-        let wheels = clock.wheel_speeds.then(|| Wheels::new(vehicle, alone, options)).transpose()?;
+        let wheels = car.wheels_mut().map(|monitor| Wheels::new(vehicle, options, monitor)).transpose()?;
+        if let Some(seconds) = options.calibrate_s {
+            car.begin_calibration(seconds).map_err(|error| refused(&error))?;
+        }
         let roughness = Roughness::new(&clock)?;
         let progress = Progress { rows: 0, time_s: f64::NAN, odometer: Odometer::new(), before: None };
         Ok(Self {
@@ -101,10 +101,9 @@ impl Drive {
         self.road.update(&row.sample(), &self.car.estimator().quarter_cars(), &mut estimate);
         let progress = &mut self.progress;
         (progress.rows, progress.time_s) = (progress.rows + 1, row.time_s);
-        let rolls_m_s = self.wheels.as_mut().and_then(|wheels| wheels.update(row, self.car.report()));
-        if let Some(wheels) = &self.wheels {
-            self.car.follow_wheels(&wheels.monitor);
-        }
+        let rolls_m_s = self.wheels.as_mut().map(|wheels| wheels.update(row, &mut self.car));
+        // Nothing else is known of a car without corners.
+        let rolls_m_s = rolls_m_s.filter(|_| self.clock.corners.is_empty());
         let measured_m_s = match rolls_m_s {
             Some(rolls_m_s) if row.speed_m_s.is_nan() => rolls_m_s,
             _ if self.car.denies_standstill() => f64::NAN,
@@ -113,7 +112,7 @@ impl Drive {
         let speed_m_s = progress.odometer.push(row.time_s, measured_m_s);
         self.roughness.push(&estimate, speed_m_s, progress.odometer.distance_m());
         self.latest = Some(estimate);
-        let report = self.wheels.as_ref().map_or(self.car.report(), |wheels| &*wheels.report);
+        let report = self.car.report();
         if self.progress.before.as_ref().is_none_or(|before| before.time_s != report.time_s) {
             let time_s = report.time_s;
             match self.progress.before.replace(*report) {
@@ -127,7 +126,7 @@ impl Drive {
     /// What the monitor says after the last row.
     #[must_use]
     pub fn report(&self) -> &MonitorReport<f64> {
-        self.wheels.as_ref().map_or(self.car.report(), |wheels| &*wheels.report)
+        self.car.report()
     }
 
     /// What was estimated after the last row.

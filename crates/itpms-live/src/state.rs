@@ -1,7 +1,7 @@
 //! A drive kept in a file from one start of the monitor to the next, bit by bit.
 //!
 //! ```text
-//! itpms-live-state 29 f6d0c1f2a5a1b1c3\n     format, checksum of the format and of everything below
+//! itpms-live-state 30 f6d0c1f2a5a1b1c3\n     format, checksum of the format and of everything below
 //! postcard of the vehicle's identity, the regulation and the drive
 //! ```
 //!
@@ -27,7 +27,7 @@ use crate::roughness::Roughness;
 use crate::wheels::Wheels;
 
 /// The format that is written, and the only one that is read.
-pub const FORMAT: u32 = 29;
+pub const FORMAT: u32 = 30;
 
 const MAGIC: &str = "itpms-live-state ";
 /// The largest car takes some 400 kB.

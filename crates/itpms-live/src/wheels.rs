@@ -1,33 +1,29 @@
-//! The wheel speeds of a drive under their monitor: beside that of the accelerations, or alone.
+//! What turns a row's wheel speeds and the tooth pulses up to it into what a car's monitor takes.
 
-use itpms_core::monitor::MonitoredWheels;
+use itpms_core::monitor::{MonitoredCar, MonitoredWheels};
 use itpms_core::torsion::CarTorsion;
-use itpms_core::warning::MonitorReport;
 use itpms_data::pulses::Pulse;
 use itpms_data::{LogRow, Vehicle};
 
 use crate::error::LiveError;
 use crate::options::DriveOptions;
 
-/// The monitor and what it reported last; a part of the saved state.
+/// A part of the saved state.
 #[derive(Debug, Clone, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Wheels {
-    pub(crate) monitor: Box<MonitoredWheels<f64>>,
     rolling_radius_m: f64,
-    alone: bool,
     /// Where tooth pulses are read.
     pub(crate) torsion: Option<Box<CarTorsion<f64>>>,
-    pub(crate) report: Box<MonitorReport<f64>>,
 }
 
 impl Wheels {
-    pub(crate) fn new(vehicle: &Vehicle, alone: bool, options: &DriveOptions) -> Result<Self, LiveError> {
+    /// Of a car about to begin, whose monitor takes over what was learned.
+    pub(crate) fn new(
+        vehicle: &Vehicle,
+        options: &DriveOptions,
+        monitor: &mut MonitoredWheels<f64>,
+    ) -> Result<Self, LiveError> {
         let refused = |error: &dyn std::fmt::Display| LiveError::Refused(error.to_string());
-        let config = vehicle.wheel_speed_config();
-        let lacks = |key| refused(&format!("the vehicle file has no {key}"));
-        let config = config.map_err(lacks)?;
-        let mut monitor = Box::new(MonitoredWheels::unconfigured());
-        monitor.configure(&config).map_err(|error| refused(&error))?;
         if let Some(calibration) = &options.wheel_reference
             && !monitor.load_calibration(calibration)
         {
@@ -42,29 +38,21 @@ impl Wheels {
             let read = torsion.insert(Box::new(CarTorsion::unconfigured()));
             read.configure(&of_wheels, &placard_kpa).map_err(|error| refused(&error))?;
             let _ = read.load_calibration(&options.torsion_reference);
+            if options.calibrate_s.is_some() {
+                read.begin_calibration();
+            }
         }
-        if let Some(seconds) = options.calibrate_s {
-            monitor.begin_calibration(seconds).map_err(|error| refused(&error))?;
-            torsion.iter_mut().for_each(|read| read.begin_calibration());
-        }
-        let rolling_radius_m = vehicle.rolling_radius_m().unwrap_or(f64::NAN);
-        Ok(Self { monitor, rolling_radius_m, alone, torsion, report: Box::new(MonitorReport::empty()) })
+        Ok(Self { rolling_radius_m: vehicle.rolling_radius_m().unwrap_or(f64::NAN), torsion })
     }
 
-    /// Takes a row, and what the car's other monitor reported after it. Gives the speed of the car by its wheels, where nothing else is known.
-    pub(crate) fn update(&mut self, row: &LogRow, beside: &MonitorReport<f64>) -> Option<f64> {
+    /// Hands the car a row's wheel speeds. Gives the speed of the car by them, in m/s.
+    pub(crate) fn update(&mut self, row: &LogRow, car: &mut MonitoredCar<f64>) -> f64 {
         let sample = row.motion.sample(row.time_s, self.rolling_radius_m);
         match &mut self.torsion {
-            Some(torsion) => self.monitor.update_with_pulses(&sample, torsion),
-            None => self.monitor.update(&sample),
+            Some(torsion) => car.update_with_pulses(&sample, torsion),
+            None => car.update_wheel_speeds(&sample),
         }
-        if !self.alone {
-            *self.report = *beside;
-            self.monitor.write_alert_into(&mut self.report);
-            return None;
-        }
-        self.monitor.write_report_into(&mut self.report);
-        Some(0.25 * sample.wheel_speed_m_s.iter().sum::<f64>())
+        0.25 * sample.wheel_speed_m_s.iter().sum::<f64>()
     }
 
     /// Takes a tooth pulse, before the first row that is not earlier.
@@ -73,4 +61,9 @@ impl Wheels {
             torsion.push(pulse.wheel, pulse.time_s);
         }
     }
+}
+
+/// A key that the vehicle file lacks for what the source sends.
+pub(crate) fn lacks(key: &str) -> LiveError {
+    LiveError::Refused(format!("the vehicle file has no {key}"))
 }

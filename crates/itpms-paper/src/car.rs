@@ -4,7 +4,7 @@
 use itpms_core::Real;
 use itpms_core::conditioning::SampleClock;
 use itpms_core::model::{CarEstimate, CarSample, Corner, ParameterError, TrackState};
-use itpms_core::monitor::{Monitor, MonitorConfig};
+use itpms_core::monitor::{Monitor, MonitorConfig, MonitoredWheels};
 use itpms_core::warning::MonitorReport;
 
 use crate::{EstimatorKind, PaperEstimator};
@@ -85,6 +85,11 @@ impl<T: Real> PaperCar<T> {
             loss_correlation: correlation,
             tracks: [TrackState::unknown(); 2],
         }
+    }
+
+    /// Takes what the wheel speeds of the same car show now into the report ([`Monitor::follow_wheels`]).
+    pub fn follow_wheels(&mut self, wheels: &MonitoredWheels<T>) {
+        self.monitor.follow_wheels(wheels);
     }
 
     /// What the monitor reports after the last sample.

@@ -1,10 +1,9 @@
 //! What a car of a study has to find its pressures with.
 
 use itpms_core::model::CarEstimate;
-use itpms_core::model::{CarConfig, CarSample, Corner, ParameterError};
-use itpms_core::monitor::{MonitorConfig, MonitoredCar, MonitoredWheels};
+use itpms_core::model::{CarSample, Corner, ParameterError};
+use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_core::torsion::{CarTorsion, TorsionConfig};
-use itpms_core::warning::MonitorReport;
 use itpms_core::wheel_speed::{DrivenAxle, LoadUncertainty, WheelSpeedConfig, WheelSpeedSample};
 use itpms_sim::error::ScenarioError;
 use itpms_sim::pulses::PulseCar;
@@ -136,57 +135,26 @@ pub(crate) fn wheel_speeds_beside(car_seed: u64) -> WheelSpeedSpec {
     }
 }
 
-/// A car's estimator under its monitor, and the monitor of its wheel speeds where it has some.
-#[derive(Clone)]
-pub(crate) struct Equipped {
-    pub(crate) car: Box<MonitoredCar<f64>>,
-    pub(crate) wheels: Option<Box<MonitoredWheels<f64>>>,
-    report: Box<MonitorReport<f64>>,
+/// A car's estimator under its monitors, with the wheel speeds of a scenario that has some.
+pub(crate) fn equipped(
+    config: &MonitorConfig<f64>,
+    scenario: &Scenario,
+) -> Result<Box<MonitoredCar<f64>>, ParameterError> {
+    let wheel_speeds = wheel_speed_config(scenario, LoadUncertainty::unknown());
+    let mut car = Box::new(MonitoredCar::unconfigured());
+    car.configure(&MonitorConfig { wheel_speeds, ..*config }, scenario.rate_hz)?;
+    Ok(car)
 }
 
-impl Equipped {
-    /// With the wheel speeds of a scenario, if it has some.
-    pub(crate) fn new(config: &MonitorConfig<f64>, scenario: &Scenario) -> Result<Self, ParameterError> {
-        let mut car = Box::new(MonitoredCar::unconfigured());
-        car.configure(config, scenario.rate_hz)?;
-        let wheels = match wheel_speed_config(scenario, LoadUncertainty::unknown()) {
-            Some(config) => Some(Box::new(MonitoredWheels::new(&config)?)),
-            None => None,
-        };
-        let report = Box::new(*car.report());
-        Ok(Self { car, wheels, report })
+/// Hands a car a row, of which its own sensors say `sample`.
+pub(crate) fn take_row(
+    car: &mut MonitoredCar<f64>,
+    row: &SimRow,
+    sample: &CarSample<f64>,
+) -> CarEstimate<f64> {
+    let estimate = car.update(sample);
+    if let Some((sample, _)) = wheel_speed_sample(row) {
+        car.update_wheel_speeds(&sample);
     }
-
-    pub(crate) fn of(config: &CarConfig<f64>, scenario: &Scenario) -> Result<Self, ParameterError> {
-        Self::new(&MonitorConfig::new(config), scenario)
-    }
-
-    pub(crate) fn begin_calibration(&mut self, seconds: f64) -> Result<(), ParameterError> {
-        self.wheels.as_mut().map_or(Ok(()), |wheels| wheels.begin_calibration(seconds))?;
-        self.car.begin_calibration(seconds)
-    }
-
-    pub(crate) fn end_calibration(&mut self) {
-        if let Some(wheels) = &mut self.wheels {
-            wheels.end_calibration();
-        }
-        self.car.end_calibration();
-    }
-
-    /// Takes a row, of which the car's own sensors say `sample`.
-    pub(crate) fn update(&mut self, row: &SimRow, sample: &CarSample<f64>) -> CarEstimate<f64> {
-        let estimate = self.car.update(sample);
-        *self.report = *self.car.report();
-        if let (Some(wheels), Some((sample, _))) = (&mut self.wheels, wheel_speed_sample(row)) {
-            wheels.update(&sample);
-            wheels.write_alert_into(&mut self.report);
-            self.car.follow_wheels(wheels);
-        }
-        estimate
-    }
-
-    /// What both monitors report.
-    pub(crate) fn report(&self) -> &MonitorReport<f64> {
-        &self.report
-    }
+    estimate
 }

@@ -146,6 +146,11 @@ impl<T: Real> CarEstimator<T> {
         self.radii.clear();
     }
 
+    /// Whether there is a corner to estimate.
+    pub(crate) fn has_corners(&self) -> bool {
+        self.corners.iter().any(|corner| corner.as_ref().is_some())
+    }
+
     /// Uses the estimator otherwise; before the first sample. In place: a car by value on the stack is as large as a car.
     pub fn set_options(&mut self, options: &EstimatorOptions) {
         self.sources = options.sources;

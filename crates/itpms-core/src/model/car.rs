@@ -19,6 +19,13 @@ impl<T: Real> Blank for CarConfig<T> {
     const BLANK: Self = Self { corners: [Some(CornerConfig::BLANK); 4], wheelbase_m: None };
 }
 
+impl<T> CarConfig<T> {
+    /// Whether a corner is measured at all.
+    pub fn has_corners(&self) -> bool {
+        self.corners.iter().any(Option::is_some)
+    }
+}
+
 /// When tires may gain air.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

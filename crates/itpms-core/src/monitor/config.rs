@@ -5,13 +5,16 @@ use crate::memory::Blank;
 use crate::model::{CarConfig, ParameterError, SEA_LEVEL_KPA, positive};
 use crate::real::Real;
 use crate::warning::{Limits, Regulation};
+use crate::wheel_speed::WheelSpeedConfig;
 
 /// The configuration of a monitor.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MonitorConfig<T> {
-    /// The car, as its estimator knows it.
+    /// The car, as its estimator knows it; without corners wheel speeds are all there is.
     pub car: CarConfig<T>,
+    /// What is known of the car for its wheel speeds; `None`: they are not used.
+    pub wheel_speeds: Option<WheelSpeedConfig<T>>,
     /// When to say what.
     pub limits: Limits<T>,
     /// What each pressure is held against, in kPa; `None`: the placard's. A warm reference goes here.
@@ -27,6 +30,7 @@ impl<T: Real> MonitorConfig<T> {
     pub fn new(car: &CarConfig<T>) -> Self {
         Self {
             car: *car,
+            wheel_speeds: None,
             limits: Regulation::default().into(),
             reference_kpa: [None; 4],
             home_kpa: T::lit(SEA_LEVEL_KPA),

@@ -8,8 +8,8 @@
 //! | module | idea |
 //! |---|---|
 //! | `config` | how a monitored car is configured |
-//! | `monitored` | estimator and monitor as one |
-//! | `wheels` | the same for a car whose wheel speeds alone are known |
+//! | `monitored` | a whole car: estimator, monitor and wheel speeds as one |
+//! | `wheels` | wheel speeds alone, for a controller with kilobytes |
 //!
 //! What can be wrong with sensors is in [`crate::diagnosis`], when to warn of what in [`crate::warning`].
 
@@ -133,6 +133,12 @@ impl<T: Real> Monitor<T> {
         Ok(())
     }
 
+    /// As before it was configured, of which a report and a denied standstill are to be seen.
+    pub(crate) fn clear(&mut self) {
+        self.standstill = Standstill::new();
+        self.report = MonitorReport::empty();
+    }
+
     /// Says that a calibration begins with the next sample and takes `seconds`: what is estimated at its end is from then on what
     /// the tires should have, within [`Limits::reference_span`](crate::warning::Limits::reference_span).
     ///
@@ -154,6 +160,11 @@ impl<T: Real> Monitor<T> {
     /// is known, cold pressures are given and the reference follows the tires' temperature.
     pub fn follow_air(&mut self, air: &Air<T>) {
         self.cold.take(air);
+    }
+
+    /// Takes what the wheel speeds of the same car show now into the report, beside its own alerts.
+    pub fn follow_wheels(&mut self, wheels: &MonitoredWheels<T>) {
+        self.report.put_of_wheel_speeds(wheels.alert());
     }
 
     /// Whether the speed says that the car stands while its wheels roll. It is taken as unknown for as long.
@@ -435,6 +446,11 @@ impl<T: Real> Monitor<T> {
             reference_kpa: reference,
             informed_s: stamp_s(watch.informed_s, self.ahead_s),
         }
+    }
+
+    /// The report, for another monitor to write: of a car that has no corners.
+    pub(crate) fn report_mut(&mut self) -> &mut MonitorReport<T> {
+        &mut self.report
     }
 
     /// What there is to say now.

@@ -1,22 +1,28 @@
-//! An estimator under a monitor: bad sensors are kept from it, what it says is judged, and corners start again when
-//! their sensors are back.
+//! A car with all that it has to find its pressures with: an estimator of accelerations under its monitor, which keeps bad sensors from
+//! it and judges what it says, and the monitor of wheel speeds, a second witness or the only one.
+
+#[cfg(test)]
+mod tests;
 
 use crate::car::CarEstimator;
 use crate::estimator::OutsideStiffness;
-use crate::memory::Blank;
+use crate::memory::{Blank, Placed};
 use crate::model::{
     Air, CalibrationError, CarEstimate, CarSample, Corner, ParameterError, VehicleCalibration,
 };
 use crate::monitor::{Monitor, MonitorConfig, MonitoredWheels};
 use crate::real::Real;
+use crate::torsion::CarTorsion;
 use crate::warning::MonitorReport;
+use crate::wheel_speed::WheelSpeedSample;
 
-/// A running estimator and its monitor. A value: clone it, save it, go on.
-#[derive(Debug, Clone, PartialEq, Blank)]
+/// A running estimator and its monitors. A value: clone it, save it, go on.
+#[derive(Debug, Clone, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MonitoredCar<T: Real> {
     estimator: CarEstimator<T>,
     monitor: Monitor<T>,
+    wheels: Placed<MonitoredWheels<T>>,
 }
 
 impl<T: Real> MonitoredCar<T> {
@@ -24,8 +30,8 @@ impl<T: Real> MonitoredCar<T> {
     /// that until it is where it stays. A controller [configures](Self::configure) it in a `static`.
     ///
     /// # Errors
-    /// The rate must be 100 to 2000 Hz, limits and references numbers in order; parameters of a corner that the filters
-    /// refuse are named.
+    /// Of a car with corners the rate must be 100 to 2000 Hz; limits and references must be numbers in order; parameters of a corner or of
+    /// wheel speeds that cannot be are named.
     pub fn new(config: &MonitorConfig<T>, sample_rate_hz: f64) -> Result<Self, ParameterError> {
         let mut car = Self::unconfigured();
         car.configure(config, sample_rate_hz)?;
@@ -33,7 +39,7 @@ impl<T: Real> MonitoredCar<T> {
     }
 
     /// Memory for a car, as a constant: for a `static`, to be [configured](Self::configure) where it lies. Until then it is a car
-    /// without corners, of which nothing is estimated.
+    /// without corners and wheel speeds, of which nothing is estimated.
     #[must_use]
     pub const fn unconfigured() -> Self {
         Self::BLANK
@@ -48,12 +54,35 @@ impl<T: Real> MonitoredCar<T> {
         config: &MonitorConfig<T>,
         sample_rate_hz: f64,
     ) -> Result<(), ParameterError> {
-        self.estimator.configure(&config.car, sample_rate_hz)?;
-        self.estimator.set_options(&config.options);
-        self.monitor.configure(config, sample_rate_hz).inspect_err(|_| self.estimator.clear())
+        self.clear();
+        if let Some(wheel_speeds) = &config.wheel_speeds {
+            self.wheels.try_place(|wheels| wheels.configure(wheel_speeds))?;
+        }
+        let configured = match config.car.has_corners() {
+            true => self.configure_corners(config, sample_rate_hz),
+            false => Ok(()),
+        };
+        configured.inspect_err(|_| self.clear())
     }
 
-    /// Begins with what a calibration on an earlier drive taught; before the first sample.
+    fn configure_corners(
+        &mut self,
+        config: &MonitorConfig<T>,
+        sample_rate_hz: f64,
+    ) -> Result<(), ParameterError> {
+        self.estimator.configure(&config.car, sample_rate_hz)?;
+        self.estimator.set_options(&config.options);
+        self.monitor.configure(config, sample_rate_hz)
+    }
+
+    fn clear(&mut self) {
+        self.estimator.clear();
+        self.monitor.clear();
+        self.wheels.clear();
+    }
+
+    /// Begins with what a calibration on an earlier drive taught; before the first sample. What one of wheel speeds taught goes to
+    /// [`wheels_mut`](Self::wheels_mut).
     ///
     /// # Errors
     /// An implausible calibration, or one of other corners or other placard pressures.
@@ -61,9 +90,12 @@ impl<T: Real> MonitoredCar<T> {
         self.estimator.load_calibration(calibration)
     }
 
-    /// Takes one sample; gives the estimate after it, its validity and warnings being the monitor's.
+    /// Takes one sample of the accelerations; gives the estimate after it, its validity and warnings being the monitor's.
     pub fn update(&mut self, sample: &CarSample<T>) -> CarEstimate<T> {
         let at = self.estimator.clock().take(sample.time_s, sample.speed_m_s);
+        if !self.estimator.has_corners() {
+            return self.estimator.update_at(&at, sample);
+        }
         let (at, screened) = self.monitor.screen(&at, sample);
         let suspected = self.monitor.take_rollback_request();
         if !suspected.is_empty() {
@@ -76,9 +108,48 @@ impl<T: Real> MonitoredCar<T> {
         estimate
     }
 
+    /// Takes one sample of the wheel speeds, after that of the accelerations of the same time. A car whose wheel speeds are not configured
+    /// learns nothing from it; one without four corners whose axles share the road, nothing of its pressures.
+    pub fn update_wheel_speeds(&mut self, sample: &WheelSpeedSample<T>) {
+        if let Some(wheels) = self.wheels.as_mut() {
+            wheels.update(sample);
+        }
+        self.follow_wheels();
+    }
+
+    /// The same of a car whose tooth pulses are read, too: those up to this sample's time are in `torsion`, whose calibration ends with
+    /// that of the wheel speeds.
+    pub fn update_with_pulses(&mut self, sample: &WheelSpeedSample<T>, torsion: &mut CarTorsion<T>) {
+        if let Some(wheels) = self.wheels.as_mut() {
+            wheels.update_with_pulses(sample, torsion);
+        }
+        self.follow_wheels();
+    }
+
+    fn follow_wheels(&mut self) {
+        let Some(wheels) = self.wheels.as_ref() else { return };
+        if wheels.has_news() {
+            self.estimator.follow_radii(wheels.differences());
+        }
+        match self.estimator.has_corners() {
+            true => self.monitor.follow_wheels(wheels),
+            false => wheels.write_report_into(self.monitor.report_mut()),
+        }
+    }
+
     /// What there is to say now.
     pub fn report(&self) -> &MonitorReport<T> {
         self.monitor.report()
+    }
+
+    /// The monitor of the wheel speeds, of a car that was [configured](MonitorConfig::wheel_speeds) with them.
+    pub fn wheels(&self) -> Option<&MonitoredWheels<T>> {
+        self.wheels.as_ref()
+    }
+
+    /// The same, to begin with what earlier drives taught, or to calibrate at other pressures.
+    pub fn wheels_mut(&mut self) -> Option<&mut MonitoredWheels<T>> {
+        self.wheels.as_mut()
     }
 
     /// Whether the speed says that the car stands while its wheels roll ([`Monitor::denies_standstill`]).
@@ -86,24 +157,37 @@ impl<T: Real> MonitoredCar<T> {
         self.monitor.denies_standstill()
     }
 
+    /// The driver's calibration: all tires have their placard pressures from the next sample on. The estimator learns the car for
+    /// `seconds`, and how its wheels' radii differ; the monitor then takes what the warm tires are read to have for what they should have.
+    /// Before the first sample, too.
+    ///
+    /// # Errors
+    /// The length must be positive and finite.
+    pub fn begin_calibration(&mut self, seconds: f64) -> Result<(), ParameterError> {
+        if self.estimator.has_corners() {
+            self.estimator.begin_calibration(seconds)?;
+            self.monitor.begin_calibration(seconds)?;
+        }
+        if let Some(wheels) = self.wheels.as_mut() {
+            wheels.begin_calibration(seconds)?;
+        }
+        self.follow_wheels();
+        Ok(())
+    }
+
     /// Ends the calibration that is to begin or under way, as where a log ends with it; what it taught is there then.
     pub fn end_calibration(&mut self) {
         self.estimator.end_calibration();
         self.monitor.end_calibration();
+        if let Some(wheels) = self.wheels.as_mut().filter(|wheels| wheels.is_calibrating()) {
+            wheels.end_calibration();
+        }
     }
 
     /// Takes the stiffness of a corner's tire that another source follows from the next sample on, in the place of what the corner's
     /// own frames show, until `None` is given.
     pub fn follow(&mut self, corner: Corner, stiffness: Option<OutsideStiffness<T>>) {
         self.estimator.follow(corner, stiffness);
-    }
-
-    /// Takes what the wheel speeds of the same car have shown with their last sample: a second witness of how the tires
-    /// differ. A car without four corners whose axles share the road learns nothing from it.
-    pub fn follow_wheels(&mut self, wheels: &MonitoredWheels<T>) {
-        if wheels.has_news() {
-            self.estimator.follow_radii(wheels.differences());
-        }
     }
 
     /// Takes the air around the car as measured ([`Monitor::follow_air`]), before the sample of the same time.
@@ -114,16 +198,5 @@ impl<T: Real> MonitoredCar<T> {
     /// The estimator.
     pub fn estimator(&self) -> &CarEstimator<T> {
         &self.estimator
-    }
-
-    /// The driver's calibration: all tires have their placard pressures from the next sample on. The estimator learns the car for
-    /// `seconds`; the monitor then takes what the warm tires are read to have for what they should have. Before the first
-    /// sample, too.
-    ///
-    /// # Errors
-    /// The length must be positive and finite.
-    pub fn begin_calibration(&mut self, seconds: f64) -> Result<(), ParameterError> {
-        self.estimator.begin_calibration(seconds)?;
-        self.monitor.begin_calibration(seconds)
     }
 }

@@ -326,19 +326,14 @@ impl<T: Real> MonitoredWheels<T> {
         Some(Alert { wheels: wheel.into(), since_s: now_s, reported_s: now_s, cause })
     }
 
-    /// Writes what is reported of the tires into the report of another monitor of the same car.
-    pub fn write_alert_into(&self, report: &mut MonitorReport<T>) {
-        report.put_of_wheel_speeds(self.alert.get());
-    }
-
-    /// The same into a report of nothing else: with its time, and what is known of each wheel.
+    /// Writes what is reported of the tires, with its time, and what is known of each wheel.
     pub fn write_report_into(&self, report: &mut MonitorReport<T>) {
         let radii = self.radii.report();
         report.begin(radii.time_s, 0.0);
         for (corner, wheel) in Corner::ALL.into_iter().zip(&mut report.wheels) {
             *wheel = Some(self.wheel(corner));
         }
-        self.write_alert_into(report);
+        report.put_of_wheel_speeds(self.alert.get());
     }
 
     fn wheel(&self, corner: Corner) -> WheelReport<T> {

@@ -29,7 +29,7 @@ mod several;
 use itpms_core::car::{EstimatorOptions, Sources};
 use itpms_core::model::CarEstimate;
 use itpms_core::model::{CarConfig, Corner};
-use itpms_core::monitor::MonitorConfig;
+use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_sim::scenario::{CornerSpec, Scenario};
 use itpms_sim::sensor::SensorSpec;
 use itpms_sim::simulation::{SimRow, Simulation};
@@ -39,7 +39,7 @@ use super::row::Row;
 use super::runner::Runner;
 use super::stats::Window;
 use super::{Part, ScoreError};
-use crate::sensors::{Equipped, wheel_speeds_beside};
+use crate::sensors::{equipped, take_row, wheel_speeds_beside};
 
 /// Length in s of the reset that a row's `reset` stands for.
 const RESET_S: f64 = 10.0;
@@ -198,12 +198,12 @@ impl Drive {
     }
 
     /// An estimator for each setup, under its monitor as everywhere else: what is suspect is kept from it.
-    fn cars(&self, scenario: &Scenario) -> Result<Vec<Equipped>, ScoreError> {
+    fn cars(&self, scenario: &Scenario) -> Result<Vec<Box<MonitoredCar<f64>>>, ScoreError> {
         let config = self.file_config()?;
         let set_up = |setup: &Setup| {
             let options = EstimatorOptions { sources: setup.sources, ..EstimatorOptions::default() };
             let config = MonitorConfig { options, ..MonitorConfig::new(&config) };
-            let mut car = Equipped::new(&config, scenario)?;
+            let mut car = equipped(&config, scenario)?;
             if let Some(seconds) = setup.reset_s {
                 car.begin_calibration(seconds)?;
             }
@@ -224,7 +224,7 @@ impl Drive {
             let mut sample = row.car_sample();
             sample.speed_m_s *= self.speed_factor;
             for (number, car) in cars.iter_mut().enumerate() {
-                look(number, &row, &car.update(&row, &sample));
+                look(number, &row, &take_row(car, &row, &sample));
             }
         }
         Ok(())

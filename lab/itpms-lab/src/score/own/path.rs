@@ -3,6 +3,7 @@
 //! Called by the plan. It calls what the commands call: `vehicle init`'s file, `vehicle learn`'s listener, a calibration of ten minutes
 //! whose reference is kept.
 use itpms_core::model::{CarConfig, Corner, VehicleCalibration};
+use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_core::wheel_speed::RadiusCalibration;
 use itpms_data::Vehicle;
 use itpms_data::reference::StoredReference;
@@ -14,7 +15,7 @@ use super::super::ScoreError;
 use super::car::OwnCar;
 use super::day::{Change, Day, RATE_HZ, SAME};
 use super::seen::{LOSS_S, Seen};
-use crate::sensors::Equipped;
+use crate::sensors::{equipped, take_row};
 use itpms_analysis::learn::{Listener, PASSES, WheelbaseListener, learn};
 
 /// Ten minutes at placard pressures, and a later day, in s.
@@ -96,12 +97,12 @@ impl Owned {
         }
     }
 
-    fn estimator(&self, way: Way, scenario: &Scenario) -> Result<Equipped, ScoreError> {
+    fn estimator(&self, way: Way, scenario: &Scenario) -> Result<Box<MonitoredCar<f64>>, ScoreError> {
         let taught = if way == Way::FileAndReference { &self.file } else { &self.learned };
-        let mut estimator = Equipped::of(&taught.config, scenario)?;
+        let mut estimator = equipped(&MonitorConfig::new(&taught.config), scenario)?;
         if let Some(calibration) = taught.calibration.as_ref().filter(|_| way != Way::Learned) {
-            estimator.car.load_calibration(calibration)?;
-            if let (Some(wheels), Some(taught)) = (&mut estimator.wheels, &taught.wheels) {
+            estimator.load_calibration(calibration)?;
+            if let (Some(wheels), Some(taught)) = (estimator.wheels_mut(), &taught.wheels) {
                 // One that no program would load is none.
                 let _ = wheels.load_calibration(taught);
             }
@@ -147,8 +148,8 @@ impl Owned {
     }
 }
 
-fn take(car: &mut Equipped, row: &SimRow, seen: &mut [&mut Seen]) {
-    let estimate = car.update(row, &row.car_sample());
+fn take(car: &mut MonitoredCar<f64>, row: &SimRow, seen: &mut [&mut Seen]) {
+    let estimate = take_row(car, row, &row.car_sample());
     for seen in seen {
         seen.take(row, &estimate, car.report());
     }
@@ -176,14 +177,14 @@ impl Taught {
 
     /// By a calibration that lasts as long as the drive, and a reference that is stored and read again; one that is refused is none.
     fn calibrate(&mut self, file: &Vehicle, rows: &[SimRow], scenario: &Scenario) -> Result<(), ScoreError> {
-        let mut car = Equipped::of(&self.config, scenario)?;
+        let mut car = equipped(&MonitorConfig::new(&self.config), scenario)?;
         car.begin_calibration(DAYS_S[0])?;
         for row in rows {
-            car.update(row, &row.car_sample());
+            take_row(&mut car, row, &row.car_sample());
         }
         car.end_calibration();
-        self.wheels = car.wheels.as_ref().and_then(|wheels| wheels.calibration().copied());
-        let Some(calibration) = car.car.estimator().calibration() else { return Ok(()) };
+        self.wheels = car.wheels().and_then(|wheels| wheels.calibration().copied());
+        let Some(calibration) = car.estimator().calibration() else { return Ok(()) };
         let file = Vehicle { wheelbase_m: self.config.wheelbase_m, ..file.clone() };
         if let Ok(stored) = StoredReference::new(&file, calibration, 0) {
             self.config.wheelbase_m = stored.wheelbase_m.or(file.wheelbase_m);
