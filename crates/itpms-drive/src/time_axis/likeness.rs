@@ -18,13 +18,18 @@ impl Likeness {
 
     /// Takes a stretch of both.
     pub(super) fn take(&mut self, first: &[f64], later: &[f64]) {
+        const CELLS_TAKEN: usize = STRETCH - LAGS;
+        let first = &first[..CELLS_TAKEN];
+        let first_square = product(first, first);
+        let mut later_square = product(&later[..CELLS_TAKEN], &later[..CELLS_TAKEN]);
         for lag in 0..LAGS {
-            let pairs = first[..STRETCH - LAGS].iter().zip(&later[lag..STRETCH - LAGS + lag]);
-            for (first, later) in pairs {
-                self.cross[lag] += first * later;
-                self.first[lag] += first * first;
-                self.later[lag] += later * later;
-            }
+            let window = &later[lag..lag + CELLS_TAKEN];
+            self.cross[lag] += product(first, window);
+            self.first[lag] += first_square;
+            self.later[lag] += later_square;
+            // The window moves on by a cell.
+            let (leaves, enters) = (later[lag], later[lag + CELLS_TAKEN]);
+            later_square += enters * enters - leaves * leaves;
         }
     }
 
@@ -38,5 +43,43 @@ impl Likeness {
         let near = |lag: &usize| (*lag as f64 / CELLS as f64).ln().abs() <= OFF;
         let is_peak = |lag: &usize| self.at(*lag) >= self.at(lag - 1) && self.at(*lag) >= self.at(lag + 1);
         (1..LAGS - 1).filter(near).filter(is_peak).map(|lag| self.at(lag)).fold(0.0, f64::max)
+    }
+}
+
+/// Scalar product, in four partial sums that do not wait for one another.
+fn product(a: &[f64], b: &[f64]) -> f64 {
+    let (fours_a, rest_a) = a.as_chunks::<4>();
+    let (fours_b, rest_b) = b.as_chunks::<4>();
+    let mut sums = [0.0; 4];
+    for (a, b) in fours_a.iter().zip(fours_b) {
+        for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
+            *sum += a * b;
+        }
+    }
+    sums.iter().sum::<f64>() + rest_a.iter().zip(rest_b).map(|(a, b)| a * b).sum::<f64>()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_is_the_correlation_at_each_distance() {
+        // Two logarithmic sweeps that have no period in common.
+        let wheel =
+            |rate: f64| -> Vec<f64> { (0..STRETCH).map(|i| (rate * (1.0 + i as f64).ln()).sin()).collect() };
+        let (first, later) = (wheel(31.0), wheel(37.0));
+        let mut likeness = Likeness::new();
+        likeness.take(&first, &later);
+        for lag in [0, 1, 17, LAGS - 1] {
+            let pairs = || first.iter().zip(&later[lag..]).take(STRETCH - LAGS);
+            let of = |value: fn((&f64, &f64)) -> f64| pairs().map(value).sum::<f64>();
+            let expected = of(|(a, b)| a * b) / (of(|(a, _)| a * a) * of(|(_, b)| b * b)).sqrt();
+            assert!(
+                (likeness.at(lag) - expected).abs() < 1e-12,
+                "{lag}: {} for {expected}",
+                likeness.at(lag)
+            );
+        }
     }
 }

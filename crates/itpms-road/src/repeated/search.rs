@@ -38,7 +38,7 @@ pub(crate) struct PeriodSearch<T: Real> {
     means: [T; BAND_PASS.len()],
     step_s: f64,
     keep: T,
-    /// The past, newest at `newest`.
+    /// The past, newest first from `newest` on: twice, one after the other, so that it lies in a row from any place on.
     past: Ring<T>,
     newest: usize,
     filled: usize,
@@ -50,7 +50,10 @@ pub(crate) struct PeriodSearch<T: Real> {
     now: Lags<T>,
 }
 
-type Ring<T> = nalgebra::SVector<T, { LONGEST + 1 }>;
+/// Values of the past that are kept.
+const KEPT: usize = LONGEST + 1;
+
+type Ring<T> = nalgebra::SVector<T, { 2 * KEPT }>;
 type Lags<T> = nalgebra::SVector<T, LAGS>;
 
 impl<T: Real> PeriodSearch<T> {
@@ -104,29 +107,27 @@ impl<T: Real> PeriodSearch<T> {
             .zip(BAND_PASS)
             .fold(T::zero(), |sum, (&mean, weight)| sum + mean * T::lit(weight));
         self.compare(passed);
-        self.newest = (self.newest + 1) % (LONGEST + 1);
-        self.past[self.newest] = passed;
-        self.filled = (self.filled + 1).min(LONGEST + 1);
+        self.newest = (self.newest + KEPT - 1) % KEPT;
+        (self.past[self.newest], self.past[self.newest + KEPT]) = (passed, passed);
+        self.filled = (self.filled + 1).min(KEPT);
         self.seen = self.seen.saturating_add(1);
         // A tenth of a second between two looks is soon enough.
-        if self.newest.is_multiple_of(10) { self.find() } else { None }
+        if ((KEPT - self.newest) % KEPT).is_multiple_of(10) { self.find() } else { None }
     }
 
     fn compare(&mut self, value: T) {
-        let square = value * value;
-        // From the newest stored value, which is one step old, to the oldest.
-        let (recent, older) = self.past.as_slice().split_at(self.newest + 1);
-        let backwards = recent.iter().rev().chain(older.iter().rev());
-        let mut past = [T::zero(); LAGS];
-        for (slot, &old) in past.iter_mut().zip(backwards.skip(SHORTEST - 1)) {
-            *slot = old;
-        }
+        let (keep, square) = (self.keep, value * value);
         let looked_back = (self.filled.min(LONGEST) + 1).saturating_sub(SHORTEST);
-        let sums = self.cross.iter_mut().zip(self.then.iter_mut()).zip(self.now.iter_mut());
-        for (((cross, then), now), old) in sums.zip(past).take(looked_back) {
-            *cross = self.keep * *cross + value * old;
-            *then = self.keep * *then + old * old;
-            *now = self.keep * *now + square;
+        // The newest stored value is one step old. A sum at a time, which the processor does by several lags at once.
+        let past = self.past.as_slice().iter().skip(self.newest + SHORTEST - 1).take(looked_back);
+        for (cross, &old) in self.cross.iter_mut().zip(past.clone()) {
+            *cross = keep * *cross + value * old;
+        }
+        for (then, &old) in self.then.iter_mut().zip(past) {
+            *then = keep * *then + old * old;
+        }
+        for now in self.now.iter_mut().take(looked_back) {
+            *now = keep * *now + square;
         }
     }
 
@@ -141,15 +142,15 @@ impl<T: Real> PeriodSearch<T> {
             let looked_s = (f64::from(self.seen) - lag as f64) * self.step_s;
             looked_s >= LEAST_S && looked_s >= lag as f64 * self.step_s
         };
+        let correlations: [T; LAGS] = core::array::from_fn(|i| self.correlation(i));
         let mut best = T::lit(REPEATS);
         for i in 1..LAGS - 1 {
             if usable(i + SHORTEST) {
-                best = best.max(self.correlation(i));
+                best = best.max(correlations[i]);
             }
         }
         (1..LAGS - 1).find_map(|i| {
-            let here = self.correlation(i);
-            let (before, after) = (self.correlation(i - 1), self.correlation(i + 1));
+            let (before, here, after) = (correlations[i - 1], correlations[i], correlations[i + 1]);
             let peak = here >= before && here > after;
             let good = here > T::lit(REPEATS) && here >= T::lit(AS_GOOD) * best;
             (usable(i + SHORTEST) && peak && good).then(|| {
