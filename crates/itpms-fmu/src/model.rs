@@ -5,7 +5,7 @@ use std::thread;
 
 use itpms_core::conditioning::SAMPLE_RATES_HZ;
 use itpms_core::model::{CarEstimate, Corner, CornerConfig, PressureMap, QuarterCar, Warning};
-use itpms_core::warning::{Cause, WheelState};
+use itpms_core::warning::{Cause, MonitorReport, WheelState};
 use itpms_data::log::{LogCorner, LogMotion};
 use itpms_data::out::WheelSpeedUse;
 use itpms_data::reference::crc64;
@@ -17,7 +17,7 @@ use thiserror::Error;
 use crate::variables::{Causality, OfCar, OfCorner, Role, Variable, parameter, variables};
 
 /// How a saved state begins: what it is, its format and the program's version, which has to be the same.
-const MAGIC: &str = concat!("itpms-fmu-state 2 ", env!("CARGO_PKG_VERSION"), " ");
+const MAGIC: &str = concat!("itpms-fmu-state 3 ", env!("CARGO_PKG_VERSION"), " ");
 /// Wheel speeds alone come at least so often.
 const WHEEL_SPEED_RATE_HZ: f64 = 9.5;
 /// Stack of what builds a car from bytes; a simulation tool's thread may have less.
@@ -268,7 +268,7 @@ impl Model {
                     OfCar::AnyMalfunction => {
                         Some(flag(report.alerts().any(|alert| matches!(alert.cause, Cause::Malfunction(_)))))
                     }
-                    OfCar::AllFine => Some(flag(report.is_all_fine())),
+                    OfCar::AllFine => Some(flag(all_fine(&self.file, report))),
                     OfCar::Alerts => Some(report.alerts().count() as f64),
                     OfCar::Calibrated => {
                         Some(flag(taught.corners.is_some() || taught.wheel_speeds.is_some()))
@@ -364,9 +364,17 @@ fn code(warning: Warning) -> f64 {
     }
 }
 
+/// Whether every tire is known to be fine: one of the vehicle file that is not measured may be the one that is low.
+fn all_fine(file: &Vehicle, report: &MonitorReport<f64>) -> bool {
+    let mut corners = file.corners.iter().zip(&report.wheels);
+    report.is_all_fine() && corners.all(|(corner, wheel)| corner.is_none() || wheel.is_some())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use itpms_core::model::Validity;
+    use itpms_core::warning::WheelReport;
 
     fn reference(model: &Model, name: &str) -> u32 {
         model.variables().iter().position(|variable| variable.name == name).unwrap() as u32
@@ -432,6 +440,29 @@ mod tests {
         model.enter(Phase::Terminated).unwrap();
         assert!(model.step(1.0, 0.002).unwrap_err().to_string().contains("after the end"));
         assert!(model.enter(Phase::Initialized).is_err());
+    }
+
+    #[test]
+    fn a_tire_of_the_car_that_is_not_measured_is_not_fine() {
+        let fine = WheelReport {
+            state: WheelState::Fine,
+            validity: Validity::Valid,
+            warning: Warning::None,
+            pressure_kpa: 240.0,
+            pressure_sd_kpa: 2.0,
+            reference_kpa: 240.0,
+            informed_s: 10.0,
+        };
+        let mut file = Vehicle::paper();
+        assert!(file.corners.iter().all(Option::is_some));
+        let mut report = MonitorReport::empty();
+        report.wheels = [Some(fine); 4];
+        assert!(all_fine(&file, &report));
+        report.wheels[3] = None;
+        assert!(report.is_all_fine() && !all_fine(&file, &report));
+        // Unless the car has no such corner.
+        file.corners[3] = None;
+        assert!(all_fine(&file, &report));
     }
 
     #[test]
