@@ -8,11 +8,17 @@ mod shares;
 
 pub(crate) use self::shares::{Shares, Since};
 use crate::memory::Blank;
-use crate::model::Corner;
+use crate::model::{Corner, Wheels};
 use crate::real::Real;
 
 /// Sets of tires: bit `i` of a set's number is tire `i`.
 pub(crate) const SETS: usize = 16;
+/// Share of its pressure that a tire has to be warned of which has lost it, by every regulation.
+pub(crate) const LOSS: f64 = 0.2;
+/// What a low tire lacks, and its sd, in the losses that have to be warned of; the same of one that is nearly flat, and its prior over that of one that is not.
+pub(crate) const LOW: [f64; 2] = [1.25, 0.42];
+pub(crate) const FLAT: [f64; 2] = [3.0, 1.5];
+pub(crate) const NEARLY_FLAT: f64 = 0.5;
 /// Prior of one tire that loses its air in a drive, and of one that was low before: of the cars on the road one in ten has one that lacks a quarter.
 pub(crate) const ONE_LOSES: f64 = 1e-3;
 pub(crate) const ONE_IS_LOW: f64 = 0.025;
@@ -61,12 +67,23 @@ impl<T: Real> Probabilities<T> {
         )
     }
 
+    /// Of sets of these probabilities, whatever their tires lack.
+    pub(crate) fn known(of_set: [T; SETS]) -> Self {
+        Self { of_set, lacks: [true; 4] }
+    }
+
     /// Of sets of these log-likelihoods, prior included, and that of pressures that no set explains.
     fn of(log: &[T; SETS], unexplained: T, lacks: [bool; 4]) -> Self {
         let best = log.iter().fold(unexplained, |best, &log| best.at_least(log));
         let weight = log.map(|log| (log - best).exp_fast());
         let total = weight.iter().fold((unexplained - best).exp_fast(), |sum, &weight| sum + weight);
         Self { of_set: weight.map(|weight| weight / total), lacks }
+    }
+
+    /// Of each set.
+    #[cfg(test)]
+    pub(crate) fn of_set(&self) -> &[T; SETS] {
+        &self.of_set
     }
 
     /// That this tire is low.
@@ -77,6 +94,12 @@ impl<T: Real> Probabilities<T> {
     /// That any is.
     pub(crate) fn any_low(&self) -> T {
         self.sum(|set| set != 0)
+    }
+
+    /// That some are, and all of them among these.
+    pub(crate) fn among(&self, tires: Wheels) -> T {
+        let bits = tires.iter().fold(0, |bits, tire| bits | 1 << tire.index());
+        self.sum(|set| set != 0 && set & !bits == 0)
     }
 
     /// That all four are.

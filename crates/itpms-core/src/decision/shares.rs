@@ -2,14 +2,10 @@
 
 use nalgebra::{Matrix4, Vector4};
 
-use super::{DECISIVE, ONE_IS_LOW, ONE_LOSES, Probabilities, SETS, log_prior};
+use super::{DECISIVE, FLAT, LOW, NEARLY_FLAT, ONE_IS_LOW, ONE_LOSES, Probabilities, SETS, log_prior};
 use crate::model::Corner;
 use crate::real::Real;
 
-/// What a low tire lacks, and its sd, in the losses that have to be warned of; the same of one that is nearly flat, and its prior over that of one that is not.
-const LOW: [f64; 2] = [1.25, 0.42];
-const FLAT: [f64; 2] = [3.0, 1.5];
-const NEARLY_FLAT: f64 = 0.5;
 /// What nobody explains may do to each tire, as an sd of its share, and its prior over that of one low tire.
 const UNEXPLAINED_SD: f64 = 0.3;
 const UNEXPLAINED: f64 = 0.01;

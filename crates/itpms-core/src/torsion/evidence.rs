@@ -2,13 +2,13 @@
 //! of the sixteen sets of low tires.
 
 use super::SCALE_SD;
+use crate::decision::{LOSS, LOW};
 use crate::memory::Blank;
 use crate::real::Real;
 
-/// What a tire that is low has lost of its pressure, with its sd, and by how much one that is not differs by itself: the losses that
-/// radius analysis expects, as shares.
-const LOW_SHARE: f64 = -0.243;
-const LOW_SD: f64 = 0.084;
+/// What a tire that is low has lost of its pressure, with its sd, as shares, and by how much one that is not differs by itself.
+const LOW_SHARE: f64 = -LOW[0] * LOSS;
+const LOW_SD: f64 = LOW[1] * LOSS;
 const FINE_SD: f64 = 0.0286;
 /// What stays unknown of a wheel however much is driven, in kPa: by itself, and what all four have in common (load, slip stiffness, road).
 const OWN_SD_KPA: f64 = 4.4;
@@ -113,7 +113,7 @@ mod tests {
             1.0 / seen.information[i] + 4.4 * 4.4 + sd * sd
         };
         let covariance = Matrix4::from_fn(|i, j| 6.7 * 6.7 + if i == j { own(i) } else { 0.0 });
-        let mean = Vector4::from_fn(|i, _| if low[i] { -0.243 * seen.reference_kpa[i] } else { 0.0 });
+        let mean = Vector4::from_fn(|i, _| if low[i] { -0.25 * seen.reference_kpa[i] } else { 0.0 });
         let away = Vector4::from(seen.change_kpa) - mean;
         let square = away.dot(&(covariance.try_inverse().unwrap() * away));
         -0.5 * (square + covariance.determinant().ln())

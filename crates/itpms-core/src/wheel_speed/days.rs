@@ -5,7 +5,8 @@
 mod tests;
 
 use super::filter::normal_distribution;
-use super::hypotheses::{ONE_LOW, Triangle, UNEXPLAINED, add_radii, add_square, dot, inverse, times};
+use super::hypotheses::{Triangle, UNEXPLAINED, add_radii, add_square, dot, inverse, times};
+use crate::decision::ONE_LOSES;
 use crate::memory::Blank;
 use crate::model::{Corner, SEEN};
 use crate::real::Real;
@@ -187,7 +188,7 @@ impl<T: Real> RadiusDays<T> {
         let half = T::lit(0.5);
         let square = dot(&rates, &times(&inner, &rates)) - dot(&rates, &times(&outer, &rates));
         let unexplained =
-            half * (square + (inner_size / outer_size).ln_fast()) + T::lit(UNEXPLAINED * ONE_LOW).ln_fast();
+            half * (square + (inner_size / outer_size).ln_fast()) + T::lit(UNEXPLAINED * ONE_LOSES).ln_fast();
         let leaks = SEEN.map(|seen| Leak::of(&inner, &rates, &seen.map(T::lit)));
         let best = leaks.iter().map(|leak| leak.log).fold(unexplained.at_least(T::zero()), T::at_least);
         let total = leaks
@@ -223,7 +224,7 @@ impl<T: Real> Leak<T> {
         let loses = normal_distribution(-mean / sd).at_least(T::lit(1e-30)) * T::lit(1.0 / LOSES);
         let square = mean * mean / variance - T::lit(RATE_MEAN * RATE_MEAN) * before;
         let log =
-            T::lit(0.5) * (square + (variance * before).ln_fast()) + (loses * T::lit(ONE_LOW)).ln_fast();
+            T::lit(0.5) * (square + (variance * before).ln_fast()) + (loses * T::lit(ONE_LOSES)).ln_fast();
         Self { log, rate: (mean, sd) }
     }
 }

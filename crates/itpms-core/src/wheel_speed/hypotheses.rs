@@ -1,35 +1,24 @@
 //! Which tires are low: sixteen hypotheses against what is believed of the radii (`docs/math/wheel-speed.md`, eq. 9-11, 20).
 
 use super::config::LoadUncertainty;
+use crate::decision::{FLAT, LOSS, LOW, NEARLY_FLAT, ONE_LOSES, Probabilities, SETS, log_prior};
 use crate::memory::Blank;
-use crate::model::{Corner, SEEN, Wheels};
+use crate::model::SEEN;
 use crate::real::Real;
 use crate::torsion::TorsionEvidence;
 
-/// Which tires are low.
-const HYPOTHESES: usize = 16;
 /// How far radii of tires that are not low move by themselves, in thousandths: from one drive to another, and while the car is driven.
 pub(super) const FINE_SD: f64 = 0.2;
 pub(super) const FINE_DRIVING_SD: f64 = 0.1;
-/// What is expected of a low tire, and its sd, in losses of a fifth.
-const LOW_MEAN: f64 = -1.25;
-const LOW_SD: f64 = 0.5;
-/// The same of a tire that is nearly flat, or whose radius follows the pressure more than another's; and its prior over that of one wheel.
-const FLAT_MEAN: f64 = -3.0;
-const FLAT_SD: f64 = 1.5;
-const FLAT: f64 = 0.5;
+/// A loss of a fifth as `-ln` of what it leaves.
+pub(super) const FIFTH: f64 = 0.223_143_55;
+/// The sd of what a low tire has lost as `ln` of its pressure, in losses of a fifth: that of its share, over what such a tire has left.
+const LOW_LN_SD: f64 = LOW[1] * LOSS / (1.0 - LOW[0] * LOSS) / FIFTH;
 /// What none of these explains (snow, a coupling, another tire) may do to the three ratios, as sds in thousandths, and its prior over that
 /// of one wheel.
 const UNEXPLAINED_SD: [f64; 3] = [4.0, 4.0, 10.0];
 pub(super) const UNEXPLAINED: f64 = 0.005;
-/// Prior of one wheel against none.
-pub(super) const ONE_LOW: f64 = 1e-3;
-/// And of two tires of an axle or a side, of all four, and of any others, over that of one.
-const PAIR_LOW: f64 = 0.3;
-const ALL_LOW: f64 = 0.5;
-const OTHERS_LOW: f64 = 0.05;
-const AXLES_AND_SIDES: [usize; 4] = [0b0011, 0b1100, 0b0101, 0b1010];
-/// `ln (1 / ONE_LOW) + ln 99`: what has to speak for a wheel until its probability is 0.99.
+/// `ln (1 / ONE_LOSES) + ln 99`: what has to speak for a wheel until its probability is 0.99.
 const TO_BE_FOUND: f64 = 11.5;
 /// The loss that pulses are asked for, as `-ln` of what it leaves.
 const PULSES_LN: f64 = 0.278;
@@ -44,10 +33,8 @@ pub(super) type Triangle<T> = [T; 6];
 /// How probable each hypothesis is, and what follows for each wheel.
 #[derive(Debug, Clone, Copy, Blank)]
 pub(super) struct Decision<T> {
-    /// Bit `i` of the index: wheel `i` is low. Of what none of them explains is the rest.
-    pub probability: [T; HYPOTHESES],
-    /// Probability that what is seen is no loss and not nothing either.
-    pub unexplained: T,
+    /// Of the sets of low tires.
+    pub sets: Probabilities<T>,
     /// Change of each radius in thousandths, its sd.
     pub change: [T; 4],
     pub change_sd: [T; 4],
@@ -64,67 +51,47 @@ impl<T: Real> Decision<T> {
         torsion: &TorsionEvidence<T>,
     ) -> Self {
         let unexplained = unexplained(change, covariance) + torsion.log_likelihood(0);
-        let mut all = [(T::zero(), [T::zero(); 4], [T::zero(); 4]); 2 * HYPOTHESES - 1];
+        let mut all = [(T::zero(), [T::zero(); 4], [T::zero(); 4]); 2 * SETS - 1];
         let mut best = unexplained;
         for (number, (log, mean, variance)) in all.iter_mut().enumerate() {
             let (set, hypothesis) = Hypothesis::numbered(number, fine_sd, fifth);
             let likelihood;
             (likelihood, *mean, *variance) = hypothesis.against(change, covariance);
-            *log = likelihood + torsion.log_likelihood(set) + prior(set);
+            *log = likelihood + torsion.log_likelihood(set) + log_prior(set, ONE_LOSES);
             if number != set {
-                *log += T::lit(FLAT).ln_fast();
+                *log += T::lit(NEARLY_FLAT).ln_fast();
             }
             best = best.at_least(*log);
         }
-        let mut decision =
-            Self { unexplained: (unexplained - best).exp_fast(), ..crate::memory::Blank::BLANK };
-        let mut total = decision.unexplained;
+        let mut decision = Self { ..crate::memory::Blank::BLANK };
+        let mut unexplained = (unexplained - best).exp_fast();
+        let mut total = unexplained;
         for (log, ..) in &mut all {
             *log = (*log - best).exp_fast();
             total += *log;
         }
-        decision.unexplained /= total;
+        unexplained /= total;
+        let mut of_set = [T::zero(); SETS];
         for (number, (probability, mean, _)) in all.iter_mut().enumerate() {
             *probability /= total;
             let (set, _) = Hypothesis::<T>::numbered(number, fine_sd, fifth);
-            if let Some(sum) = decision.probability.get_mut(set) {
+            if let Some(sum) = of_set.get_mut(set) {
                 *sum += *probability;
             }
             for (change, mean) in decision.change.iter_mut().zip(mean) {
                 *change += *probability * *mean;
             }
         }
+        decision.sets = Probabilities::known(of_set);
         for (i, (center, sd)) in decision.change.iter().zip(&mut decision.change_sd).enumerate() {
             let spread = |(p, mean, variance): &(T, [T; 4], [T; 4])| {
                 *p * (variance[i] + (mean[i] - *center) * (mean[i] - *center))
             };
             // What nobody explains may have been done by this wheel, too.
-            let by_none = decision.unexplained * T::lit(UNEXPLAINED_SD[0] * UNEXPLAINED_SD[0]);
+            let by_none = unexplained * T::lit(UNEXPLAINED_SD[0] * UNEXPLAINED_SD[0]);
             *sd = all.iter().map(spread).fold(by_none, |sum, v| sum + v).at_least(T::zero()).sqrt();
         }
         decision
-    }
-
-    /// Probability that this wheel is low.
-    pub(super) fn low(&self, wheel: usize) -> T {
-        self.sum(|number| number & (1 << wheel) != 0)
-    }
-
-    /// Probability that some are low.
-    pub(super) fn any_low(&self) -> T {
-        self.sum(|number| number != 0)
-    }
-
-    /// Probability that some are low, and all of them among these.
-    pub(super) fn among(&self, wheels: Wheels) -> T {
-        let bits =
-            Corner::ALL.iter().filter(|c| wheels.contains(**c)).fold(0, |bits, c| bits | 1 << c.index());
-        self.sum(|number| number != 0 && number & !bits == 0)
-    }
-
-    fn sum(&self, is: impl Fn(usize) -> bool) -> T {
-        let counted = self.probability.iter().enumerate().filter(|(number, _)| is(*number));
-        counted.fold(T::zero(), |sum, (_, p)| sum + *p)
     }
 }
 
@@ -137,17 +104,17 @@ struct Hypothesis<T> {
 impl<T: Real> Hypothesis<T> {
     /// The sixteen sets of low tires by their bits, then each nearly flat; with the set that it belongs to.
     fn numbered(number: usize, fine_sd: f64, fifth: T) -> (usize, Self) {
-        match number.checked_sub(HYPOTHESES) {
-            None => (number, Self::of(number, fine_sd, (LOW_MEAN, LOW_SD), fifth)),
-            Some(before) => (before + 1, Self::of(before + 1, fine_sd, (FLAT_MEAN, FLAT_SD), fifth)),
+        match number.checked_sub(SETS) {
+            None => (number, Self::of(number, fine_sd, [LOW[0], LOW_LN_SD], fifth)),
+            Some(before) => (before + 1, Self::of(before + 1, fine_sd, FLAT, fifth)),
         }
     }
 
-    fn of(set: usize, fine_sd: f64, (mean, sd): (f64, f64), fifth: T) -> Self {
+    fn of(set: usize, fine_sd: f64, [mean, sd]: [f64; 2], fifth: T) -> Self {
         let low = |i: usize| set & (1 << i) != 0;
         let sd = T::lit(sd) * fifth;
         Self {
-            mean: core::array::from_fn(|i| if low(i) { T::lit(mean) * fifth } else { T::zero() }),
+            mean: core::array::from_fn(|i| if low(i) { T::lit(-mean) * fifth } else { T::zero() }),
             variance: core::array::from_fn(|i| if low(i) { sd * sd } else { T::lit(fine_sd * fine_sd) }),
         }
     }
@@ -187,7 +154,7 @@ fn unexplained<T: Real>(change: &[T; 3], covariance: &Triangle<T>) -> T {
     }
     let Some((inverse, determinant)) = inverse(&expected) else { return T::lit(-1e30) };
     let square = dot(change, &times(&inverse, change));
-    T::lit(-0.5) * (square + determinant.ln_fast()) + T::lit(UNEXPLAINED * ONE_LOW).ln_fast()
+    T::lit(-0.5) * (square + determinant.ln_fast()) + T::lit(UNEXPLAINED * ONE_LOSES).ln_fast()
 }
 
 /// The smallest loss of this wheel alone that would be found, as `-ln` of the share of the pressure that it leaves: its squared distance
@@ -209,20 +176,7 @@ pub(super) fn least_found<T: Real>(
 
 /// Whether a loss of all four alike would be found: radii say nothing of it, and its prior is half of one wheel's.
 pub(super) fn all_would_be_found<T: Real>(torsion: &TorsionEvidence<T>) -> bool {
-    torsion.distance(HYPOTHESES - 1) > T::lit(2.0 * (TO_BE_FOUND + core::f64::consts::LN_2))
-}
-
-/// Log of how probable it is before any sample, against none.
-fn prior<T: Real>(number: usize) -> T {
-    let is_pair = AXLES_AND_SIDES.contains(&number);
-    let share = match number.count_ones() {
-        0 => return T::zero(),
-        1 => 1.0,
-        2 if is_pair => PAIR_LOW,
-        4 => ALL_LOW,
-        _ => OTHERS_LOW,
-    };
-    T::lit(share * ONE_LOW).ln_fast()
+    torsion.distance(SETS - 1) > T::lit(2.0 * (TO_BE_FOUND + core::f64::consts::LN_2))
 }
 
 /// Adds what each radius does by itself to the three ratios.
@@ -275,6 +229,7 @@ pub(super) fn inverse<T: Real>(&[a, b, c, d, e, f]: &Triangle<T>) -> Option<(Tri
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::Corner;
 
     const NO_PULSES: TorsionEvidence<f64> = <TorsionEvidence<f64> as crate::memory::Blank>::BLANK;
     /// Known to a ten-thousandth.
@@ -302,18 +257,23 @@ mod tests {
         for number in 1..15usize {
             let radius = core::array::from_fn(|i| if number & (1 << i) == 0 { 0.0 } else { -2.0 });
             let decision = Decision::of(&seen(radius), &SHARP, FINE_SD, 1.6, &NO_PULSES);
-            let most = decision.probability.iter().copied().fold(0.0, f64::max);
-            assert_eq!(decision.probability[number], most, "{number:04b}");
+            let most = decision.sets.of_set().iter().copied().fold(0.0, f64::max);
+            assert_eq!(decision.sets.of_set()[number], most, "{number:04b}");
             // Three at once are so seldom that something else, which nobody named, is not much less probable.
             let sure = if number.count_ones() == 3 { 0.7 } else { 0.9 };
             for (wheel, radius) in radius.iter().enumerate() {
                 let low = number & (1 << wheel) != 0;
-                assert_eq!(decision.low(wheel) > sure, low, "{number:04b} {wheel}: {}", decision.low(wheel));
+                assert_eq!(
+                    decision.sets.low(Corner::ALL[wheel]) > sure,
+                    low,
+                    "{number:04b} {wheel}: {}",
+                    decision.sets.low(Corner::ALL[wheel])
+                );
                 assert!((decision.change[wheel] - radius).abs() < 3.0 * decision.change_sd[wheel]);
             }
         }
         let decision = Decision::of(&[0.0; 3], &SHARP, FINE_SD, 1.6, &NO_PULSES);
-        assert!(decision.probability[0] > 0.99);
+        assert!(decision.sets.of_set()[0] > 0.99);
     }
 
     /// With radii of tires that stray by .2 each a ratio of two has .08 by itself: with as much again a front tire's `2 · 11.5 = 23` are
@@ -327,7 +287,7 @@ mod tests {
         // What is found there has as good as reached the threshold, whatever of its size is expected.
         let at = |loss: f64| {
             let change = seen([-7.0 * loss, 0.0, 0.0, 0.0]);
-            Decision::of(&change, &covariance, FINE_SD, 1.56, &NO_PULSES).low(0)
+            Decision::of(&change, &covariance, FINE_SD, 1.56, &NO_PULSES).sets.low(Corner::ALL[0])
         };
         assert!(at(0.9 * found) < 0.99 && at(1.1 * found) > 0.99, "{} {}", at(0.9 * found), at(1.1 * found));
     }
@@ -341,7 +301,7 @@ mod tests {
         assert!((covariance[2] - (0.01 + 0.384 * 0.384 + 0.04)).abs() < 1e-12);
         let low = |wheel: usize| {
             let radius = core::array::from_fn(|i| if i == wheel { -2.0 } else { 0.0 });
-            Decision::of(&seen(radius), &covariance, FINE_SD, 1.6, &NO_PULSES).low(wheel)
+            Decision::of(&seen(radius), &covariance, FINE_SD, 1.6, &NO_PULSES).sets.low(Corner::ALL[wheel])
         };
         assert!(low(0) > 0.99 && low(0) > low(3), "{} {}", low(0), low(3));
     }
@@ -354,10 +314,10 @@ mod tests {
             reference_kpa: [240.0; 4],
         };
         let alike = Decision::of(&[0.0; 3], &SHARP, FINE_SD, 1.6, &pulses([-56.0; 4]));
-        assert!((0..4).all(|wheel| alike.low(wheel) > 0.99), "{:?}", alike.probability);
+        assert!((0..4).all(|wheel| alike.sets.low(Corner::ALL[wheel]) > 0.99), "{:?}", alike.sets);
         // A tenth of the pressure, as of a cold morning, is nothing.
         let cold = Decision::of(&[0.0; 3], &SHARP, FINE_SD, 1.6, &pulses([-24.0; 4]));
-        assert!(cold.probability[0] > 0.99, "{:?}", cold.probability);
+        assert!(cold.sets.of_set()[0] > 0.99, "{:?}", cold.sets.of_set());
         // With loads of unknown size the radii of an axle say little: a larger load may have done it.
         let mut covariance = SHARP;
         add_load(&mut covariance, &LoadUncertainty::unknown(), 1.0);
@@ -366,6 +326,11 @@ mod tests {
             Decision::of(&change, &covariance, FINE_SD, 1.6, &NO_PULSES),
             Decision::of(&change, &covariance, FINE_SD, 1.6, &pulses([0.0, 0.0, -58.0, -58.0])),
         );
-        assert!(without.low(2) < 0.5 && with.low(2) > 0.99 && with.low(3) > 0.99 && with.low(0) < 0.01);
+        assert!(
+            without.sets.low(Corner::ALL[2]) < 0.5
+                && with.sets.low(Corner::ALL[2]) > 0.99
+                && with.sets.low(Corner::ALL[3]) > 0.99
+                && with.sets.low(Corner::ALL[0]) < 0.01
+        );
     }
 }

@@ -16,7 +16,7 @@ const SURE_FOR_S: f64 = 4.0;
 const PASSES_S: f64 = 30.0;
 /// The same of anything on a slippery road, on which wheels slip as the place has it; and for how long a road is slippery, in s, after it was
 /// seen to be.
-const SLIPPERY_S: f64 = 120.0;
+const SLIPPERY_S: f64 = 300.0;
 const SLIPPERY_FOR_S: f64 = 300.0;
 
 /// Loss that would have shown where a tire is called fine, as a share of its pressure.
@@ -218,12 +218,12 @@ impl<T: Real> RadiusReport<T> {
                 change_sd: sd,
                 lost_share: T::one() - left,
                 lost_share_sd: left * ln_sd,
-                low_probability: decision.low(i),
+                low_probability: decision.sets.low(Corner::ALL[i]),
                 detectable_loss_share: T::one() - (-least_ln[i]).exp_fast(),
             };
         }
         self.informed_s = self.time_s;
-        self.any_low_probability = decision.any_low();
+        self.any_low_probability = decision.sets.any_low();
         let informed = self.wheels.iter().any(WheelRadius::informed);
         let probable = probable(decision, informed);
         if !self.contradicts(probable) {
@@ -285,17 +285,17 @@ fn combined<T: Real>((a, a_variance): (T, T), (b, b_variance): (T, T)) -> (T, T)
 /// What is more probable than [`SURE`], whatever was before.
 fn probable<T: Real>(decision: &Decision<T>, informed: bool) -> RadiusState {
     let sure = T::lit(SURE);
-    let low: Wheels = Corner::ALL.into_iter().filter(|corner| decision.low(corner.index()) > sure).collect();
+    let low: Wheels = Corner::ALL.into_iter().filter(|corner| decision.sets.low(*corner) > sure).collect();
     if !low.is_empty() {
         return RadiusState::Low(low);
     }
-    if decision.any_low() > sure {
+    if decision.sets.any_low() > sure {
         // The likeliest two wheels, if it is certainly among them; else any.
         let mut best = (Wheels::NONE, T::zero());
         for (i, a) in Corner::ALL.into_iter().enumerate() {
             for b in Corner::ALL.into_iter().skip(i + 1) {
                 let pair = Wheels::from(a) | Wheels::from(b);
-                let among = decision.among(pair);
+                let among = decision.sets.among(pair);
                 if among > best.1 {
                     best = (pair, among);
                 }

@@ -5,6 +5,7 @@
 use nalgebra::ComplexField;
 
 use super::*;
+use crate::model::Corner;
 use crate::random::Random;
 use crate::torsion::TorsionEvidence;
 use crate::wheel_speed::LoadUncertainty;
@@ -68,7 +69,7 @@ fn by_brute_force(days: &[(f64, [f64; 3], Triangle<f64>)], usual: &Triangle<f64>
     let none = log_density(stacked(&wear), without([0.0; 3]), size);
     let mut any = wear;
     [0, 2, 5].into_iter().for_each(|i| any[i] += UNEXPLAINED_SD * UNEXPLAINED_SD);
-    let other = UNEXPLAINED * ONE_LOW * (log_density(stacked(&any), without([0.0; 3]), size) - none).exp();
+    let other = UNEXPLAINED * ONE_LOSES * (log_density(stacked(&any), without([0.0; 3]), size) - none).exp();
     let covariance = stacked(&wear);
     let leaks = SEEN.map(|seen| {
         let (step, mut sum, mut prior) = (2e-4, 0.0, 0.0);
@@ -78,7 +79,7 @@ fn by_brute_force(days: &[(f64, [f64; 3], Triangle<f64>)], usual: &Triangle<f64>
             prior += weight;
             sum += weight * (log_density(covariance, without(seen.map(|x| x * g)), size) - none).exp();
         }
-        ONE_LOW * sum / prior
+        ONE_LOSES * sum / prior
     });
     let total = 1.0 + other + leaks.iter().sum::<f64>();
     leaks.map(|leak| leak / total)
@@ -163,7 +164,7 @@ fn first_named(
         let mut alone = core::array::from_fn(|i| own[i] + calibration[i]);
         add_load(&mut alone, &LoadUncertainty::unknown(), 1.0);
         let day = Decision::of(&change, &alone, FINE_SD, 1.56, &TorsionEvidence::BLANK);
-        if let Some(found) = (0..4).find(|wheel| day.low(*wheel) > 0.99) {
+        if let Some(found) = (0..4).find(|wheel| day.sets.low(Corner::ALL[*wheel]) > 0.99) {
             named[0] = named[0].or(Some((k, found == wheel)));
         }
     }

@@ -9,7 +9,7 @@ use crate::wheel_speed::block::{BLOCK_S, Block};
 use crate::wheel_speed::calibration::RadiusCalibration;
 use crate::wheel_speed::days::{DAY_S, RadiusDay, RadiusDays, SlowLeak};
 use crate::wheel_speed::hypotheses::{
-    Decision, FINE_DRIVING_SD, FINE_SD, PLACES, Triangle, add_load, add_radii, all_would_be_found,
+    Decision, FIFTH, FINE_DRIVING_SD, FINE_SD, PLACES, Triangle, add_load, add_radii, all_would_be_found,
     least_found,
 };
 use crate::wheel_speed::report::{RadiusState, Unseen};
@@ -17,8 +17,6 @@ use crate::wheel_speed::state::{CHANGE, OFFSET, SCALE};
 
 /// By how much larger than what prior and threshold ask for a loss while driving is that is found in half of the drives.
 const DRIVING_MARGIN: f64 = 1.25;
-/// Loss that radii are measured in: `-ln 0.8`, of a fifth.
-const FIFTH: f64 = 0.223_143_55;
 
 impl<T: Real> RadiusMonitor<T> {
     /// Goes on with what the days since the calibration have shown.
@@ -118,7 +116,7 @@ impl<T: Real> RadiusMonitor<T> {
         let least: [T; 4];
         if let Some((change, covariance)) = since {
             let across = Decision::of(&change, &covariance, FINE_SD, fifth, &self.torsion);
-            if !(decision.any_low() > across.any_low()) {
+            if !(decision.sets.any_low() > across.sets.any_low()) {
                 decision = across;
             }
             differ = (change, covariance);
