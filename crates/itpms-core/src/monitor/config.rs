@@ -8,7 +8,7 @@ use crate::warning::{Limits, Regulation};
 use crate::wheel_speed::WheelSpeedConfig;
 
 /// The configuration of a monitor.
-#[derive(Debug, Clone, Copy, PartialEq, Blank)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MonitorConfig<T> {
     /// The car, as its estimator knows it; without corners wheel speeds are all there is.
@@ -23,6 +23,18 @@ pub struct MonitorConfig<T> {
     pub home_kpa: T,
     /// How the car's estimator is used.
     pub options: EstimatorOptions,
+}
+
+impl<T: Real> Blank for MonitorConfig<T> {
+    /// Wheel speeds of zeros: that there are none is no zero.
+    const BLANK: Self = Self {
+        car: CarConfig::BLANK,
+        wheel_speeds: Some(WheelSpeedConfig::BLANK),
+        limits: Limits::BLANK,
+        reference_kpa: [None; 4],
+        home_kpa: T::ZERO,
+        options: EstimatorOptions::BLANK,
+    };
 }
 
 impl<T: Real> MonitorConfig<T> {
