@@ -21,6 +21,7 @@ use thiserror::Error;
 
 /// The end of a command that did not complete.
 #[derive(Debug, Error)]
+#[allow(missing_docs, reason = "the messages say it")]
 pub enum Failure {
     /// A file in or out.
     #[error("{error}{hint}", error = .0, hint = remedy(.0))]
@@ -40,7 +41,6 @@ pub enum Failure {
     /// A study is complete, and what it found is not what was wanted of it.
     #[error("{0}")]
     Missed(String),
-    /// Ctrl-C was pressed.
     #[error("interrupted, nothing was written")]
     Interrupted,
     /// The same, in a run whose finished parts are kept.

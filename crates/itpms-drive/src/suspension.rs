@@ -35,7 +35,6 @@ impl SuspensionWatch {
         Some(Self { car, terms, spectra: SuspensionSpectra::new(step_s), reference })
     }
 
-    /// Takes a row.
     pub(crate) fn take(&mut self, row: &LogRow) {
         let accelerations = row.corners.map(|corner| {
             corner.map_or([f64::NAN; 2], |corner| [corner.wheel_accel_m_s2, corner.body_accel_m_s2])

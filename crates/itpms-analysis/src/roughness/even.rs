@@ -21,24 +21,22 @@ const MOST_MISSING: f64 = 1e7;
 
 /// Profiles that cannot be made even.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[allow(missing_docs, reason = "the messages say it")]
 pub enum EvenError {
     /// There is no distance between them.
     #[error("found {0} points, expected 2 or more")]
     Points(usize),
-    /// Leaps in distance.
     #[error(
         "gaps leave {missing:.0} heights missing, {spacing_m:.2} m apart (the longest from {from_m} to {to_m} m), \
          expected {most} or fewer",
         most = MOST_MISSING
     )]
     Gaps {
-        /// How many heights are missing.
         missing: f64,
         /// Distance from height to height in m.
         spacing_m: f64,
         /// Where the longest gap begins, in m.
         from_m: f64,
-        /// Where it ends, in m.
         to_m: f64,
     },
 }

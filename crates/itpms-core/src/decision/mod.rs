@@ -69,12 +69,10 @@ impl<T: Real> Probabilities<T> {
         Self { of_set: weight.map(|weight| weight / total), lacks }
     }
 
-    /// That this tire is low.
     pub(crate) fn low(&self, tire: Corner) -> T {
         if self.lacks[tire.index()] { self.sum(|set| set & (1 << tire.index()) != 0) } else { T::zero() }
     }
 
-    /// That any is.
     pub(crate) fn any_low(&self) -> T {
         self.sum(|set| set != 0)
     }

@@ -43,7 +43,6 @@ impl Corner {
         self as usize
     }
 
-    /// The side it is on.
     pub(crate) fn side(self) -> Side {
         [Side::Left, Side::Right, Side::Left, Side::Right][self]
     }

@@ -47,7 +47,6 @@ pub(super) struct Spectrum<T> {
     pub edge_variance_rad2: T,
 }
 
-/// What was found.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Fitted<T> {
     pub hz: T,

@@ -80,7 +80,6 @@ impl<T: Real> Reference<T> {
         }
     }
 
-    /// What to store of it.
     pub(super) fn stored(&self) -> TorsionCalibration<T> {
         let mut curves = [TorsionCurve { information: [[T::zero(); 3]; 3], vector: [T::zero(); 3] }; CURVES];
         let [shapes @ .., resonance] = &mut curves;

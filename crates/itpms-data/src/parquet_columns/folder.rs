@@ -85,7 +85,6 @@ fn refuse_copies(parts: &[Part]) -> Result<(), Problem> {
     Ok(())
 }
 
-/// Whether there are any in a folder.
 pub(super) fn has_parts(folder: &Path) -> bool {
     part_files(folder).is_ok_and(|files| !files.is_empty())
 }

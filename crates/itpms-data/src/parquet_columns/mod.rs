@@ -104,7 +104,6 @@ impl ParquetColumns {
         })
     }
 
-    /// The names of all columns.
     pub(crate) fn names(&self) -> &[String] {
         &self.names
     }

@@ -6,20 +6,14 @@ use thiserror::Error;
 /// Why a table of pulses is not used.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say it")]
 pub enum PulseProblem {
     /// A column that has to be there.
     #[error(
         "found the columns {found}, expected time_s and wheel: {column} is missing{}",
         .nearest.as_ref().map(|name| format!("; the nearest name there is {name}")).unwrap_or_default()
     )]
-    NoColumn {
-        /// Its name.
-        column: &'static str,
-        /// The names that are there.
-        found: String,
-        /// The most similar one of them.
-        nearest: Option<String>,
-    },
+    NoColumn { column: &'static str, found: String, nearest: Option<String> },
     /// A name that two columns have.
     #[error("two columns are called {0}, expected one")]
     TwoColumns(&'static str),
@@ -29,7 +23,6 @@ pub enum PulseProblem {
     /// Text or nothing where a wheel belongs.
     #[error("{place}, column wheel: found {found}, expected fl, fr, rl or rr")]
     Wheel {
-        /// Where.
         place: Place,
         /// The cell, quoted, or what it is.
         found: String,
@@ -39,13 +32,10 @@ pub enum PulseProblem {
         "{place}, column time_s: found {time_s} s after the {newest_s} s of {after}, expected the pulses of all wheels in the order of time (sort the table by time_s, or cut it where the clock was set)"
     )]
     Backwards {
-        /// Where.
         place: Place,
-        /// Its time in s.
         time_s: f64,
         /// The row with the latest time so far.
         after: Place,
-        /// That time in s.
         newest_s: f64,
     },
 }

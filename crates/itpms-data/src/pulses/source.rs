@@ -14,7 +14,6 @@ use crate::parquet_columns::ParquetColumns;
 const TIME: &str = "time_s";
 const WHEEL: &str = "wheel";
 
-/// A row.
 type Row = (Place, f64, usize);
 
 #[derive(Debug)]

@@ -46,7 +46,6 @@ pub(super) struct Entry {
 pub(super) enum Scale {
     /// From the unit that the file states.
     AsStated,
-    /// From this unit.
     Unit(String, Conversion),
     /// By these numbers.
     Numbers(Conversion),

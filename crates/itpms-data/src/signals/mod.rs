@@ -71,7 +71,6 @@ impl Candidate {
         if self.group.is_empty() { self.name.clone() } else { format!("{}.{}", self.group, self.name) }
     }
 
-    /// Whether this is its full name.
     fn is_called(&self, full_name: &str) -> bool {
         let rest = full_name.strip_prefix(self.group.as_str());
         match (self.group.is_empty(), rest) {

@@ -12,53 +12,29 @@ use crate::log::Slot;
 /// One kind of problem with signals.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say it")]
 pub enum SignalProblem {
     /// An unknown unit, or one of something else.
     #[error(
         "line {line}: {column} has unit {unit:?}, expected {} (or factor and offset instead)",
         Quantity::of(*.slot).known_units()
     )]
-    MapUnit {
-        /// Line of the map.
-        line: usize,
-        /// The column.
-        column: String,
-        /// The same.
-        slot: Slot,
-        /// The unit as written.
-        unit: String,
-    },
+    MapUnit { line: usize, column: String, slot: Slot, unit: String },
     /// A factor of zero, or numbers that are not finite.
     #[error(
         "line {line}: {column} has factor {} and offset {}, expected a finite factor that is not 0 and a finite offset",
         .conversion.factor, .conversion.offset
     )]
-    MapNumbers {
-        /// Line of the map.
-        line: usize,
-        /// The column.
-        column: String,
-        /// The numbers.
-        conversion: Conversion,
-    },
+    MapNumbers { line: usize, column: String, conversion: Conversion },
     /// Two ways to say the same.
     #[error("line {line}: {column} has a unit and a factor or offset, expected one of the two")]
-    UnitAndNumbers {
-        /// Line of the map.
-        line: usize,
-        /// The column.
-        column: String,
-    },
+    UnitAndNumbers { line: usize, column: String },
     /// A signal that the log and its definitions do not have.
     #[error("line {line}: {column} is to be {signal:?}, but {}", nothing_like_it(*.of, .nearest))]
     NotThere {
-        /// Line of the map.
         line: usize,
-        /// The column.
         column: String,
-        /// The signal as written.
         signal: String,
-        /// How many signals there are.
         of: usize,
         /// The most similar name that is there.
         nearest: Option<String>,
@@ -66,54 +42,29 @@ pub enum SignalProblem {
     /// A name that several signals have.
     #[error("line {line}: {column} is to be {signal:?}, which could be {found}: expected one of these")]
     Several {
-        /// Line of the map.
         line: usize,
-        /// The column.
         column: String,
-        /// The signal as written.
         signal: String,
         /// Some of the signals of that name.
         found: String,
     },
     /// A signal that is there and cannot be read.
     #[error("line {line}: {column} is to be {signal:?}, which cannot be read: it is {why}")]
-    Unread {
-        /// Line of the map.
-        line: usize,
-        /// The column.
-        column: String,
-        /// The signal's full name.
-        signal: String,
-        /// What it is.
-        why: String,
-    },
+    Unread { line: usize, column: String, signal: String, why: String },
     /// A full name that several signals have.
     #[error(
         "line {line}: {column} is to be {signal:?}, of which there are {groups} at the same times: nothing tells them apart, expected one (leave the other groups out of the log, or give them names)"
     )]
-    SameName {
-        /// Line of the map.
-        line: usize,
-        /// The column.
-        column: String,
-        /// The signal's full name.
-        signal: String,
-        /// How many there are.
-        groups: usize,
-    },
+    SameName { line: usize, column: String, signal: String, groups: usize },
     /// The log's unit says nothing, and the map does not say it either.
     #[error(
         "line {line}: {column} is to be {signal:?}, whose unit {}, expected {}: give it in the map, {}",
         stated(.unit), Quantity::of(*.slot).words(), suggested(*.slot, signal, unit)
     )]
     Unit {
-        /// Line of the map.
         line: usize,
-        /// The column.
         column: String,
-        /// The same.
         slot: Slot,
-        /// The signal's full name.
         signal: String,
         /// Its unit as the log has it.
         unit: String,

@@ -21,7 +21,6 @@ const PATIENCE: u32 = 2;
 pub(crate) struct PeriodicEstimate<T> {
     /// Compliance in m/N.
     pub(crate) theta: T,
-    /// Its relative standard deviation.
     pub(crate) relative_sd: T,
     /// Relative change of the compliance per second.
     pub(crate) rate_per_s: T,

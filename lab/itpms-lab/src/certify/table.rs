@@ -116,7 +116,6 @@ impl Certificate {
             + "Wheel speeds alone: what all four tires lose alike is not seen, but by tooth pulses; a dash is never.\n"
     }
 
-    /// How many did not pass.
     #[must_use]
     pub fn failed(&self) -> usize {
         self.outcomes.iter().filter(|outcome| outcome.verdict != Verdict::Pass).count()
@@ -168,7 +167,6 @@ fn aligned<const N: usize>(rows: &[[String; N]]) -> String {
 }
 
 impl Outcome {
-    /// The test's pressures over time.
     #[must_use]
     pub fn csv(&self) -> String {
         let mut text = "time_s,speed_km_h".to_owned();

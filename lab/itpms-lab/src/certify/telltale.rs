@@ -4,7 +4,6 @@ use itpms_core::model::CarEstimate;
 use itpms_core::model::{Corner, Warning, Wheels};
 use itpms_core::warning::{Alert, Cause, MonitorReport};
 
-/// A lamp.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Lamp {
     Low,
@@ -47,7 +46,6 @@ fn lamp_of(cause: &Cause<f64>) -> Option<Lamp> {
     }
 }
 
-/// How an alert is wrong.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Wrong {
     /// Nothing of the kind is the matter with the car.

@@ -20,7 +20,6 @@ const DRIVING_M_S: f64 = 3.0;
 const WRONG_SDS: f64 = 3.0;
 const FAR_KPA: f64 = 20.0;
 
-/// What came of it.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Outcome {
     /// Seconds of driving until it was reported; `None`: never.
@@ -63,16 +62,12 @@ impl Shown {
     }
 }
 
-/// Warnings of tires.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub struct TireWarnings {
-    /// Of one that is low.
     pub low: usize,
-    /// Of one that leaks fast.
     pub fast_leak: usize,
     /// Of all four that are low.
     pub all_low: usize,
-    /// Of one that is overfull.
     pub over: usize,
 }
 
@@ -90,7 +85,6 @@ impl TireWarnings {
         }
     }
 
-    /// All of them.
     #[must_use]
     pub fn total(&self) -> usize {
         self.low + self.fast_leak + self.all_low + self.over
@@ -106,7 +100,6 @@ impl TireWarnings {
     }
 }
 
-/// Where it stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Phase {
     Hidden,

@@ -46,15 +46,12 @@ pub use runner::Progress;
 /// What can be asked for by itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Part {
-    /// The paper's sudden loss.
     PaperDrop,
     /// The same down to 41.4 kPa.
     PaperDeepDrop,
-    /// A loss and a recovery.
     PaperDropRecover,
     /// A sprung mass 8 % off.
     Mass,
-    /// Slopes, classes and noises.
     BiasGrid,
     /// Honesty of the 95 % interval over all of the above.
     Coverage,
@@ -62,7 +59,6 @@ pub enum Part {
     Bench,
     /// Bound over variance at constant pressure.
     Efficiency,
-    /// The road record.
     Road,
     /// Four wheels, one of them punctured.
     Drive,
@@ -103,7 +99,6 @@ impl Part {
         Self::Learn,
         Self::Own,
     ];
-    /// The paper's scenarios.
     pub const PAPER: [Self; 3] = [Self::PaperDrop, Self::PaperDeepDrop, Self::PaperDropRecover];
 
     /// Whether it belongs to the table that is computed when nothing is asked for by name.
@@ -160,7 +155,6 @@ impl Part {
         }
     }
 
-    /// The part of that name.
     #[must_use]
     pub fn from_label(label: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|part| part.label() == label)
@@ -222,7 +216,6 @@ impl Part {
     }
 }
 
-/// What to compute.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Request {
     /// Drives per row; of [`Part::Own`] the cars.
@@ -258,12 +251,9 @@ impl Default for Request {
 pub struct Score {
     /// Of this structure: 1.
     pub version: u32,
-    /// Who was scored.
     #[serde(serialize_with = "labels")]
     pub estimators: Vec<EstimatorKind>,
-    /// Drives per row asked for.
     pub seeds: usize,
-    /// Seed of the first.
     pub first_seed: u64,
     /// In the order of the table.
     pub rows: Vec<Row>,
@@ -273,39 +263,27 @@ fn labels<S: serde::Serializer>(kinds: &[EstimatorKind], serializer: S) -> Resul
     serializer.collect_seq(kinds.iter().map(|kind| kind.label()))
 }
 
-/// Why there is no score.
 #[derive(Debug, Error)]
 pub enum ScoreError {
-    /// Statistics of nothing.
     #[error("0 seeds or no estimator, expected at least one of each")]
     Nothing,
     /// Several estimators are compared in the paper's scenarios alone.
     #[error("{part} is scored for one estimator at a time; several are compared in {}", paper_labels())]
-    OneEstimator {
-        /// What was asked for.
-        part: &'static str,
-    },
+    OneEstimator { part: &'static str },
     /// Four wheels are the default estimator's.
     #[error("{part} is scored for {} alone: the paper's filters know one wheel", EstimatorKind::default().label())]
-    DefaultEstimator {
-        /// What was asked for.
-        part: &'static str,
-    },
+    DefaultEstimator { part: &'static str },
     /// No row is called so.
     #[error(
         "no four-wheel row that was asked for has a name with `{only}` in it, such as `car, 80 km/h, reset`"
     )]
-    NoRow {
-        /// What was asked for.
-        only: String,
-    },
+    NoRow { only: String },
     /// The progress callback asked for it.
     #[error("stopped")]
     Stopped,
     /// The operating system gives no threads.
     #[error("no threads to compute with: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
-    /// A scenario.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
     /// A parameter that an estimator refuses.
@@ -320,16 +298,13 @@ pub enum ScoreError {
     /// A calibration that does not fit its car.
     #[error(transparent)]
     Calibration(#[from] itpms_core::model::CalibrationError),
-    /// The bound.
     #[error(transparent)]
     Bound(#[from] BoundError),
-    /// The road recorder's memory.
     #[error(transparent)]
     Memory(#[from] RecorderMemoryError),
     /// The road's spectrum.
     #[error(transparent)]
     Welch(#[from] WelchError),
-    /// The road's roughness.
     #[error(transparent)]
     Spacing(#[from] SpacingError),
 }

@@ -66,18 +66,14 @@ pub struct DayHour {
 /// What became of a yaw rate.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct YawHour {
-    /// What is wrong with it.
     pub fault: YawFault,
-    /// Whether it was left out.
     pub left_out: bool,
 }
 
-/// What became of a loss.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LossHour {
     /// Which tires, in one word.
     pub kind: String,
-    /// The tires.
     pub wheels: Vec<String>,
     /// Change of `ln` of their radius: `-beta ln p`.
     pub radius_change: f64,
@@ -108,7 +104,6 @@ fn losing(seed: u64) -> (&'static str, Wheels, bool) {
     (kind, wheels.iter().copied().collect(), parked)
 }
 
-/// Drives one seed.
 pub(super) fn drive(
     plan: &Plan,
     days: &Days,
@@ -250,7 +245,6 @@ fn lose(
     Ok(())
 }
 
-/// What was said while driving.
 struct Kept {
     losing: Wheels,
     from_s: f64,

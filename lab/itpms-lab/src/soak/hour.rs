@@ -60,7 +60,6 @@ pub struct Said {
     pub wheels: Vec<String>,
     /// Why, in one word; see [`itpms_core::warning::Cause::label`].
     pub cause: String,
-    /// Why, in full.
     pub text: String,
 }
 
@@ -101,7 +100,6 @@ pub struct RadiusHour {
 }
 
 impl Hour {
-    /// As one line of JSON.
     #[must_use]
     pub fn to_line(&self) -> String {
         // Numbers, texts and lists can always be written.
@@ -115,7 +113,6 @@ impl Hour {
     }
 }
 
-/// Drives one seed with accelerations.
 pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) -> Result<Hour, SoakError> {
     let begun = Instant::now();
     let scenario = scenario(plan)?;
@@ -229,7 +226,6 @@ impl Said {
     }
 }
 
-/// Watches one wheel.
 #[derive(Debug, Clone, Copy)]
 struct Watch {
     limit_kpa: f64,
