@@ -51,9 +51,7 @@ pub enum Failure {
 /// The option with which someone who knows better goes on.
 fn remedy(error: &DataError) -> &'static str {
     match &*error.problem {
-        Problem::Units { .. } => {
-            "; if they are right: --trust-units, else state the units in a map: --signals"
-        }
+        Problem::Units(_) => "; if they are right: --trust-units, else state the units in a map: --signals",
         // A table of another's: it has a clock, but not under this name, or wheel speeds of an unknown unit.
         Problem::MissingColumn { column, .. }
             if *column == Slot::Time.name() || column.contains("_wheel_speed_") =>

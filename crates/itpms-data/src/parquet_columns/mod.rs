@@ -170,8 +170,8 @@ impl ParquetColumns {
     ) -> Result<(), Problem> {
         let described = &self.reader.metadata().file_metadata().schema_descr().columns()[leaf];
         let meaning = Meaning::of_words(described, words).map_err(|found| {
-            let expected = words.join(", ");
-            Problem::WordsExpected { column: self.names[leaf].clone(), found, expected }
+            let (column, expected) = (&self.names[leaf], words.join(", "));
+            Problem::Refused(format!("column {column} holds {found}, expected one of the words {expected}"))
         })?;
         self.take(leaf, meaning);
         Ok(())

@@ -356,7 +356,9 @@ impl Vehicle {
             details.corners[corner.index()] = beyond;
         }
         if corners.iter().all(Option::is_none) && !rolls {
-            return Err(Problem::NoCorner);
+            return Err("no corner is described, expected at least one table [corner.fl] (or fr, rl, rr); for wheel speeds alone wheelbase_m, \
+                 track_front_m, track_rear_m and driven in [vehicle]"
+                .into());
         }
         Ok(Self { name, id, learned, wheelbase_m, corners, details }.with_details(details))
     }
@@ -412,8 +414,11 @@ fn plausible(table: &Table<'_>, key: &'static str, value: f64) -> Result<f64, Pr
 }
 
 fn implausible(table: &Table<'_>, key: &'static str, value: f64, low: f64, high: f64) -> Problem {
-    let (line, table) = (table.line_of_key(key), table.path().to_owned());
-    Problem::Implausible { line, table, key, value, low, high }
+    let (line, table) = (table.line_of_key(key), table.path());
+    let unit = if key.ends_with("_kpa") { pressure_in_other_unit(value) } else { String::new() };
+    Problem::Refused(format!(
+        "line {line}: {table} {key} is {value}, expected {low} to {high} (another unit?{unit})"
+    ))
 }
 
 fn required(table: &Table<'_>, key: &'static str) -> Result<f64, Problem> {
@@ -463,11 +468,7 @@ fn read_corner(
 ) -> Result<(CornerConfig<f64>, CornerDetails), Problem> {
     table.check_keys(&CORNER_KEYS)?;
     let own = table.table("tire")?.map(|own| read_tire(&own, false)).transpose()?;
-    let lacks = || Problem::MissingKey {
-        line: table.line(),
-        table: table.path().to_owned(),
-        key: "tire; expected a table [tire] for all corners or one under this corner".to_owned(),
-    };
+    let lacks = || table.lacks("tire; expected a table [tire] for all corners or one under this corner");
     let (tire, tire_details) = own.or(common_tire).ok_or_else(lacks)?;
     let tire = tire.ok_or_else(|| table.lacks("tire.stiffness_per_kpa"))?;
     let (sprung_kg, unsprung_kg) = (required(table, "sprung_mass_kg")?, required(table, "unsprung_mass_kg")?);
