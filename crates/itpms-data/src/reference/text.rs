@@ -142,18 +142,18 @@ fn read_body(text: &str, format: u32) -> Result<StoredReference, Problem> {
         Some(table) => days::read(&table, learned_unix_s)?,
         None => RadiusDays::since(learned_unix_s as f64),
     };
-    if wheel_speeds.is_some() && !root.has("corner") {
-        let (wheelbase_m, reference) = (None, nothing_of_corners());
-        return Ok(StoredReference {
-            vehicle,
-            learned_unix_s,
-            wheelbase_m,
-            reference,
-            wheel_speeds,
-            torsion,
-            days,
-            suspension: None,
-        });
+    let stored = StoredReference {
+        vehicle,
+        learned_unix_s,
+        wheelbase_m: None,
+        reference: nothing_of_corners(),
+        wheel_speeds,
+        torsion,
+        days,
+        suspension: None,
+    };
+    if stored.wheel_speeds.is_some() && !root.has("corner") {
+        return Ok(stored);
     }
     let [[left_gain, left_skew], [right_gain, right_skew]] =
         [read_side(&learned, SIDES[0])?, read_side(&learned, SIDES[1])?];
@@ -173,16 +173,7 @@ fn read_body(text: &str, format: u32) -> Result<StoredReference, Problem> {
         return Err(ReferenceProblem::Lacks("a wheelbase that a car has").into());
     }
     let suspension = root.table("suspension")?.map(|table| suspension::read(&table)).transpose()?;
-    Ok(StoredReference {
-        vehicle,
-        learned_unix_s,
-        wheelbase_m,
-        reference,
-        wheel_speeds,
-        torsion,
-        days,
-        suspension,
-    })
+    Ok(StoredReference { wheelbase_m, reference, suspension, ..stored })
 }
 
 fn read_corners(corners: &Table<'_>, format: u32) -> Result<[Option<CornerCalibration<f64>>; 4], Problem> {

@@ -240,7 +240,7 @@ impl TracePoint {
 mod tests {
     use super::*;
     use itpms_core::model::Corner;
-    use itpms_core::warning::{Basis, Cause, Reading};
+    use itpms_core::warning::Cause;
 
     fn good() -> Findings {
         Findings {
@@ -267,19 +267,11 @@ mod tests {
     #[test]
     fn another_lamp_or_wheel_fails_a_test_and_is_kept_once() {
         let [fl, fr, ..] = Corner::ALL;
-        let reading = Reading {
-            pressure_kpa: 190.0,
-            sd_kpa: 4.0,
-            limit_kpa: 212.0,
-            reference_kpa: 241.0,
-            basis: Basis::Calibration,
-            probability: Some(0.998),
-        };
         let low = |corner: Corner| Alert {
             wheels: corner.into(),
             since_s: 0.0,
             reported_s: 0.0,
-            cause: Cause::UnderInflated(reading),
+            cause: Cause::UnderInflated(crate::LOW),
         };
         let mut findings = good();
         findings.keep_false_alert(1500.0, Phase::Detection, Wrong::Wheel, &low(fr));

@@ -193,7 +193,7 @@ mod tests {
     use super::super::rules::Rule;
     use super::super::telltale::Wrong;
     use super::*;
-    use itpms_core::warning::{Alert, Basis, Cause, Reading};
+    use itpms_core::warning::{Alert, Cause};
 
     #[test]
     fn what_else_was_said_is_in_the_table_and_on_the_page() {
@@ -219,19 +219,11 @@ mod tests {
             driven_s: 2000.0,
             trace: vec![],
         };
-        let reading = Reading {
-            pressure_kpa: 190.0,
-            sd_kpa: 4.0,
-            limit_kpa: 212.0,
-            reference_kpa: 241.0,
-            basis: Basis::Calibration,
-            probability: Some(0.998),
-        };
         let alert = Alert {
             wheels: Corner::RearRight.into(),
             since_s: 0.0,
             reported_s: 0.0,
-            cause: Cause::UnderInflated(reading),
+            cause: Cause::UnderInflated(crate::LOW),
         };
         let mut findings = Findings::default();
         findings.keep_false_alert(1507.0, Phase::Detection, Wrong::Wheel, &alert);

@@ -232,12 +232,9 @@ fn shown_wrong(
 #[cfg(test)]
 mod tests {
     use super::super::kinds;
-    use itpms_core::warning::Basis;
-
     use super::*;
     use itpms_core::diagnosis::{Malfunction, Place, Sensor};
     use itpms_core::model::{Diagnostics, Level, Validity, Warning};
-    use itpms_core::warning::Reading;
 
     fn stuck() -> Kind {
         kinds().into_iter().find(|kind| kind.name == "stuck, wheel").unwrap()
@@ -252,15 +249,7 @@ mod tests {
     }
 
     fn low(corner: Corner) -> Alert<f64> {
-        let reading = Reading {
-            pressure_kpa: 190.0,
-            sd_kpa: 4.0,
-            limit_kpa: 212.0,
-            reference_kpa: 241.0,
-            basis: Basis::Calibration,
-            probability: Some(0.998),
-        };
-        alert(Cause::UnderInflated(reading), corner)
+        alert(Cause::UnderInflated(crate::LOW), corner)
     }
 
     fn shows(pressure_kpa: f64, pressure_sd_kpa: f64, validity: Validity) -> Option<CornerEstimate<f64>> {

@@ -17,7 +17,7 @@ use itpms_sim::time_profile::Pressure;
 use itpms_sim::wheel_speeds::{Condition, Day, YawFault};
 use serde::{Deserialize, Serialize};
 
-use super::hour::{ASK_ROWS, Hour, Said, WheelHour, scenario};
+use super::hour::{ASK_ROWS, DayHour, Hour, LossHour, Said, WheelHour, YawHour, scenario};
 use super::rolling::Watch;
 use super::{Plan, SoakError};
 use crate::sensors::{wheel_speed_config, wheel_speed_sample};
@@ -42,47 +42,6 @@ pub struct Days {
     /// Whether the yaw rate has a fault, the next one with every seed.
     #[serde(default)]
     pub bad_yaw: bool,
-}
-
-/// What is kept of a day beside its hour.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct DayHour {
-    /// What the day was: of a mixed plan one of the others.
-    pub condition: Condition,
-    /// `d ln R / d ln p` of its tires.
-    pub radius_per_ln_pressure: f64,
-    /// Distance since the calibration in km.
-    pub since_km: f64,
-    /// Whether a calibration taught anything.
-    pub calibrated: bool,
-    /// Of the yaw rate, where the car has one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub yaw: Option<YawHour>,
-    /// Of the tires that lost air, where some did.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub loss: Option<LossHour>,
-}
-
-/// What became of a yaw rate.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct YawHour {
-    pub fault: YawFault,
-    pub left_out: bool,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct LossHour {
-    /// Which tires, in one word.
-    pub kind: String,
-    pub wheels: Vec<String>,
-    /// Change of `ln` of their radius: `-beta ln p`.
-    pub radius_change: f64,
-    /// When a warning named one of them, alone or among others, in s after the loss began.
-    pub found_s: Option<f64>,
-    /// Whether one named just them.
-    pub exact: bool,
-    /// Whether one named a tire that had not lost air.
-    pub wrong: bool,
 }
 
 /// Which tires lose air, from seed to seed. Not all four: radii do not show it.

@@ -5,8 +5,7 @@ use std::collections::BTreeMap;
 use itpms_sim::wheel_speeds::YawFault;
 use serde::Serialize;
 
-use super::Hour;
-use super::day::{DayHour, LossHour};
+use super::hour::{DayHour, Hour, LossHour};
 
 /// Limits of the classes of `-beta ln p`; below the second hardly any loss shows across the days.
 const CLASSES: [f64; 4] = [0.0, 1.8e-3, 2.4e-3, f64::INFINITY];

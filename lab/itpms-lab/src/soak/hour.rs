@@ -9,11 +9,11 @@ use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_core::warning::{Alert, Change, Limits, MonitorReport};
 use itpms_sim::scenario::Scenario;
 use itpms_sim::simulation::{SimRow, Simulation};
+use itpms_sim::wheel_speeds::{Condition, YawFault};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 
-use super::day::DayHour;
 use super::{Car, Plan, SoakError};
 
 /// What the monitor says when it cannot know; honest, and no false warning.
@@ -97,6 +97,47 @@ pub struct RadiusHour {
     /// Shares of the time in which the true change of each ratio of radii was within its 95 % interval: front left over right, rear
     /// left over right, front over rear.
     pub covered: [f64; 3],
+}
+
+/// What is kept of a day beside its hour.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DayHour {
+    /// What the day was: of a mixed plan one of the others.
+    pub condition: Condition,
+    /// `d ln R / d ln p` of its tires.
+    pub radius_per_ln_pressure: f64,
+    /// Distance since the calibration in km.
+    pub since_km: f64,
+    /// Whether a calibration taught anything.
+    pub calibrated: bool,
+    /// Of the yaw rate, where the car has one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub yaw: Option<YawHour>,
+    /// Of the tires that lost air, where some did.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub loss: Option<LossHour>,
+}
+
+/// What became of a yaw rate.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct YawHour {
+    pub fault: YawFault,
+    pub left_out: bool,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LossHour {
+    /// Which tires, in one word.
+    pub kind: String,
+    pub wheels: Vec<String>,
+    /// Change of `ln` of their radius: `-beta ln p`.
+    pub radius_change: f64,
+    /// When a warning named one of them, alone or among others, in s after the loss began.
+    pub found_s: Option<f64>,
+    /// Whether one named just them.
+    pub exact: bool,
+    /// Whether one named a tire that had not lost air.
+    pub wrong: bool,
 }
 
 impl Hour {
