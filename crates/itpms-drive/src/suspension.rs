@@ -42,7 +42,6 @@ impl SuspensionWatch {
         self.spectra.push(row.time_s, row.speed_m_s, &accelerations);
     }
 
-    /// What was seen.
     pub(crate) fn conclude(&self) -> SuspensionVerdict {
         SuspensionVerdict::of(&self.car, &self.spectra, self.reference.as_ref(), &self.terms)
     }

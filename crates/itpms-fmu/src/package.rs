@@ -27,11 +27,7 @@ pub enum PackageError {
     #[error(
         "{searched}: the shared library {name} is not there; expected where cargo build --release -p itpms-fmu leaves it, or --library PATH"
     )]
-    NoLibrary {
-        name: String,
-        /// The folders in which it was looked for.
-        searched: String,
-    },
+    NoLibrary { name: String, searched: String },
     /// A file cannot be read.
     #[error("{}: cannot be read: {}", .0.display(), .1)]
     Read(PathBuf, std::io::Error),

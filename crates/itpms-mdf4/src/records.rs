@@ -67,7 +67,6 @@ pub(super) struct Records {
     stop: Option<Stop>,
 }
 
-/// What the stream gave.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Taken {
     /// The bytes, at this place of the stream's piece.

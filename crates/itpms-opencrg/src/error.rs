@@ -82,7 +82,6 @@ pub enum CrgProblem {
         /// Start of the reference line in m.
         start_m: f64,
         end_m: f64,
-        /// Distance from row to row in m.
         increment_m: f64,
     },
     /// Data that end within a cross section.
@@ -105,12 +104,7 @@ pub enum CrgProblem {
     LongLine { line: u64, found: usize, expected: usize },
     /// An infinite height, or a reference line with a hole.
     #[error("{place}, {channel}: found {found}, expected a finite number")]
-    NotFinite {
-        place: Place,
-        /// The channel as the file names it.
-        channel: String,
-        found: f64,
-    },
+    NotFinite { place: Place, channel: String, found: f64 },
 }
 
 fn did_you_mean(nearest: &Option<String>) -> String {

@@ -72,12 +72,7 @@ pub enum ProfileError {
     Read { path: PathBuf, source: std::io::Error },
     /// A line is not `station elevation`.
     #[error("{}, line {line}: found `{found}`, expected a station and an elevation in m", path.display())]
-    Line {
-        path: PathBuf,
-        /// Line, counted from 1.
-        line: usize,
-        found: String,
-    },
+    Line { path: PathBuf, line: usize, found: String },
     /// Stations must increase; `row` counts from 1.
     #[error("station {found} in row {row} follows {previous}, expected stations that increase")]
     NotIncreasing {
@@ -103,25 +98,13 @@ pub enum ProfileError {
 pub enum ScenarioError {
     /// Neither a built-in name nor a file.
     #[error("no scenario `{name}`{}; built in: {}; or give a TOML file", did_you_mean(nearest.as_deref()), known.join(", "))]
-    Unknown {
-        name: String,
-        /// The known name most like it, if any is.
-        nearest: Option<String>,
-        known: Vec<String>,
-    },
+    Unknown { name: String, nearest: Option<String>, known: Vec<String> },
     /// The file could not be read.
     #[error("{}: {source}", path.display())]
     Read { path: PathBuf, source: std::io::Error },
     /// Not the TOML of a scenario.
     #[error("{origin}, line {line}, column {column}: {message}")]
-    Syntax {
-        origin: String,
-        /// Line, counted from 1.
-        line: usize,
-        /// Column, counted from 1.
-        column: usize,
-        message: String,
-    },
+    Syntax { origin: String, line: usize, column: usize, message: String },
     /// A value outside its range.
     #[error("scenario `{scenario}`: {source}")]
     Invalid { scenario: String, source: InvalidValue },

@@ -66,9 +66,6 @@ impl BoundSetting {
     }
 
     /// Refuses a drive that no bound can be computed for.
-    ///
-    /// # Errors
-    /// See [`BoundError`].
     pub fn check(&self) -> Result<(), BoundError> {
         let positive = [
             ("road level Gd(n0) in m3", self.road.gd_n0_m3),
@@ -117,9 +114,6 @@ pub struct CornerBound {
 
 impl CornerBound {
     /// The bound for a corner; the setting's noise counts, not the configuration's.
-    ///
-    /// # Errors
-    /// See [`BoundError`].
     pub fn new(corner: &CornerConfig<f64>, setting: &BoundSetting) -> Result<Self, BoundError> {
         setting.check()?;
         Ok(Self {

@@ -50,9 +50,6 @@ pub enum LearnError {
 }
 
 /// The car of the file as it is after these drives.
-///
-/// # Errors
-/// See [`LearnError`].
 pub fn learn(file: &CarConfig<f64>, drives: &[DriveReading]) -> Result<Learned, LearnError> {
     if drives.is_empty() {
         return Err(LearnError::NoDrive);

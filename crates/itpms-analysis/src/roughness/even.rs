@@ -35,7 +35,6 @@ pub enum EvenError {
         missing: f64,
         /// Distance from height to height in m.
         spacing_m: f64,
-        /// Where the longest gap begins, in m.
         from_m: f64,
         to_m: f64,
     },
@@ -67,9 +66,6 @@ impl EvenProfile {
 
     /// From heights at increasing distances: taken as they are where the steps are even, else read between the points
     /// at their usual distance, or, where that is less than 5 cm, averaged over 5 cm.
-    ///
-    /// # Errors
-    /// See [`EvenError`].
     pub fn new(distance_m: &[f64], height_m: &[f64]) -> Result<Self, EvenError> {
         let mut steps: Vec<f64> = distance_m.windows(2).map(|pair| pair[1] - pair[0]).collect();
         steps.sort_by(f64::total_cmp);

@@ -155,9 +155,6 @@ pub struct TrackSurvey {
 
 impl TrackSurvey {
     /// A track about to begin.
-    ///
-    /// # Errors
-    /// See [`SurveyError`].
     pub fn new(options: SurveyOptions) -> Result<Self, SurveyError> {
         let segment_m = options.segment_m;
         if !(segment_m >= SHORTEST_SEGMENT_M && segment_m.is_finite()) {

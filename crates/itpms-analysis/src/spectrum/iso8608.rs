@@ -201,9 +201,6 @@ pub fn iso_bands(psd: &Psd, low_per_m: f64, high_per_m: f64) -> Vec<Band> {
 /// Draws the line through a displacement spectrum between two spatial frequencies (cycles per metre): least
 /// squares of `ln Gd` over `ln n` through the bands of [`iso_bands`], each octave with the same weight. The
 /// logarithm of a mean of `K` exponential values is low by about `1/(2K) + 1/(12 K²)`; that is added back.
-///
-/// # Errors
-/// See [`FitError`].
 pub fn fit_power_law(psd: &Psd, low_per_m: f64, high_per_m: f64) -> Result<RoadFit, FitError> {
     if !(low_per_m > 0.0 && low_per_m < high_per_m && high_per_m.is_finite()) {
         return Err(FitError::Band { low_per_m, high_per_m });

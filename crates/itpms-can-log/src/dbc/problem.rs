@@ -86,13 +86,7 @@ pub enum Fault {
     Factor { message: String, signal: String },
     /// A float that has not the length of one.
     #[error("message {message}, signal {signal}: a float of {bits} bits, expected {expected}; left out")]
-    FloatLength {
-        message: String,
-        signal: String,
-        bits: u16,
-        /// 32 or 64.
-        expected: u16,
-    },
+    FloatLength { message: String, signal: String, bits: u16, expected: u16 },
     /// A multiplexed signal whose multiplexer is not there.
     #[error("message {message}, signal {signal}: its multiplexer {} is not there; left out", or_unnamed(.switch))]
     NoSwitch {

@@ -104,7 +104,6 @@ impl<T: Real> Spectrum<T> {
     }
 }
 
-/// Finds the resonance.
 pub(super) fn fit<T: Real>(spectrum: &Spectrum<T>, shape: &Shape<T>) -> Fitted<T> {
     let weight = T::lit(INDEPENDENT) * T::whole(spectrum.frames);
     let mut problem = Problem::new(spectrum, shape, weight);

@@ -60,7 +60,6 @@ impl<T: Real> Parabola<T> {
     }
 }
 
-/// What was learned.
 #[derive(Debug, Clone, Copy, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Reference<T: Real> {

@@ -35,11 +35,7 @@ pub enum Problem {
     InPart { part: String, problem: Box<Problem> },
     /// A column that has to be there.
     #[error("column {column} is missing{}", hint(.nearest))]
-    MissingColumn {
-        column: String,
-        /// The most similar name that is there.
-        nearest: Option<String>,
-    },
+    MissingColumn { column: String, nearest: Option<String> },
     /// A Parquet column of another type.
     #[error("column {column} holds {found}, expected numbers{}", one_by_one(.found))]
     ColumnType { column: String, found: String },

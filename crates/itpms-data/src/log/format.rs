@@ -7,7 +7,6 @@ use itpms_files::input;
 use super::elsewhere;
 use crate::error::{DataError, FileProblem, Problem};
 
-/// A format of tables.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Format {
     Csv,

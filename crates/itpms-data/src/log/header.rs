@@ -10,7 +10,6 @@ use crate::error::{Problem, separated_by, twice};
 use crate::signals::names::meaning;
 use crate::signals::{Conversion, column_unit};
 
-/// What a header says.
 #[derive(Debug, Clone)]
 pub(super) struct Header {
     pub(super) columns: LogColumns,

@@ -19,7 +19,6 @@ pub struct Selection {
 const ANY: &str = "*";
 
 impl Selection {
-    /// The column's name.
     pub(crate) fn column(&self) -> &str {
         &self.column
     }

@@ -33,7 +33,6 @@ pub(crate) use parts::{ParquetParts, is_folder_of_parts};
 /// Rows decoded at a time.
 const BATCH: usize = 4096;
 
-/// A file of columns.
 pub(crate) struct ParquetColumns {
     reader: SerializedFileReader<File>,
     /// Of all columns. A nested one has a dotted path and thereby no name of ours.
@@ -320,7 +319,6 @@ impl Column {
     }
 }
 
-/// Where decoded values go.
 struct Cells<'a> {
     present: i16,
     levels: &'a mut Vec<i16>,

@@ -34,7 +34,6 @@ pub(crate) struct PeriodicEstimate<T> {
     pub(crate) whole_period: bool,
 }
 
-/// A road under observation.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Lap<T: Real> {

@@ -145,9 +145,6 @@ struct OneDrive {
 }
 
 /// Makes the study on all processors.
-///
-/// # Errors
-/// See [`MalfunctionError`].
 pub fn study(request: &Request, progress: Progress<'_>) -> Result<Study, MalfunctionError> {
     if request.drives == 0 {
         return Err(MalfunctionError::Nothing);

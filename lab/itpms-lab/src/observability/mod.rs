@@ -173,9 +173,6 @@ pub enum StudyError {
 }
 
 /// The whole study of one corner: some seconds. `look` is called now and then with the share done and may stop it.
-///
-/// # Errors
-/// See [`StudyError`].
 pub fn study(
     subject: &Subject,
     look: &(dyn Fn(f64) -> ControlFlow<()> + Sync),

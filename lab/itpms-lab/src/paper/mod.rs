@@ -109,9 +109,6 @@ pub struct Study {
 }
 
 /// Drives everything and lays it out. The progress counts drives; what follows them takes a few seconds.
-///
-/// # Errors
-/// See [`PaperError`].
 pub fn reproduce(request: &Request, progress: Progress<'_>) -> Result<Study, PaperError> {
     if request.seeds == 0 {
         return Err(PaperError::NoSeeds);

@@ -314,9 +314,6 @@ fn paper_labels() -> String {
 }
 
 /// Computes a score on all processors.
-///
-/// # Errors
-/// See [`ScoreError`].
 pub fn score(request: &Request, progress: Progress<'_>) -> Result<Score, ScoreError> {
     let (Some(&kind), true) = (request.estimators.first(), request.seeds > 0) else {
         return Err(ScoreError::Nothing);

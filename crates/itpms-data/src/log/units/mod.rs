@@ -127,7 +127,6 @@ fn core_rms(values: impl Iterator<Item = f64>) -> Option<f64> {
     Some((values.iter().sum::<f64>() / values.len() as f64).sqrt())
 }
 
-/// One sensor's values.
 fn column<'a>(
     rows: impl Iterator<Item = &'a LogRow>,
     corner: Corner,

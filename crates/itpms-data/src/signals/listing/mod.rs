@@ -310,7 +310,6 @@ impl ListedSignal {
     }
 }
 
-/// Some of these names.
 #[cfg(feature = "parquet")]
 fn some(names: &[String]) -> String {
     const MOST: usize = 5;
