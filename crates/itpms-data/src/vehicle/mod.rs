@@ -25,39 +25,8 @@
 //! initial_kpa = 241.3            # optional: where the estimate starts; the placard's unless given
 //! ```
 //!
-//! Optional keys beyond these ([`VehicleDetails`], docs/vehicle.md): how far the values are to be trusted, friction and
-//! tire damping, tracks, and what the wheel-speed methods need.
-//!
-//! ```toml
-//! [vehicle]
-//! confidence = "typical"         # or "measured", "rough": standard deviations of what has none of its own
-//! track_front_m = 1.55
-//! track_rear_m = 1.55
-//! driven = "front"               # or "rear", "all"
-//! limited_slip = true            # coupled wheels of a driven axle
-//! spring_stiffening_per_m = 3.0  # of the springs: 3 % per cm
-//! gross_axle_kg = [1050.0, 1000.0] # what front and rear axle may carry
-//! level_control = true           # springs that follow the load
-//! adaptive_dampers = true        # dampers that a controller sets
-//! [tire]
-//! stiffness_relative_sd = 0.03   # of the line as a whole
-//! stiffness_over_mass_relative_sd = 0.02 # of stiffness over unsprung mass, where a drive has shown it
-//! rolling_radius_m = 0.31
-//! radius_per_ln_pressure = 0.005 # d ln R / d ln p
-//! radius_per_ln_pressure_sd = 0.003
-//! torsion_hz = 45.0
-//! torsion_hz_per_kpa = 0.045
-//! teeth = 48
-//! [corner.fl]
-//! sprung_mass_relative_sd = 0.08
-//! unsprung_mass_relative_sd = 0.05
-//! spring_relative_sd = 0.15
-//! damping_relative_sd = 0.15
-//! friction_n = 30.0
-//! friction_sd_n = 20.0
-//! tire_damping_n_s_per_m = 50.0
-//! tire_damping_sd_n_s_per_m = 30.0
-//! ```
+//! All other keys are optional ([`VehicleDetails`], docs/vehicle.md): how far the values are to be trusted, friction and tire
+//! damping, tracks, and what the wheel-speed methods need.
 //!
 //! Wheel speeds need no masses, springs, dampers and stiffnesses: a file with `wheelbase_m`, `track_front_m`, `track_rear_m` and
 //! `driven` is complete without them, and its corners have a `placard_kpa` or are not there.

@@ -43,8 +43,8 @@ use runner::Runner;
 
 pub use runner::Progress;
 
-/// What can be asked for by itself.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// What can be asked for by itself, in the order of the table: cars with four wheels from `Drive` on, from `Ablation` on not in the usual one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Part {
     PaperDrop,
     /// The same down to 41.4 kPa.
@@ -62,19 +62,19 @@ pub enum Part {
     Road,
     /// Four wheels, one of them punctured.
     Drive,
-    /// The same with each source of information alone. Not part of the usual table.
+    /// The same with each source of information alone.
     Ablation,
-    /// The same while something differs from what the estimator is given. Not part of the usual table.
+    /// The same while something differs from what the estimator is given.
     Disturbances,
-    /// How soon a loss is warned of. Not part of the usual table.
+    /// How soon a loss is warned of.
     Detection,
-    /// How soon tires are named that lose air together, or did before the drive. Not part of the usual table.
+    /// How soon tires are named that lose air together, or did before the drive.
     Several,
-    /// Cars that are not their files. Not part of the usual table.
+    /// Cars that are not their files.
     Car,
-    /// What ten minutes at known pressures teach of a car. Not part of the usual table.
+    /// What ten minutes at known pressures teach of a car.
     Learn,
-    /// An owner's whole path. Not part of the usual table.
+    /// An owner's whole path.
     Own,
 }
 
@@ -104,31 +104,12 @@ impl Part {
     /// Whether it belongs to the table that is computed when nothing is asked for by name.
     #[must_use]
     pub fn is_usual(self) -> bool {
-        !matches!(
-            self,
-            Self::Ablation
-                | Self::Disturbances
-                | Self::Detection
-                | Self::Several
-                | Self::Car
-                | Self::Learn
-                | Self::Own
-        )
+        self < Self::Ablation
     }
 
     /// Whether it is of cars with four wheels.
     fn is_of_cars(self) -> bool {
-        matches!(
-            self,
-            Self::Drive
-                | Self::Ablation
-                | Self::Disturbances
-                | Self::Detection
-                | Self::Several
-                | Self::Car
-                | Self::Learn
-                | Self::Own
-        )
+        self >= Self::Drive
     }
 
     /// The name on the command line.
