@@ -13,9 +13,9 @@ format() {
 }
 
 # The README's test command in two, without the examples, which clippy compiles. The workspace together switches on all features of the
-# core, so all its tests are among these; and so is that other people's Kalman filters find what the published filter finds.
+# core, so all its tests are among these.
 tests() {
-    cargo test --workspace --tests --features itpms-bench/peer-steps --locked
+    cargo test --workspace --tests --locked
     cargo test --workspace --doc --locked
 }
 

@@ -11,7 +11,6 @@ use sha2::{Digest as _, Sha256};
 /// Style of a page of figures and tables, after the shared one.
 const FIGURES_STYLE: &str = include_str!("../assets/figures.css");
 
-/// Such a page's body.
 const FIGURES_BODY: &str =
     "<body>\n<header><h1>{{title}}</h1></header>\n<main>\n{{content}}</main>\n</body>\n</html>\n";
 

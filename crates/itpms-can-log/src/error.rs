@@ -42,6 +42,7 @@ impl From<itpms_mdf4::Mdf4Error> for CanError {
 /// One kind of problem with a CAN log.
 #[derive(Debug, Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say it")]
 pub enum CanProblem {
     /// One that a file of any format may have.
     #[error(transparent)]
@@ -55,50 +56,23 @@ pub enum CanProblem {
     Mdf4(#[from] itpms_mdf4::Mdf4Problem),
     /// Zero bytes or blank lines only.
     #[error("the file is empty, expected CAN frames ({expected})")]
-    Empty {
-        /// What the format's beginning looks like.
-        expected: &'static str,
-    },
+    Empty { expected: &'static str },
     /// Not one line that means anything.
     #[error("none of the first {lines} lines is understood; line {line} is {found:?}, expected {expected}")]
-    NothingUnderstood {
-        /// Lines looked at.
-        lines: u64,
-        /// The first that is not understood.
-        line: u64,
-        /// Its beginning.
-        found: String,
-        /// What a line looks like.
-        expected: &'static str,
-    },
+    NothingUnderstood { lines: u64, line: u64, found: String, expected: &'static str },
     /// candump's screen form without `-t`.
     #[error(
         "line {line}: the frame has no time stamp ({found:?}); log with candump -L, or with candump -ta on the screen"
     )]
-    NoTimeStamp {
-        /// Where.
-        line: u64,
-        /// The line's beginning.
-        found: String,
-    },
+    NoTimeStamp { line: u64, found: String },
     /// A BLF that is none.
     #[error("found {found:?} at the beginning of {bytes} bytes, expected a BLF header that begins with LOGG")]
-    NoHeader {
-        /// Its first bytes.
-        found: String,
-        /// The file's size.
-        bytes: u64,
-    },
+    NoHeader { found: String, bytes: u64 },
     /// A BLF without any object.
     #[error(
         "nothing in the file is understood; at byte {byte}: found {found}, expected an object that begins with LOBJ"
     )]
-    NoObject {
-        /// Where.
-        byte: u64,
-        /// What is there.
-        found: String,
-    },
+    NoObject { byte: u64, found: String },
     /// An MDF4 file without frames of a CAN bus.
     #[error("has no frames of a CAN bus, expected a channel group with CAN_DataFrame (ASAM MDF bus logging)")]
     NoFrameGroup,
@@ -107,7 +81,6 @@ pub enum CanProblem {
     Time {
         /// Which frame, from one.
         number: u64,
-        /// Its time in s.
         time_s: f64,
     },
 }

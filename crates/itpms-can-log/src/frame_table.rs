@@ -10,7 +10,6 @@ use super::line_reader::{LineContent, LineFormat};
 const EXPECTED_ID: &str = "a hexadecimal identifier of 11 or 29 bits";
 const EXPECTED_DATA: &str = "a length and as many bytes";
 
-/// A table of frames.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum FrameTable {
     /// `timestamp,arbitration_id,extended,remote,error,dlc,data`: seconds, data in base64.

@@ -9,7 +9,6 @@ use crate::error::CanProblem;
 /// Lines without any frame after which a file is given up.
 const MOST_LINES_OF_NOTHING: u64 = 10_000;
 
-/// What a line says.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum LineContent {
     /// Nothing that counts: blank, a comment, a part of the header.

@@ -115,7 +115,6 @@ impl<'a> Words<'a> {
         Self { rest: line }
     }
 
-    /// So many bytes, each a word.
     pub(super) fn bytes(&mut self, length: usize, base: Base) -> Option<Payload> {
         let mut payload = Payload::EMPTY;
         for _ in 0..length {

@@ -74,7 +74,6 @@ impl Group {
         self.next.map_or(f64::INFINITY, |frame| frame.time_s)
     }
 
-    /// Reads the next frame.
     fn advance(&mut self, start_s: f64, repairs: &mut FrameRepairs) -> Result<(), CanProblem> {
         self.next = None;
         while self.next.is_none() {

@@ -26,7 +26,6 @@ const V1_3: &[u8] = b"NOBTIRL";
 /// Columns that a header may name.
 const MOST_COLUMNS: usize = 16;
 
-/// What the header says.
 #[derive(Debug)]
 pub(super) struct Trc {
     /// In s since 1970; 0 if it does not say.

@@ -21,6 +21,7 @@ use thiserror::Error;
 
 /// The end of a command that did not complete.
 #[derive(Debug, Error)]
+#[allow(missing_docs, reason = "the messages say it")]
 pub enum Failure {
     /// A file in or out.
     #[error("{error}{hint}", error = .0, hint = remedy(.0))]
@@ -40,7 +41,6 @@ pub enum Failure {
     /// A study is complete, and what it found is not what was wanted of it.
     #[error("{0}")]
     Missed(String),
-    /// Ctrl-C was pressed.
     #[error("interrupted, nothing was written")]
     Interrupted,
     /// The same, in a run whose finished parts are kept.
@@ -51,9 +51,7 @@ pub enum Failure {
 /// The option with which someone who knows better goes on.
 fn remedy(error: &DataError) -> &'static str {
     match &*error.problem {
-        Problem::Units { .. } => {
-            "; if they are right: --trust-units, else state the units in a map: --signals"
-        }
+        Problem::Units(_) => "; if they are right: --trust-units, else state the units in a map: --signals",
         // A table of another's: it has a clock, but not under this name, or wheel speeds of an unknown unit.
         Problem::MissingColumn { column, .. }
             if *column == Slot::Time.name() || column.contains("_wheel_speed_") =>

@@ -6,9 +6,9 @@
 
 use std::path::Path;
 
-use itpms_files::{input, nearest};
+use itpms_files::input;
 
-use crate::error::{DataError, Place, Problem};
+use crate::error::{DataError, Place, Problem, not_among, separated_by, twice};
 #[cfg(feature = "parquet")]
 use crate::log::Format;
 use crate::log::{Lines, cells, number, separator, shortened};
@@ -61,7 +61,7 @@ fn read(path: &Path, needed: &[&str], optional: &[&str]) -> Result<Columns, Prob
     }
     let mut lines = Lines::new(input::open(path)?.0);
     if !lines.advance()? {
-        return Err(Problem::NoHeader(needed.join(",")));
+        return Err(format!("the file is empty, expected a header line with {}", needed.join(",")).into());
     }
     let header: Vec<String> =
         cells(lines.text()).map(|name| String::from_utf8_lossy(name).into_owned()).collect();
@@ -103,8 +103,7 @@ fn read_parquet(path: &Path, needed: &[&str], optional: &[&str]) -> Result<Colum
     while let Some(place) = table.advance()? {
         for ((value, column), name) in table.values().zip(&mut values).zip(&names) {
             if !value.is_finite() {
-                let found = "nothing finite".to_owned();
-                return Err(Problem::NotFinite { place, column: name.clone(), found });
+                return Err(not_finite(place, name, "nothing finite"));
             }
             column.push(value);
         }
@@ -117,16 +116,17 @@ fn read_parquet(path: &Path, needed: &[&str], optional: &[&str]) -> Result<Colum
 }
 
 fn finite(cell: &[u8], place: Place, column: &str) -> Result<f64, Problem> {
-    let column = || column.to_owned();
     let text = || shortened(&String::from_utf8_lossy(cell));
     match number(cell) {
         Some(value) if value.is_finite() => Ok(value),
-        Some(_) if cell.is_empty() => {
-            Err(Problem::NotFinite { place, column: column(), found: "nothing".to_owned() })
-        }
-        Some(_) => Err(Problem::NotFinite { place, column: column(), found: text() }),
-        None => Err(Problem::NotFinite { place, column: column(), found: format!("{:?}", text()) }),
+        Some(_) if cell.is_empty() => Err(not_finite(place, column, "nothing")),
+        Some(_) => Err(not_finite(place, column, &text())),
+        None => Err(not_finite(place, column, &format!("{:?}", text()))),
     }
+}
+
+fn not_finite(place: Place, column: &str, found: &str) -> Problem {
+    Problem::Refused(format!("{place}, column {column}: found {found}, expected a finite number"))
 }
 
 /// The names asked for that are in the header.
@@ -134,11 +134,9 @@ fn chosen(header: &[String], needed: &[&str], optional: &[&str]) -> Result<Vec<S
     let wanted = || needed.iter().chain(optional);
     let mut names = Vec::new();
     for name in wanted() {
-        let mut places = header.iter().enumerate().filter(|(_, n)| n == name).map(|(i, _)| i + 1);
+        let mut places = header.iter().enumerate().filter(|(_, n)| n == name).map(|(i, _)| i);
         match (places.next(), places.next()) {
-            (Some(first), Some(second)) => {
-                return Err(Problem::DuplicateColumn { column: (*name).to_owned(), first, second });
-            }
+            (Some(first), Some(second)) => return Err(twice(name, first, second)),
             (Some(_), None) => names.push((*name).to_owned()),
             (None, _) if needed.contains(name) => return Err(missing(name, header, needed)),
             (None, _) => {}
@@ -149,15 +147,9 @@ fn chosen(header: &[String], needed: &[&str], optional: &[&str]) -> Result<Vec<S
 
 fn missing(name: &str, header: &[String], needed: &[&str]) -> Problem {
     if let Some(separator) = separator(header) {
-        return Problem::Separator(separator);
+        return separated_by(separator);
     }
-    let strangers = header.iter().map(String::as_str).filter(|n| !needed.contains(n));
-    Problem::NotAmongColumns {
-        column: name.to_owned(),
-        nearest: nearest(name, strangers).map(shortened),
-        found: shortened(&header.join(",")),
-        expected: needed.join(","),
-    }
+    not_among(name, header, needed, &needed.join(","))
 }
 
 #[cfg(test)]

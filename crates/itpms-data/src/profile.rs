@@ -5,9 +5,9 @@
 
 use std::path::Path;
 
-use itpms_files::{input, nearest};
+use itpms_files::input;
 
-use crate::error::{DataError, Place, Problem};
+use crate::error::{DataError, Place, Problem, not_among, twice};
 use crate::log::{Lines, number, shortened};
 #[cfg(feature = "parquet")]
 use crate::parquet_columns::ParquetColumns;
@@ -101,7 +101,7 @@ impl RoadProfile {
     fn complete(self) -> Result<Self, Problem> {
         match self.distance_m.len() {
             0 if self.rows_left_out == 0 => Err(Problem::HeaderOnly),
-            0 | 1 => Err(Problem::NoRoad),
+            0 | 1 => Err("found no two rows with different distances, expected a road".into()),
             _ => Ok(self),
         }
     }
@@ -120,7 +120,10 @@ impl RoadProfile {
         }
         let last_m = self.distance_m.last().copied().unwrap_or(f64::NEG_INFINITY);
         if distance_m < last_m {
-            return Err(Problem::DistanceBackwards { place, from_m: last_m, to_m: distance_m });
+            return Err(format!(
+                "{place}: the distance goes back from {last_m} to {distance_m} m, expected it to increase"
+            )
+            .into());
         }
         if !(distance_m > last_m) {
             self.rows_left_out += 1;
@@ -155,13 +158,13 @@ fn read_parquet(path: &Path) -> Result<RoadProfile, Problem> {
 
 #[cfg(not(feature = "parquet"))]
 fn read_parquet(_: &Path) -> Result<RoadProfile, Problem> {
-    Err(Problem::NotApplicable("this build is without Parquet, expected a road as text"))
+    Err("this build is without Parquet, expected a road as text".into())
 }
 
 fn read_text(path: &Path) -> Result<RoadProfile, Problem> {
     let mut lines = Lines::new(input::open(path)?.0);
     if !lines.advance()? {
-        return Err(Problem::NoHeader(EXPECTED.to_owned()));
+        return Err(format!("the file is empty, expected a header line with {EXPECTED}").into());
     }
     let first: Vec<Vec<u8>> = parts(lines.text()).map(<[u8]>::to_vec).collect();
     let header = first.iter().any(|cell| number(cell).is_none());
@@ -193,11 +196,7 @@ fn by_name(header: &[String]) -> Result<(Vec<Slot>, Vec<&'static str>), Problem>
     for (second, name) in header.iter().enumerate() {
         let known = name == DISTANCE || name == TIME || HEIGHTS.iter().any(|(column, _)| column == name);
         if let Some(first) = header[..second].iter().position(|other| known && other == name) {
-            return Err(Problem::DuplicateColumn {
-                column: name.clone(),
-                first: first + 1,
-                second: second + 1,
-            });
+            return Err(twice(name, first, second));
         }
     }
     let mut names = Vec::new();
@@ -211,12 +210,7 @@ fn by_name(header: &[String]) -> Result<(Vec<Slot>, Vec<&'static str>), Problem>
         None => Slot::Other,
     };
     let slots: Vec<Slot> = header.iter().map(&mut slot).collect();
-    let missing = |column: &str| Problem::NotAmongColumns {
-        column: column.to_owned(),
-        nearest: nearest(column, header.iter().map(String::as_str)).map(shortened),
-        found: shortened(&header.join(",")),
-        expected: EXPECTED.to_owned(),
-    };
+    let missing = |column: &str| not_among(column, header, &[], EXPECTED);
     let a_drive = header.iter().any(|name| name.ends_with("_accel_m_s2"));
     match (slots.contains(&Slot::Distance), names.is_empty()) {
         (false, _) | (_, true) if a_drive => Err(Problem::DriveLog),
@@ -230,7 +224,10 @@ fn by_place(first: &[Vec<u8>], line: u64) -> Result<(Vec<Slot>, Vec<&'static str
     match first.len() {
         2 => Ok((vec![Slot::Distance, Slot::Track(0)], vec!["road"])),
         3 => Ok((vec![Slot::Distance, Slot::Track(0), Slot::Track(1)], vec!["left", "right"])),
-        found => Err(Problem::UnnamedColumns { place: Place::Line(line), found }),
+        found => Err(format!(
+            "line {line}: found {found} columns of numbers without a header, expected 2 (distance and height) or 3 (distance, left and right)"
+        )
+        .into()),
     }
 }
 

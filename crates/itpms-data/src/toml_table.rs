@@ -17,10 +17,8 @@ fn line_of(text: &str, offset: usize) -> usize {
 
 /// A text that is no TOML.
 pub(crate) fn syntax_problem(text: &str, error: &toml::de::Error) -> Problem {
-    Problem::Syntax {
-        line: error.span().map_or(1, |span| line_of(text, span.start)),
-        message: error.message().to_owned(),
-    }
+    let line = error.span().map_or(1, |span| line_of(text, span.start));
+    Problem::Refused(format!("line {line}: not valid TOML: {}", error.message()))
 }
 
 /// One table of a document.
@@ -39,10 +37,6 @@ impl<'a> Table<'a> {
 
     pub(crate) fn path(&self) -> &str {
         &self.path
-    }
-
-    pub(crate) fn line(&self) -> Option<usize> {
-        self.line
     }
 
     /// The line of a key, or of the table where the key is not there.
@@ -64,13 +58,14 @@ impl<'a> Table<'a> {
             .min_by_key(|(key, _)| key.span().start);
         match stranger {
             None => Ok(()),
-            Some((key, _)) => Err(Problem::UnknownKey {
-                line: line_of(self.text, key.span().start),
-                table: self.path.clone(),
-                key: key.get_ref().to_string(),
-                nearest: nearest(key.get_ref(), known.iter().copied()).map(str::to_owned),
-                known: known.join(", "),
-            }),
+            Some((key, _)) => {
+                let (line, key) = (line_of(self.text, key.span().start), key.get_ref());
+                let meant = nearest(key, known.iter().copied());
+                let meant = meant.map(|name| format!(" (did you mean {name}?)")).unwrap_or_default();
+                let (table, known) = (&self.path, known.join(", "));
+                Err(format!("line {line}: unknown key {key} in {table}{meant}, expected one of: {known}")
+                    .into())
+            }
         }
     }
 
@@ -145,18 +140,18 @@ impl<'a> Table<'a> {
 
     /// A parameter out of its range, with the table and the line of its key.
     pub(crate) fn refuse(&self, error: ParameterError) -> Problem {
-        Problem::Parameter { line: self.line_of_key(error.name), table: self.path.clone(), error }
+        Problem::Refused(format!("line {}: {} {error}", self.line_of_key(error.name), self.path))
     }
 
     /// A key that is missing from this table.
     pub(crate) fn lacks(&self, key: &str) -> Problem {
-        Problem::MissingKey { line: self.line, table: self.path.clone(), key: key.to_owned() }
+        let line = self.line.map(|line| format!(" (table at line {line})")).unwrap_or_default();
+        Problem::Refused(format!("{} has no {key}{line}", self.path))
     }
 
     /// A text that is none of those that mean something here.
     pub(crate) fn wrong_word(&self, key: &str, text: &str, expected: &'static str) -> Problem {
-        let (line, found) = (self.line_of_key(key), format!("the text {text:?}"));
-        Problem::ValueType { line, table: self.path.clone(), key: key.to_owned(), found, expected }
+        self.wrong(key, &format!("the text {text:?}"), expected)
     }
 
     /// Byte offset of the key, and its value.
@@ -170,8 +165,12 @@ impl<'a> Table<'a> {
             DeValue::String(text) => format!("the text {text:?}"),
             other => format!("of type {}", other.type_str()),
         };
-        let line = self.line_of_key(key);
-        Problem::ValueType { line, table: self.path.clone(), key: key.to_owned(), found, expected }
+        self.wrong(key, &found, expected)
+    }
+
+    fn wrong(&self, key: &str, found: &str, expected: &str) -> Problem {
+        let (line, table) = (self.line_of_key(key), &self.path);
+        Problem::Refused(format!("line {line}: {table} {key} is {found}, expected {expected}"))
     }
 }
 

@@ -12,6 +12,7 @@ use thiserror::Error;
 /// Why a drive was not estimated. Its message is complete.
 #[derive(Debug, Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say it")]
 pub enum DriveError {
     /// A file in or out.
     #[error(transparent)]
@@ -34,7 +35,6 @@ pub enum DriveError {
     /// The page about the drive.
     #[error("the report cannot be made: {0}")]
     Report(io::Error),
-    /// It was asked for.
     #[error("interrupted")]
     Stopped,
 }

@@ -14,7 +14,6 @@ use itpms_road::RoadRepetition;
 use crate::job::Job;
 use crate::settings::Settings;
 
-/// All of it.
 pub(crate) fn provenance(job: &Job<'_>, log: &LogReader, sensors_kpa: &[f64; 4]) -> Provenance {
     Provenance {
         program: job.settings.program.clone(),

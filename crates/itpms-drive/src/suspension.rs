@@ -35,7 +35,6 @@ impl SuspensionWatch {
         Some(Self { car, terms, spectra: SuspensionSpectra::new(step_s), reference })
     }
 
-    /// Takes a row.
     pub(crate) fn take(&mut self, row: &LogRow) {
         let accelerations = row.corners.map(|corner| {
             corner.map_or([f64::NAN; 2], |corner| [corner.wheel_accel_m_s2, corner.body_accel_m_s2])
@@ -43,7 +42,6 @@ impl SuspensionWatch {
         self.spectra.push(row.time_s, row.speed_m_s, &accelerations);
     }
 
-    /// What was seen.
     pub(crate) fn conclude(&self) -> SuspensionVerdict {
         SuspensionVerdict::of(&self.car, &self.spectra, self.reference.as_ref(), &self.terms)
     }

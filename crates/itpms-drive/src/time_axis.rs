@@ -100,7 +100,6 @@ impl TimeAxis {
         }
     }
 
-    /// Takes a row of the log.
     pub(crate) fn take(&mut self, row: &LogRow) {
         let step_s = row.time_s - std::mem::replace(&mut self.last_s, row.time_s);
         self.feel_speed(row);

@@ -17,6 +17,47 @@ pub fn crc64(parts: &[&[u8]]) -> u64 {
     !crc
 }
 
+/// Why a sealed file is not opened.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Unsealed {
+    /// It begins otherwise: so.
+    Foreign(String),
+    /// Cut short, or changed since it was written.
+    #[allow(missing_docs, reason = "the checksum in the first line, and that of the contents")]
+    Damaged { found: String, expected: String },
+}
+
+/// The first line of a file: what it is, its format, and a checksum of the format and of the body below.
+#[must_use]
+pub fn seal(magic: &str, format: &str, body: &[u8]) -> String {
+    format!("{magic}{format} {}\n", seal_of(format, body))
+}
+
+/// Format and body of a file that begins with such a line.
+///
+/// # Errors
+/// It is another file, or damaged.
+pub fn unsealed<'a>(magic: &str, bytes: &'a [u8]) -> Result<(String, &'a [u8]), Unsealed> {
+    let Some(rest) = bytes.strip_prefix(magic.as_bytes()) else {
+        let beginning = &bytes[..bytes.len().min(magic.len())];
+        return Err(Unsealed::Foreign(String::from_utf8_lossy(beginning).into_owned()));
+    };
+    let end_of_line = rest.iter().position(|byte| *byte == b'\n').unwrap_or(rest.len());
+    let (line, body) = (&rest[..end_of_line], rest.get(end_of_line + 1..).unwrap_or_default());
+    let line = String::from_utf8_lossy(line);
+    let (format, found) = line.split_once(' ').unwrap_or((&line, ""));
+    let expected = seal_of(format, body);
+    if found != expected {
+        return Err(Unsealed::Damaged { found: found.to_owned(), expected });
+    }
+    Ok((format.to_owned(), body))
+}
+
+/// In lower-case digits.
+fn seal_of(format: &str, body: &[u8]) -> String {
+    format!("{:016x}", crc64(&[format.as_bytes(), b"\n", body]))
+}
+
 #[cfg(test)]
 mod tests {
     use super::crc64;

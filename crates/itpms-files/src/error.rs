@@ -27,8 +27,8 @@ impl FileError {
 /// One kind of problem that a file of any format may have.
 #[derive(Debug, Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say it")]
 pub enum FileProblem {
-    /// Nothing under this name.
     #[error("no such file")]
     NotFound,
     /// A directory where a file belongs.
@@ -42,10 +42,7 @@ pub enum FileProblem {
     Write(io::Error),
     /// A file that one program at a time may use.
     #[error("is used by another program{}, expected one at a time", by(.process))]
-    InUse {
-        /// Which one, if it says so.
-        process: Option<u32>,
-    },
+    InUse { process: Option<u32> },
     /// The directory to write into is missing.
     #[error("cannot be written: the directory {} does not exist", .0.display())]
     NoDirectory(PathBuf),
@@ -54,32 +51,19 @@ pub enum FileProblem {
     TooLarge {
         /// Its size, or how much of it was read.
         found: u64,
-        /// Whether that is all of it.
         is_all: bool,
-        /// What it should be.
         expected: &'static str,
-        /// The limit.
         most: u64,
     },
     /// A line without an end.
     #[error("line {line} is longer than {most} bytes, expected lines of text")]
-    LongLine {
-        /// Where.
-        line: u64,
-        /// The limit.
-        most: u64,
-    },
+    LongLine { line: u64, most: u64 },
     /// A pipe or device where a file is read in several places.
     #[error("is a pipe or a device, expected a regular file: {0} is read in several places")]
     NotRegular(&'static str),
     /// The format is chosen by the file's extension.
     #[error("{found}, expected {expected}")]
-    UnknownExtension {
-        /// The extension in words.
-        found: String,
-        /// The known ones.
-        expected: String,
-    },
+    UnknownExtension { found: String, expected: String },
 }
 
 impl FileProblem {

@@ -14,7 +14,7 @@ mod text;
 
 pub use atomic::{AtomicFile, NewFolder, abandon_all};
 pub use calendar::{Date, weekday};
-pub use checksum::crc64;
+pub use checksum::{Unsealed, crc64, seal, unsealed};
 pub use error::{FileError, FileProblem, sentence};
 pub use lock::NameLock;
 pub use place::Place;

@@ -331,6 +331,62 @@ pub(crate) unsafe fn read_state(
     unsafe { get_state((&raw mut restored).cast(), state) }
 }
 
+/// Functions of the standard, each with what is done with its arguments.
+macro_rules! functions {
+    ($($name:ident($($argument:ident: $type:ty),*) $(-> $out:ty)? = $done:expr;)*) => {$(
+        #[unsafe(no_mangle)]
+        unsafe extern "C" fn $name($($argument: $type),*) $(-> $out)? {
+            // SAFETY: the tool's instance; `FreeInstance` is its last call.
+            unsafe { $done }
+        }
+    )*};
+}
+
+/// Getter and setter of a type; FMI 3 says how many values there are, which are as many as references, since every variable is one number.
+macro_rules! access {
+    ($($get:ident $set:ident($type:ty $(, $values:ident)?), $kind:expr, $of:expr, $into:expr;)*) => {$(
+        #[unsafe(no_mangle)]
+        unsafe extern "C" fn $get(
+            instance: *mut c_void,
+            references: *const u32,
+            count: usize,
+            values: *mut $type,
+            $($values: usize,)?
+        ) -> $crate::abi::Status {
+            $(if $values != count {
+                return $crate::abi::Status::Error;
+            })?
+            // SAFETY: the tool's instance and arrays.
+            unsafe { $crate::abi::get(instance, $kind, references, count, values, $of) }
+        }
+
+        #[unsafe(no_mangle)]
+        unsafe extern "C" fn $set(
+            instance: *mut c_void,
+            references: *const u32,
+            count: usize,
+            values: *const $type,
+            $($values: usize,)?
+        ) -> $crate::abi::Status {
+            $(if $values != count {
+                return $crate::abi::Status::Error;
+            })?
+            // SAFETY: the tool's instance and arrays.
+            unsafe { $crate::abi::set(instance, $kind, references, count, values, $into) }
+        }
+    )*};
+}
+
+/// Functions that are not there: by C's calling convention it does not matter what they are called with.
+macro_rules! not_there {
+    ($($name:ident)*) => {$(
+        #[unsafe(no_mangle)]
+        extern "C" fn $name() -> $crate::abi::Status {
+            $crate::abi::Status::Error
+        }
+    )*};
+}
+
 /// The functions of both versions that differ in nothing but their names: reset; get, set and free a state; its size as bytes; to bytes and
 /// back.
 macro_rules! state_functions {
@@ -353,4 +409,4 @@ macro_rules! state_functions {
         }
     )*};
 }
-pub(crate) use state_functions;
+pub(crate) use {access, functions, not_there, state_functions};

@@ -101,85 +101,20 @@ unsafe extern "C" fn fmi2Instantiate(
     unsafe { Instance::create(abi::text(location).and_then(folder), abi::text(guid), log(callbacks, name)) }
 }
 
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi2FreeInstance(instance: *mut c_void) {
-    // SAFETY: the tool's instance, for the last time.
-    unsafe { abi::free(instance) }
+abi::functions! {
+    fmi2FreeInstance(instance: *mut c_void) = abi::free(instance);
+    fmi2SetupExperiment(instance: *mut c_void, _tolerance_defined: c_int, _tolerance: f64, _start_time: f64, _stop_defined: c_int, _stop_time: f64) -> Status = abi::there(instance);
+    fmi2SetDebugLogging(instance: *mut c_void, _on: c_int, _count: usize, _categories: *const *const c_char) -> Status = abi::there(instance);
+    fmi2EnterInitializationMode(instance: *mut c_void) -> Status = abi::there(instance);
+    fmi2ExitInitializationMode(instance: *mut c_void) -> Status = abi::enter(instance, Phase::Initialized);
+    fmi2Terminate(instance: *mut c_void) -> Status = abi::enter(instance, Phase::Terminated);
+    fmi2DoStep(instance: *mut c_void, time_s: f64, step_s: f64, _no_set_state_prior: c_int) -> Status = abi::step(instance, time_s, step_s);
 }
 
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi2SetupExperiment(
-    instance: *mut c_void,
-    _tolerance_defined: c_int,
-    _tolerance: f64,
-    _start_time: f64,
-    _stop_defined: c_int,
-    _stop_time: f64,
-) -> Status {
-    // SAFETY: the tool's instance.
-    unsafe { abi::there(instance) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi2SetDebugLogging(
-    instance: *mut c_void,
-    _on: c_int,
-    _count: usize,
-    _categories: *const *const c_char,
-) -> Status {
-    // SAFETY: the tool's instance.
-    unsafe { abi::there(instance) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi2EnterInitializationMode(instance: *mut c_void) -> Status {
-    // SAFETY: the tool's instance.
-    unsafe { abi::there(instance) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi2ExitInitializationMode(instance: *mut c_void) -> Status {
-    // SAFETY: the tool's instance.
-    unsafe { abi::enter(instance, Phase::Initialized) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi2Terminate(instance: *mut c_void) -> Status {
-    // SAFETY: the tool's instance.
-    unsafe { abi::enter(instance, Phase::Terminated) }
-}
-
-/// Getter and setter of a type.
-macro_rules! access {
-    ($($get:ident $set:ident $type:ty, $kind:expr, $of:expr, $into:expr;)*) => {$(
-        #[unsafe(no_mangle)]
-        unsafe extern "C" fn $get(
-            instance: *mut c_void,
-            references: *const u32,
-            count: usize,
-            values: *mut $type,
-        ) -> Status {
-            // SAFETY: the tool's instance and arrays.
-            unsafe { abi::get(instance, $kind, references, count, values, $of) }
-        }
-
-        #[unsafe(no_mangle)]
-        unsafe extern "C" fn $set(
-            instance: *mut c_void,
-            references: *const u32,
-            count: usize,
-            values: *const $type,
-        ) -> Status {
-            // SAFETY: the tool's instance and arrays.
-            unsafe { abi::set(instance, $kind, references, count, values, $into) }
-        }
-    )*};
-}
-
-access! {
-    fmi2GetReal fmi2SetReal f64, Kind::Real, |value| value, |value| value;
-    fmi2GetInteger fmi2SetInteger c_int, Kind::Integer, |value| value as c_int, f64::from;
-    fmi2GetBoolean fmi2SetBoolean c_int, Kind::Boolean, |value| c_int::from(value > 0.5), |value| f64::from(u8::from(value != 0));
+abi::access! {
+    fmi2GetReal fmi2SetReal(f64), Kind::Real, |value| value, |value| value;
+    fmi2GetInteger fmi2SetInteger(c_int), Kind::Integer, |value| value as c_int, f64::from;
+    fmi2GetBoolean fmi2SetBoolean(c_int), Kind::Boolean, |value| c_int::from(value > 0.5), |value| f64::from(u8::from(value != 0));
 }
 
 abi::state_functions! {
@@ -187,28 +122,8 @@ abi::state_functions! {
     fmi2SerializedFMUstateSize fmi2SerializeFMUstate fmi2DeSerializeFMUstate
 }
 
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi2DoStep(
-    instance: *mut c_void,
-    time_s: f64,
-    step_s: f64,
-    _no_set_state_prior: c_int,
-) -> Status {
-    // SAFETY: the tool's instance.
-    unsafe { abi::step(instance, time_s, step_s) }
-}
-
-/// Functions that the description says are not there: by C's calling convention it does not matter what they are called with.
-macro_rules! not_there {
-    ($($name:ident)*) => {$(
-        #[unsafe(no_mangle)]
-        extern "C" fn $name() -> Status {
-            Status::Error
-        }
-    )*};
-}
-
-not_there! {
+// Functions that the description says are not there.
+abi::not_there! {
     fmi2GetString fmi2SetString fmi2GetDirectionalDerivative fmi2SetRealInputDerivatives fmi2GetRealOutputDerivatives fmi2CancelStep
     fmi2GetStatus fmi2GetRealStatus fmi2GetIntegerStatus fmi2GetBooleanStatus fmi2GetStringStatus
 }

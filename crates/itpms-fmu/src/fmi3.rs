@@ -41,88 +41,19 @@ unsafe extern "C" fn fmi3InstantiateCoSimulation(
     unsafe { Instance::create(abi::text(resources).map(PathBuf::from), abi::text(token), log) }
 }
 
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi3FreeInstance(instance: *mut c_void) {
-    // SAFETY: the tool's instance, for the last time.
-    unsafe { abi::free(instance) }
+abi::functions! {
+    fmi3FreeInstance(instance: *mut c_void) = abi::free(instance);
+    fmi3SetDebugLogging(instance: *mut c_void, _on: bool, _count: usize, _categories: *const *const c_char) -> Status = abi::there(instance);
+    fmi3EnterInitializationMode(instance: *mut c_void, _tolerance_defined: bool, _tolerance: f64, _start_time: f64, _stop_defined: bool, _stop_time: f64) -> Status = abi::there(instance);
+    fmi3ExitInitializationMode(instance: *mut c_void) -> Status = abi::enter(instance, Phase::Initialized);
+    fmi3Terminate(instance: *mut c_void) -> Status = abi::enter(instance, Phase::Terminated);
 }
 
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi3SetDebugLogging(
-    instance: *mut c_void,
-    _on: bool,
-    _count: usize,
-    _categories: *const *const c_char,
-) -> Status {
-    // SAFETY: the tool's instance.
-    unsafe { abi::there(instance) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi3EnterInitializationMode(
-    instance: *mut c_void,
-    _tolerance_defined: bool,
-    _tolerance: f64,
-    _start_time: f64,
-    _stop_defined: bool,
-    _stop_time: f64,
-) -> Status {
-    // SAFETY: the tool's instance.
-    unsafe { abi::there(instance) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi3ExitInitializationMode(instance: *mut c_void) -> Status {
-    // SAFETY: the tool's instance.
-    unsafe { abi::enter(instance, Phase::Initialized) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi3Terminate(instance: *mut c_void) -> Status {
-    // SAFETY: the tool's instance.
-    unsafe { abi::enter(instance, Phase::Terminated) }
-}
-
-/// Getter and setter of a type. Every variable is one number, so there are as many values as references.
-macro_rules! access {
-    ($($get:ident $set:ident $type:ty, $kind:expr, $of:expr, $into:expr;)*) => {$(
-        #[unsafe(no_mangle)]
-        unsafe extern "C" fn $get(
-            instance: *mut c_void,
-            references: *const u32,
-            count: usize,
-            values: *mut $type,
-            value_count: usize,
-        ) -> Status {
-            if value_count != count {
-                return Status::Error;
-            }
-            // SAFETY: the tool's instance and arrays.
-            unsafe { abi::get(instance, $kind, references, count, values, $of) }
-        }
-
-        #[unsafe(no_mangle)]
-        unsafe extern "C" fn $set(
-            instance: *mut c_void,
-            references: *const u32,
-            count: usize,
-            values: *const $type,
-            value_count: usize,
-        ) -> Status {
-            if value_count != count {
-                return Status::Error;
-            }
-            // SAFETY: the tool's instance and arrays.
-            unsafe { abi::set(instance, $kind, references, count, values, $into) }
-        }
-    )*};
-}
-
-access! {
-    fmi3GetFloat64 fmi3SetFloat64 f64, Kind::Real, |value| value, |value| value;
-    fmi3GetInt32 fmi3SetInt32 i32, Kind::Integer, |value| value as i32, f64::from;
+abi::access! {
+    fmi3GetFloat64 fmi3SetFloat64(f64, value_count), Kind::Real, |value| value, |value| value;
+    fmi3GetInt32 fmi3SetInt32(i32, value_count), Kind::Integer, |value| value as i32, f64::from;
     // A C program's `bool` is a byte that may hold anything.
-    fmi3GetBoolean fmi3SetBoolean u8, Kind::Boolean, |value| u8::from(value > 0.5), |value| f64::from(u8::from(value != 0));
+    fmi3GetBoolean fmi3SetBoolean(u8, value_count), Kind::Boolean, |value| u8::from(value > 0.5), |value| f64::from(u8::from(value != 0));
 }
 
 abi::state_functions! {
@@ -168,17 +99,8 @@ extern "C" fn fmi3InstantiateScheduledExecution() -> *mut c_void {
     std::ptr::null_mut()
 }
 
-/// Functions that the description says are not there: by C's calling convention it does not matter what they are called with.
-macro_rules! not_there {
-    ($($name:ident)*) => {$(
-        #[unsafe(no_mangle)]
-        extern "C" fn $name() -> Status {
-            Status::Error
-        }
-    )*};
-}
-
-not_there! {
+// Functions that the description says are not there.
+abi::not_there! {
     fmi3GetFloat32 fmi3SetFloat32 fmi3GetInt8 fmi3SetInt8 fmi3GetUInt8 fmi3SetUInt8 fmi3GetInt16 fmi3SetInt16 fmi3GetUInt16 fmi3SetUInt16
     fmi3GetUInt32 fmi3SetUInt32 fmi3GetInt64 fmi3SetInt64 fmi3GetUInt64 fmi3SetUInt64 fmi3GetString fmi3SetString fmi3GetBinary
     fmi3SetBinary fmi3GetClock fmi3SetClock fmi3GetNumberOfVariableDependencies fmi3GetVariableDependencies fmi3GetDirectionalDerivative

@@ -25,8 +25,8 @@ const STACK_BYTES: usize = 32 << 20;
 
 /// Why a step, or what comes before it, did not happen.
 #[derive(Debug, Error)]
+#[allow(missing_docs, reason = "the messages say it")]
 pub enum ModelError {
-    /// The vehicle file.
     #[error("{0}")]
     Vehicle(String),
     /// A parameter that the estimator refuses.

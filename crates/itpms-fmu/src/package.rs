@@ -21,24 +21,19 @@ pub fn library_name() -> String {
 
 /// Why there is no package.
 #[derive(Debug, Error)]
+#[allow(missing_docs, reason = "the messages say it")]
 pub enum PackageError {
     /// The shared library is not where it is looked for.
     #[error(
         "{searched}: the shared library {name} is not there; expected where cargo build --release -p itpms-fmu leaves it, or --library PATH"
     )]
-    NoLibrary {
-        /// The library's name.
-        name: String,
-        /// The folders in which it was looked for.
-        searched: String,
-    },
+    NoLibrary { name: String, searched: String },
     /// A file cannot be read.
     #[error("{}: cannot be read: {}", .0.display(), .1)]
     Read(PathBuf, std::io::Error),
     /// The archive cannot be made.
     #[error("the archive cannot be made: {0}")]
     Zip(#[from] zip::result::ZipError),
-    /// Nor written.
     #[error("the archive cannot be made: {0}")]
     Write(#[from] std::io::Error),
     /// The standard has no name for this machine.

@@ -39,55 +39,6 @@ pub enum Role {
     Corner(Corner, OfCorner),
 }
 
-/// What there is of the whole car.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[allow(missing_docs)] // The table describes them.
-pub enum OfCar {
-    Wheelbase,
-    CalibrateS,
-    UsesWheelSpeeds,
-    Speed,
-    YawRate,
-    AccelX,
-    AccelY,
-    Brake,
-    AnyLow,
-    AnyMalfunction,
-    AllFine,
-    Alerts,
-    Calibrated,
-}
-
-/// What there is of a corner.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[allow(missing_docs)] // The table describes them.
-pub enum OfCorner {
-    IsMeasured,
-    SprungMass,
-    UnsprungMass,
-    Damping,
-    Spring,
-    StiffnessPerKpa,
-    StiffnessAtZero,
-    Placard,
-    BodyAccel,
-    WheelAccel,
-    WheelSpeed,
-    Pressure,
-    PressureSd,
-    Lost,
-    LostSd,
-    LostShare,
-    LostShareSd,
-    DetectableLoss,
-    Stiffness,
-    Road,
-    RoadSd,
-    Valid,
-    State,
-    Warning,
-}
-
 /// A variable.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Variable {
@@ -124,147 +75,65 @@ pub const UNITS: [(&str, [i8; 4], f64); 11] = [
 
 type Row<W> = (W, Causality, Kind, &'static str, &'static str, &'static str);
 
-const CAR: [Row<OfCar>; 13] = {
-    use Causality::{Input, Output, Parameter};
-    use Kind::{Boolean, Integer, Real};
-    [
-        (
-            OfCar::Wheelbase,
-            Parameter,
-            Real,
-            "wheelbase_m",
-            "m",
-            "Distance between the axles; 0: the road that front and rear share is not used.",
-        ),
-        (
-            OfCar::CalibrateS,
-            Parameter,
-            Real,
-            "calibrate_s",
-            "s",
-            "So long from the first step on all tires have their placard pressures, and the car is learned; 0: no calibration.",
-        ),
-        (
-            OfCar::UsesWheelSpeeds,
-            Parameter,
-            Boolean,
-            "uses_wheel_speeds",
-            "",
-            "Whether the wheel speeds are used.",
-        ),
-        (OfCar::Speed, Input, Real, "speed_m_s", "m/s", "Speed of the car."),
-        (OfCar::YawRate, Input, Real, "yaw_rate_rad_s", "rad/s", "Yaw rate, positive to the left."),
-        (OfCar::AccelX, Input, Real, "accel_x_m_s2", "m/s2", "Acceleration forward."),
-        (OfCar::AccelY, Input, Real, "accel_y_m_s2", "m/s2", "Acceleration to the left."),
-        (OfCar::Brake, Input, Real, "brake", "", "1: the driver brakes, 0: not."),
-        (OfCar::AnyLow, Output, Boolean, "any_low", "", "A tire is warned of."),
-        (OfCar::AnyMalfunction, Output, Boolean, "any_malfunction", "", "A sensor is reported."),
-        (OfCar::AllFine, Output, Boolean, "all_fine", "", "Every wheel is known to be fine."),
-        (OfCar::Alerts, Output, Integer, "alerts", "", "Number of alerts that stand."),
-        (
-            OfCar::Calibrated,
-            Output,
-            Boolean,
-            "is_calibrated",
-            "",
-            "A calibration is over and has taught something.",
-        ),
-    ]
-};
+/// What there is, and a row of each: what it is for, its kind, name, unit and description.
+macro_rules! table {
+    ($(#[$doc:meta])* $of:ident $table:ident
+     $($role:ident $causality:ident $kind:ident $name:literal $unit:literal $text:literal;)*) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        #[allow(missing_docs, reason = "the table describes them")]
+        pub enum $of { $($role),* }
 
-const CORNER: [Row<OfCorner>; 24] = {
-    use Causality::{Input, Output, Parameter};
-    use Kind::{Boolean, Integer, Real};
-    [
-        (
-            OfCorner::IsMeasured,
-            Parameter,
-            Boolean,
-            "is_measured",
-            "",
-            "Whether this corner's accelerations are there.",
-        ),
-        (OfCorner::SprungMass, Parameter, Real, "sprung_mass_kg", "kg", "Sprung mass."),
-        (OfCorner::UnsprungMass, Parameter, Real, "unsprung_mass_kg", "kg", "Unsprung mass."),
-        (OfCorner::Damping, Parameter, Real, "damping_n_s_per_m", "N.s/m", "Damping at the wheel."),
-        (OfCorner::Spring, Parameter, Real, "spring_n_per_m", "N/m", "Spring rate at the wheel."),
-        (
-            OfCorner::StiffnessPerKpa,
-            Parameter,
-            Real,
-            "stiffness_per_kpa",
-            "N/(m.kPa)",
-            "Tire stiffness over pressure.",
-        ),
-        (
-            OfCorner::StiffnessAtZero,
-            Parameter,
-            Real,
-            "stiffness_at_zero",
-            "N/m",
-            "Tire stiffness at no gauge pressure.",
-        ),
-        (OfCorner::Placard, Parameter, Real, "placard_kpa", "kPa", "Gauge pressure on the placard."),
-        (
-            OfCorner::BodyAccel,
-            Input,
-            Real,
-            "body_accel_m_s2",
-            "m/s2",
-            "Vertical acceleration of the body over the wheel, positive upward.",
-        ),
-        (
-            OfCorner::WheelAccel,
-            Input,
-            Real,
-            "wheel_accel_m_s2",
-            "m/s2",
-            "Vertical acceleration of the wheel, positive upward.",
-        ),
-        (
-            OfCorner::WheelSpeed,
-            Input,
-            Real,
-            "wheel_speed_m_s",
-            "m/s",
-            "Speed of the wheel, by the radius that the car assumes.",
-        ),
-        (OfCorner::Pressure, Output, Real, "pressure_kpa", "kPa", "Gauge pressure."),
-        (OfCorner::PressureSd, Output, Real, "pressure_sd_kpa", "kPa", "Its standard deviation."),
-        (
-            OfCorner::Lost,
-            Output,
-            Real,
-            "lost_kpa",
-            "kPa",
-            "What the tire has lost in this drive; NaN as long as that is not counted, and where it was low before that.",
-        ),
-        (OfCorner::LostSd, Output, Real, "lost_sd_kpa", "kPa", "Its standard deviation."),
-        (
-            OfCorner::LostShare,
-            Output,
-            Real,
-            "lost_share",
-            "",
-            "By wheel speeds: share of its pressure that the tire has lost since the calibration, against the others; NaN: not compared.",
-        ),
-        (OfCorner::LostShareSd, Output, Real, "lost_share_sd", "", "Its standard deviation."),
-        (
-            OfCorner::DetectableLoss,
-            Output,
-            Real,
-            "detectable_loss",
-            "",
-            "By wheel speeds: the smallest loss of this tire alone that would have shown, as a share of its pressure.",
-        ),
-        (OfCorner::Stiffness, Output, Real, "stiffness_n_per_m", "N/m", "Tire stiffness."),
-        (OfCorner::Road, Output, Real, "road_m", "m", "Height of the road under the wheel, without drift."),
-        (OfCorner::RoadSd, Output, Real, "road_sd_m", "m", "Its standard deviation."),
-        (OfCorner::Valid, Output, Boolean, "is_valid", "", "Whether the pressure may be shown."),
-        (OfCorner::State, Output, Integer, "state", "", "0 unknown, 1 fine, 2 low, 3 over, 4 malfunction."),
-        (OfCorner::Warning, Output, Integer, "warning", "", "0 none, 1 low, 2 malfunction."),
-    ]
-};
+        const $table: &[Row<$of>] = &[$(($of::$role, Causality::$causality, Kind::$kind, $name, $unit, $text)),*];
+    };
+}
+
+table! {
+    /// What there is of the whole car.
+    OfCar CAR
+    Wheelbase Parameter Real "wheelbase_m" "m" "Distance between the axles; 0: the road that front and rear share is not used.";
+    CalibrateS Parameter Real "calibrate_s" "s" "So long from the first step on all tires have their placard pressures, and the car is learned; 0: no calibration.";
+    UsesWheelSpeeds Parameter Boolean "uses_wheel_speeds" "" "Whether the wheel speeds are used.";
+    Speed Input Real "speed_m_s" "m/s" "Speed of the car.";
+    YawRate Input Real "yaw_rate_rad_s" "rad/s" "Yaw rate, positive to the left.";
+    AccelX Input Real "accel_x_m_s2" "m/s2" "Acceleration forward.";
+    AccelY Input Real "accel_y_m_s2" "m/s2" "Acceleration to the left.";
+    Brake Input Real "brake" "" "1: the driver brakes, 0: not.";
+    AnyLow Output Boolean "any_low" "" "A tire is warned of.";
+    AnyMalfunction Output Boolean "any_malfunction" "" "A sensor is reported.";
+    AllFine Output Boolean "all_fine" "" "Every wheel is known to be fine.";
+    Alerts Output Integer "alerts" "" "Number of alerts that stand.";
+    Calibrated Output Boolean "is_calibrated" "" "A calibration is over and has taught something.";
+}
+
+table! {
+    /// What there is of a corner.
+    OfCorner CORNER
+    IsMeasured Parameter Boolean "is_measured" "" "Whether this corner's accelerations are there.";
+    SprungMass Parameter Real "sprung_mass_kg" "kg" "Sprung mass.";
+    UnsprungMass Parameter Real "unsprung_mass_kg" "kg" "Unsprung mass.";
+    Damping Parameter Real "damping_n_s_per_m" "N.s/m" "Damping at the wheel.";
+    Spring Parameter Real "spring_n_per_m" "N/m" "Spring rate at the wheel.";
+    StiffnessPerKpa Parameter Real "stiffness_per_kpa" "N/(m.kPa)" "Tire stiffness over pressure.";
+    StiffnessAtZero Parameter Real "stiffness_at_zero" "N/m" "Tire stiffness at no gauge pressure.";
+    Placard Parameter Real "placard_kpa" "kPa" "Gauge pressure on the placard.";
+    BodyAccel Input Real "body_accel_m_s2" "m/s2" "Vertical acceleration of the body over the wheel, positive upward.";
+    WheelAccel Input Real "wheel_accel_m_s2" "m/s2" "Vertical acceleration of the wheel, positive upward.";
+    WheelSpeed Input Real "wheel_speed_m_s" "m/s" "Speed of the wheel, by the radius that the car assumes.";
+    Pressure Output Real "pressure_kpa" "kPa" "Gauge pressure.";
+    PressureSd Output Real "pressure_sd_kpa" "kPa" "Its standard deviation.";
+    Lost Output Real "lost_kpa" "kPa" "What the tire has lost in this drive; NaN as long as that is not counted, and where it was low before that.";
+    LostSd Output Real "lost_sd_kpa" "kPa" "Its standard deviation.";
+    LostShare Output Real "lost_share" "" "By wheel speeds: share of its pressure that the tire has lost since the calibration, against the others; NaN: not compared.";
+    LostShareSd Output Real "lost_share_sd" "" "Its standard deviation.";
+    DetectableLoss Output Real "detectable_loss" "" "By wheel speeds: the smallest loss of this tire alone that would have shown, as a share of its pressure.";
+    Stiffness Output Real "stiffness_n_per_m" "N/m" "Tire stiffness.";
+    Road Output Real "road_m" "m" "Height of the road under the wheel, without drift.";
+    RoadSd Output Real "road_sd_m" "m" "Its standard deviation.";
+    Valid Output Boolean "is_valid" "" "Whether the pressure may be shown.";
+    State Output Integer "state" "" "0 unknown, 1 fine, 2 low, 3 over, 4 malfunction.";
+    Warning Output Integer "warning" "" "0 none, 1 low, 2 malfunction.";
+}
 
 /// The variables of a vehicle: its corners' with the file's values as their start. Inputs and outputs are unknown until they are set.
 #[must_use]
@@ -278,7 +147,7 @@ pub fn variables(vehicle: &Vehicle) -> Vec<Variable> {
         text: "Simulation time.",
         start: f64::NAN,
     }];
-    all.extend(CAR.map(|(of, causality, kind, name, unit, text)| {
+    all.extend(CAR.iter().map(|&(of, causality, kind, name, unit, text)| {
         let start = match (causality, of) {
             (_, OfCar::Wheelbase) => vehicle.wheelbase_m.unwrap_or(0.0),
             (Causality::Parameter, _) => 0.0,

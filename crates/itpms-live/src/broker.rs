@@ -185,7 +185,6 @@ impl Default for Backoff {
 }
 
 impl Backoff {
-    /// The next pause.
     pub(crate) fn next(&mut self) -> Duration {
         self.next_at(Instant::now())
     }
@@ -200,12 +199,10 @@ impl Backoff {
         pause
     }
 
-    /// A connection was made.
     pub(crate) fn connected(&mut self) {
         self.connected = Some(Instant::now());
     }
 
-    /// It worked.
     pub(crate) fn reset(&mut self) {
         *self = Self::default();
     }

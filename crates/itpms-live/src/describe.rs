@@ -121,7 +121,6 @@ pub(crate) fn tracks(drive: &Drive) -> Vec<Track> {
         .collect()
 }
 
-/// The alerts that stand.
 pub(crate) fn alerts(report: &MonitorReport<f64>) -> Vec<Map<String, Value>> {
     report.alerts().map(alert_object).collect()
 }

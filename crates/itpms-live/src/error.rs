@@ -10,6 +10,7 @@ use thiserror::Error;
 /// The end of the monitor.
 #[derive(Debug, Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say it")]
 pub enum LiveError {
     /// A file in or out.
     #[error(transparent)]
@@ -19,24 +20,12 @@ pub enum LiveError {
     Refused(String),
     /// The source has none of the corners of the vehicle.
     #[error("{source_name} has the corners {found}, but the vehicle {vehicle:?} describes {described}")]
-    NoCorner {
-        /// Where the rows come from.
-        source_name: String,
-        /// The measured corners.
-        found: String,
-        /// The vehicle's name.
-        vehicle: String,
-        /// Its corners.
-        described: String,
-    },
+    NoCorner { source_name: String, found: String, vehicle: String, described: String },
     /// An address of a broker.
     #[error(
         "{found:?} is no address of an MQTT broker, expected mqtt://[USER@]HOST[:PORT]/TOPIC, or mqtts://"
     )]
-    BrokerAddress {
-        /// What was given.
-        found: String,
-    },
+    BrokerAddress { found: String },
     /// A password where every program of the machine can read it.
     #[error(
         "a password in the address is seen by everyone on this machine, expected it in the file of --mqtt-password-file, or in ITPMS_MQTT_PASSWORD"
@@ -44,31 +33,15 @@ pub enum LiveError {
     PasswordInAddress,
     /// Certificates of an encrypted connection.
     #[error("{name}: {error}")]
-    Certificates {
-        /// Their file, or the system's store.
-        name: String,
-        /// What is wrong.
-        error: io::Error,
-    },
-    /// A bus interface.
+    Certificates { name: String, error: io::Error },
     #[error("{interface}: {error}")]
-    Interface {
-        /// Its name.
-        interface: String,
-        /// What the system says.
-        error: io::Error,
-    },
+    Interface { interface: String, error: io::Error },
     /// Whoever read standard output has gone away, as `head` does; no reason to complain.
     #[error("standard output is closed: its reader has ended")]
     ReaderGone,
     /// An output that cannot be written.
     #[error("{target}: cannot be written: {error}")]
-    Output {
-        /// Its name.
-        target: String,
-        /// What the system says.
-        error: io::Error,
-    },
+    Output { target: String, error: io::Error },
 }
 
 impl From<FileError> for LiveError {

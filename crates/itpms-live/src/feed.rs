@@ -61,7 +61,6 @@ impl Feed {
         self.decoder.counts().unknown
     }
 
-    /// Takes a frame.
     pub(crate) fn push(&mut self, frame: &CanFrame, arrived: Instant) {
         if self.own.contains(&frame.id) {
             return;

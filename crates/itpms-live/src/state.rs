@@ -17,7 +17,7 @@ use itpms_core::model::Corner;
 use itpms_core::monitor::MonitoredCar;
 use itpms_data::Vehicle;
 use itpms_data::out::{AtomicFile, RateGate};
-use itpms_data::reference::{VehicleIdentity, crc64};
+use itpms_data::reference::{Unsealed, VehicleIdentity, seal, unsealed};
 use itpms_road::RoadUnderCar;
 use serde::{Deserialize, Serialize};
 
@@ -70,10 +70,7 @@ impl SavedDrive {
         let VehicleIdentity { name, id, parameters } = VehicleIdentity::of(vehicle);
         let saved = Self { vehicle: (name, id, parameters), ..self.clone() };
         let body = postcard::to_allocvec(&saved).ok()?;
-        let format = FORMAT.to_string();
-        let mut bytes = format!("{MAGIC}{format} {}\n", seal(&format, &body)).into_bytes();
-        bytes.extend(body);
-        Some(bytes)
+        Some([seal(MAGIC, &FORMAT.to_string(), &body).as_bytes(), &body].concat())
     }
 
     /// The drive in the bytes of a file.
@@ -81,18 +78,14 @@ impl SavedDrive {
     /// # Errors
     /// In words: another file, a damaged one, another format, another vehicle, other options.
     pub fn parse(bytes: &[u8], vehicle: &Vehicle, options: &DriveOptions) -> Result<Self, String> {
-        let Some(rest) = bytes.strip_prefix(MAGIC.as_bytes()) else {
-            let beginning = String::from_utf8_lossy(&bytes[..bytes.len().min(MAGIC.len())]).into_owned();
-            return Err(format!("is no saved state: its beginning is {beginning:?}, expected {MAGIC:?}"));
-        };
-        let end_of_line = rest.iter().position(|byte| *byte == b'\n').unwrap_or(rest.len());
-        let (line, body) = (&rest[..end_of_line], rest.get(end_of_line + 1..).unwrap_or_default());
-        let line = String::from_utf8_lossy(line);
-        let (format, found) = line.split_once(' ').unwrap_or((&line, ""));
-        let expected = seal(format, body);
-        if found != expected {
-            return Err(format!("is damaged: its checksum says {found:?}, expected {expected:?}"));
-        }
+        let (format, body) = unsealed(MAGIC, bytes).map_err(|error| match error {
+            Unsealed::Foreign(found) => {
+                format!("is no saved state: its beginning is {found:?}, expected {MAGIC:?}")
+            }
+            Unsealed::Damaged { found, expected } => {
+                format!("is damaged: its checksum says {found:?}, expected {expected:?}")
+            }
+        })?;
         if format != FORMAT.to_string() {
             return Err(format!("has format {format}, expected {FORMAT}: another version of itpms wrote it"));
         }
@@ -201,8 +194,4 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), LiveError> {
     let mut file = AtomicFile::create(path)?;
     file.append(bytes)?;
     Ok(file.commit()?)
-}
-
-fn seal(format: &str, body: &[u8]) -> String {
-    format!("{:016x}", crc64(&[format.as_bytes(), b"\n", body]))
 }

@@ -80,7 +80,6 @@ impl Block {
         self.links.get(n).copied().unwrap_or(0)
     }
 
-    /// How many links it has.
     pub(super) fn links(&self) -> usize {
         self.links.len()
     }
@@ -116,7 +115,6 @@ impl Block {
     }
 }
 
-/// A file of blocks.
 #[derive(Debug)]
 pub(super) struct BlockFile {
     file: File,

@@ -14,7 +14,6 @@ pub(super) struct ByteColumn {
     apart: Option<Apart>,
 }
 
-/// Samples behind their lengths.
 #[derive(Debug)]
 struct Apart {
     records: Records,

@@ -92,10 +92,12 @@ pub(super) enum BytesLayout {
 pub(super) enum Validity {
     /// Nowhere: all values are valid.
     All,
-    /// None is valid.
     None,
     /// At a bit of the record's invalidation bytes.
-    Bit { byte: usize, mask: u8 },
+    Bit {
+        byte: usize,
+        mask: u8,
+    },
 }
 
 impl Layout {

@@ -32,7 +32,6 @@ pub(super) enum Column {
     Invalidation,
 }
 
-/// What comes next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Piece {
     /// Bytes, in [`DataStream::bytes`].
@@ -128,7 +127,6 @@ impl DataStream {
         (self.place as f64 / self.file.length().max(1) as f64).min(1.0)
     }
 
-    /// Reads on.
     pub(super) fn next_piece(&mut self) -> Result<Piece, Mdf4Problem> {
         self.bytes.clear();
         loop {

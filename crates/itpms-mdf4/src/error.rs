@@ -57,11 +57,11 @@ impl fmt::Display for Damage {
 /// Why a file cannot be read or written as MDF4.
 #[derive(Debug, Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say it")]
 pub enum Mdf4Problem {
     /// One that a file of any format may have.
     #[error(transparent)]
     File(#[from] FileProblem),
-    /// Something else.
     #[error("not an MDF file: it begins with {0:?}, expected \"MDF     \" or \"UnFinMF \"")]
     NotMdf(String),
     /// Shorter than the blocks every file begins with.
@@ -78,76 +78,32 @@ pub enum Mdf4Problem {
     NoGroup(Option<Damage>),
     /// More than a measurement has.
     #[error("there are more than {most} {what}, expected fewer")]
-    TooMany {
-        /// What there is too much of.
-        what: &'static str,
-        /// The bound.
-        most: usize,
-    },
+    TooMany { what: &'static str, most: usize },
     /// An index that is not among the groups.
     #[error("there is no channel group {0}")]
     NoSuchGroup(usize),
     /// An index that is not among the channels.
     #[error("channel group {group:?} has no channel {channel}")]
-    NoSuchChannel {
-        /// Name of the group.
-        group: String,
-        /// The index.
-        channel: usize,
-    },
-    /// Records without a clock.
+    NoSuchChannel { group: String, channel: usize },
     #[error("channel group {0:?} has no time channel that can be read")]
     NoTime(String),
     /// A channel that is text, bytes, or a number that cannot be computed.
     #[error("channel {channel:?} of group {group:?} cannot be read as numbers: it is {found}")]
-    NotNumeric {
-        /// Name of the group.
-        group: String,
-        /// Name of the channel.
-        channel: String,
-        /// What it is.
-        found: String,
-    },
+    NotNumeric { group: String, channel: String, found: String },
     /// Records beyond the bound on memory.
     #[error("the records of channel group {group:?} have {found} bytes, expected at most {most}")]
-    RecordLength {
-        /// Name of the group.
-        group: String,
-        /// Bytes claimed.
-        found: u64,
-        /// The bound.
-        most: u64,
-    },
+    RecordLength { group: String, found: u64, most: u64 },
     /// Samples that exist only as a number in the header.
     #[error("channel group {group:?} claims {found} samples without a byte of data, expected at most {most}")]
-    EmptyRecords {
-        /// Name of the group.
-        group: String,
-        /// Samples claimed.
-        found: u64,
-        /// The bound.
-        most: u64,
-    },
+    EmptyRecords { group: String, found: u64, most: u64 },
     /// A compressed block beyond the bound on memory.
     #[error("compressed block at byte {at} claims {found} bytes of contents, expected at most {most}")]
-    BlockLength {
-        /// Its place.
-        at: u64,
-        /// Bytes claimed.
-        found: u64,
-        /// The bound.
-        most: u64,
-    },
+    BlockLength { at: u64, found: u64, most: u64 },
     /// A compression that is not known.
     #[error(
         "compressed block at byte {at} has compression {found}, expected 0 to 5 (deflate, zstd or lz4, each also transposed)"
     )]
-    Compression {
-        /// Its place.
-        at: u64,
-        /// The method.
-        found: u8,
-    },
+    Compression { at: u64, found: u8 },
     /// Data blocks that overlap or form a ring.
     #[error("data blocks overlap or form a ring: together they are longer than the file")]
     Overlap,
@@ -158,34 +114,13 @@ pub enum Mdf4Problem {
     Device,
     /// A sample without a time.
     #[error("a sample of channel group {group:?} has the time {found}, expected a finite number")]
-    SampleTime {
-        /// Name of the group.
-        group: String,
-        /// The time.
-        found: f64,
-    },
+    SampleTime { group: String, found: f64 },
     /// A sample with too few or too many values.
     #[error("a sample of channel group {group:?} has {found} values, expected {expected}")]
-    SampleWidth {
-        /// Name of the group.
-        group: String,
-        /// Values given.
-        found: usize,
-        /// Channels of the group.
-        expected: usize,
-    },
+    SampleWidth { group: String, found: usize, expected: usize },
     /// A number an integer channel cannot hold.
     #[error("channel {channel:?} is to hold {found}, expected a number from {least} to {most}")]
-    IntegerRange {
-        /// Name of the channel.
-        channel: String,
-        /// The value.
-        found: f64,
-        /// Its least value.
-        least: f64,
-        /// Its greatest value.
-        most: f64,
-    },
+    IntegerRange { channel: String, found: f64, least: f64, most: f64 },
 }
 
 /// What was mended or left out while reading.

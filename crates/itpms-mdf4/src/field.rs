@@ -37,7 +37,6 @@ pub(super) enum Field {
 /// Any number of bits anywhere.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Bits {
-    /// First byte.
     offset: usize,
     /// Bytes touched, up to nine.
     bytes: usize,

@@ -29,7 +29,6 @@ pub(super) struct Unfinished {
 }
 
 impl Unfinished {
-    /// In words.
     pub(super) fn describe(self) -> String {
         let missing = [
             (self.counts, "numbers of samples"),
@@ -45,7 +44,6 @@ impl Unfinished {
     }
 }
 
-/// Checks the identification.
 pub(super) fn read(file: &mut BlockFile) -> Result<(Generation, Unfinished), Mdf4Problem> {
     let mut bytes = [0; IDENTIFICATION as usize];
     let there = file.length().min(IDENTIFICATION) as usize;

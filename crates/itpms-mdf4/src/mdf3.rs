@@ -60,7 +60,6 @@ impl Block {
     }
 }
 
-/// Reads the tree.
 pub(super) fn read(file: &mut BlockFile, repairs: &mut Repairs) -> Result<Structure, Mdf4Problem> {
     let mut head = [0; IDENTIFICATION as usize];
     file.read(0, &mut head).map_err(FileProblem::Read)?;
@@ -112,7 +111,6 @@ fn start_ns(header: &Block) -> u64 {
     seconds.unwrap_or(0).saturating_mul(1_000_000_000)
 }
 
-/// The reading in progress.
 struct Walk<'a> {
     file: &'a mut BlockFile,
     repairs: &'a mut Repairs,

@@ -12,7 +12,6 @@ use super::block::BlockFile;
 /// Logarithm of the farthest that zstd may refer back to in bytes: as far as a block may be long.
 const MOST_BACK: u32 = 26;
 
-/// How bytes are compressed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Method {
     Deflate,
@@ -33,7 +32,6 @@ impl Method {
     }
 }
 
-/// How unpacking ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum End {
     /// With what the method ends with.

@@ -23,7 +23,6 @@ pub(super) enum Shape {
     Varying,
     /// Each behind its id, mixed with those of other groups.
     Mixed {
-        /// Bytes of the id.
         id_bytes: usize,
         /// The id of the group that is read.
         own: u64,
@@ -64,12 +63,10 @@ pub(super) struct Records {
     /// Bytes of the stream before the piece.
     before: u64,
     carry: Vec<u8>,
-    /// The current record and its number.
     current: Option<(u64, Taken)>,
     stop: Option<Stop>,
 }
 
-/// What the stream gave.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Taken {
     /// The bytes, at this place of the stream's piece.

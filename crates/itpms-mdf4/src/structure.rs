@@ -20,7 +20,6 @@ const SOURCE: Kind = Kind { name: "source", id: b"##SI", links: 3, data: 0, most
 /// Channel groups of a file.
 pub(super) const MOST_GROUPS: usize = 1 << 16;
 
-/// Channels of a file.
 pub(super) const MOST_CHANNELS: usize = 1 << 17;
 
 /// Channels whose samples have a length of their own lie in groups of their own, which are not shown.
@@ -29,7 +28,6 @@ const VARIABLE_LENGTH: u16 = 1;
 /// The time is in another group (MDF 4.2).
 const REMOTE_MASTER: u16 = 1 << 3;
 
-/// A file's tree.
 #[derive(Debug, Default)]
 pub(super) struct Structure {
     pub(super) groups: Vec<ChannelGroup>,
@@ -109,7 +107,6 @@ impl GroupLayout {
     }
 }
 
-/// Reads the tree.
 pub(super) fn read(
     file: &mut BlockFile,
     unfinished: Unfinished,
@@ -140,7 +137,6 @@ pub(super) fn read(
     Ok(structure)
 }
 
-/// The reading in progress.
 pub(super) struct Walk<'a> {
     pub(super) file: &'a mut BlockFile,
     pub(super) repairs: &'a mut Repairs,

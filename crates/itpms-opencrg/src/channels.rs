@@ -27,7 +27,6 @@ pub(crate) enum Packing {
     Dense,
 }
 
-/// What a column holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Channel {
     /// Heights; the number counts the long sections from the right.

@@ -121,7 +121,6 @@ pub(crate) struct Definition {
     pub(crate) text: String,
 }
 
-/// What the header says.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Header {
     pub(crate) road: Numbers,

@@ -70,9 +70,6 @@ impl CrgRoad {
     }
 
     /// The same for a file's contents.
-    ///
-    /// # Errors
-    /// See [`CrgProblem`].
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, CrgProblem> {
         let header = Header::read(bytes)?;
         let layout = Layout::new(&header)?;
@@ -133,9 +130,6 @@ impl CrgRoad {
 
     /// Heights in m of a line along the road, `v_m` m to the left of the reference line, one per row; straight between
     /// long sections. NaN where a cell it needs is missing.
-    ///
-    /// # Errors
-    /// See [`OutsideRoad`].
     pub fn line_m(&self, v_m: f64) -> Result<Vec<f64>, OutsideRoad> {
         let v = &self.surface.v_m;
         let (right_m, left_m) = (v[0], v[v.len() - 1]);

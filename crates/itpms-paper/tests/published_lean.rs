@@ -38,53 +38,21 @@ const NAMES: [&str; 17] = [
     "tr C_0", "lambda", "nis",
 ];
 
+fn listed<T: Real>(x: &Vector5<T>, p: &Vector5<T>, others: [T; 7]) -> [f64; 17] {
+    let all: Vec<f64> = x.iter().chain(p).chain(&others).map(|value| value.to_f64()).collect();
+    all.try_into().unwrap()
+}
+
 fn of_dense(r: &StepRecord<f64>) -> [f64; 17] {
-    let (x, p, z) = (r.state, r.covariance.diagonal(), r.residual_m_s2);
-    let c_0 = r.measured_covariance.trace();
-    [
-        x[0],
-        x[1],
-        x[2],
-        x[3],
-        x[4],
-        p[0],
-        p[1],
-        p[2],
-        p[3],
-        p[4],
-        r.road_m,
-        r.road_variance_m2,
-        z[0],
-        z[1],
-        c_0,
-        r.forgetting,
-        r.nis,
-    ]
+    let (z, c_0) = (r.residual_m_s2, r.measured_covariance.trace());
+    let others = [r.road_m, r.road_variance_m2, z[0], z[1], c_0, r.forgetting, r.nis];
+    listed(&r.state, &r.covariance.diagonal(), others)
 }
 
 fn of_lean<T: Real>(filter: &AekfUiLean<T>, r: &LeanRecord<T>) -> [f64; 17] {
     let (x, p, z) = (filter.state(), filter.covariance().diagonal(), r.residual_m_s2);
     assert_eq!((r.stiffness_n_per_m, r.stiffness_variance_n2_per_m2), (x[4], p[4]));
-    [
-        x[0],
-        x[1],
-        x[2],
-        x[3],
-        x[4],
-        p[0],
-        p[1],
-        p[2],
-        p[3],
-        p[4],
-        r.road_m,
-        r.road_variance_m2,
-        z[0],
-        z[1],
-        r.measured_trace,
-        r.forgetting,
-        r.nis(),
-    ]
-    .map(Real::to_f64)
+    listed(&x, &p, [r.road_m, r.road_variance_m2, z[0], z[1], r.measured_trace, r.forgetting, r.nis()])
 }
 
 /// Largest difference of every quantity over a drive, relative to the largest value that it takes in the dense filter,

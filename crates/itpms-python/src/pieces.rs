@@ -83,7 +83,7 @@ impl Pieces {
                 self.next(py).map_err(|error| {
                     let sentence = error.to_string();
                     self.raised.keep(error);
-                    Problem::UnusableSignals(sentence)
+                    Problem::Refused(sentence)
                 })
             })
         };

@@ -8,7 +8,6 @@ use itpms_core::Real;
 use itpms_core::model::QuarterCar;
 use nalgebra::{Matrix2, SMatrix, SVector};
 
-/// Number of states.
 pub(crate) const STATES: usize = 9;
 /// The first of them, which the measurements see; the road's height behind them only follows.
 pub(crate) const CORE: usize = 7;

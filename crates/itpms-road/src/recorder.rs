@@ -23,7 +23,6 @@ const SEGMENT_S: f64 = 0.02;
 const HISTORY: usize = WIDTH;
 /// Fewest rows that make a window.
 const FEWEST_ROWS: usize = 64;
-/// Fewest segments.
 const FEWEST_SEGMENTS: usize = 16;
 /// Segments kept free of the extra cuts at gaps.
 const SPARE_SEGMENTS: u64 = 4;

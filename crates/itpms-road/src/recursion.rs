@@ -19,7 +19,6 @@ pub(crate) struct Correction<T> {
     pub(crate) gain: CoreState<T>,
     /// Innovation in m/s².
     pub(crate) innovation: T,
-    /// Its variance.
     pub(crate) variance: T,
 }
 

@@ -65,33 +65,20 @@ pub(crate) fn not_negative(field: &str, value: f64) -> Result<(), InvalidValue> 
 
 /// A measured road profile that cannot be used.
 #[derive(Debug, Error)]
+#[allow(missing_docs, reason = "the messages say it")]
 pub enum ProfileError {
     /// The file could not be read.
     #[error("{}: {source}", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
+    Read { path: PathBuf, source: std::io::Error },
     /// A line is not `station elevation`.
     #[error("{}, line {line}: found `{found}`, expected a station and an elevation in m", path.display())]
-    Line {
-        /// The file.
-        path: PathBuf,
-        /// Line, counted from 1.
-        line: usize,
-        /// What stands there.
-        found: String,
-    },
+    Line { path: PathBuf, line: usize, found: String },
     /// Stations must increase; `row` counts from 1.
     #[error("station {found} in row {row} follows {previous}, expected stations that increase")]
     NotIncreasing {
         /// Row of the point, counted from 1.
         row: usize,
-        /// The station found.
         found: f64,
-        /// The station before it.
         previous: f64,
     },
     /// NaN or infinite; `row` counts from 1.
@@ -102,61 +89,28 @@ pub enum ProfileError {
     },
     /// Too short for a cubic.
     #[error("{found} points, expected at least 4")]
-    TooFewPoints {
-        /// Number of points found.
-        found: usize,
-    },
+    TooFewPoints { found: usize },
 }
 
 /// A scenario that cannot be driven.
 #[derive(Debug, Error)]
+#[allow(missing_docs, reason = "the messages say it")]
 pub enum ScenarioError {
     /// Neither a built-in name nor a file.
     #[error("no scenario `{name}`{}; built in: {}; or give a TOML file", did_you_mean(nearest.as_deref()), known.join(", "))]
-    Unknown {
-        /// What was asked for.
-        name: String,
-        /// The known name most like it, if any is.
-        nearest: Option<String>,
-        /// All known names.
-        known: Vec<String>,
-    },
+    Unknown { name: String, nearest: Option<String>, known: Vec<String> },
     /// The file could not be read.
     #[error("{}: {source}", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
+    Read { path: PathBuf, source: std::io::Error },
     /// Not the TOML of a scenario.
     #[error("{origin}, line {line}, column {column}: {message}")]
-    Syntax {
-        /// File or built-in name.
-        origin: String,
-        /// Line, counted from 1.
-        line: usize,
-        /// Column, counted from 1.
-        column: usize,
-        /// What was found and expected.
-        message: String,
-    },
+    Syntax { origin: String, line: usize, column: usize, message: String },
     /// A value outside its range.
     #[error("scenario `{scenario}`: {source}")]
-    Invalid {
-        /// The scenario's name.
-        scenario: String,
-        /// Which value.
-        source: InvalidValue,
-    },
+    Invalid { scenario: String, source: InvalidValue },
     /// A measured profile that cannot be used.
     #[error("scenario `{scenario}`, road profile: {source}")]
-    Profile {
-        /// The scenario's name.
-        scenario: String,
-        /// What is wrong with it.
-        source: ProfileError,
-    },
+    Profile { scenario: String, source: ProfileError },
     /// The scenario cannot be written as TOML.
     #[error("cannot write the scenario as TOML: {0}")]
     Write(String),

@@ -30,7 +30,6 @@ impl PressureSensorSpec {
     }
 }
 
-/// A running pressure sensor.
 #[derive(Debug, Clone)]
 pub(crate) struct PressureSensor {
     spec: PressureSensorSpec,

@@ -85,7 +85,6 @@ impl SensorSpec {
     }
 }
 
-/// A running accelerometer.
 #[derive(Debug, Clone)]
 pub(crate) struct Sensor {
     spec: SensorSpec,

@@ -12,7 +12,6 @@ use rand_pcg::Pcg64;
 pub(crate) enum Purpose {
     /// Fourier coefficients of a road.
     Road = 1,
-    /// Noise of a sensor.
     SensorNoise = 2,
     /// Lost samples of a sensor.
     Dropout = 3,

@@ -67,106 +67,74 @@ fn a_parquet_file_that_is_none() {
     assert!(text.starts_with("drive.parquet: not a readable Parquet file: "), "{text}");
 }
 
+/// Puts this into a column of the lines of which it is wanted.
+fn with(column: usize, lines: impl Fn(usize) -> bool, cell: impl Fn(usize) -> String) -> String {
+    edited(|line, cells| {
+        if lines(line) {
+            cells[column] = cell(line);
+        }
+    })
+}
+
 #[test]
 fn a_missing_or_a_duplicate_column() {
-    let text = edited(|line, cells| {
-        if line == 1 {
-            cells[WHEEL] = "fl_wheel_accel".to_owned();
-        }
-    });
-    assert_eq!(
-        text,
-        "drive.csv: column fl_wheel_accel_m_s2 is missing; the nearest name there is fl_wheel_accel"
-    );
-    let text = edited(|line, cells| {
-        if line == 1 {
-            cells[WHEEL] = "gear".to_owned();
-        }
-    });
-    assert_eq!(
-        text,
-        "drive.csv: column fl_wheel_accel_m_s2 is missing; a corner has both accelerations: without \
-         fl_body_accel_m_s2 the log is read without this corner"
-    );
-    let text = edited(|line, cells| {
-        if line == 1 {
-            cells[0] = "Time_x".to_owned();
-        }
-    });
-    assert_eq!(
-        text,
-        "drive.csv: column time_s is missing; the nearest name there is Time_x; other names or units: itpms signals LOG --write-map map.toml, then --signals map.toml (there, the unit of a name that states none: fl_wheel_speed_m_s = { signal = \"...\", unit = \"km/h\" })"
-    );
-    let text = edited(|line, cells| {
-        if line == 1 {
-            cells[WHEEL] = "fl_body_accel_m_s2".to_owned();
-        }
-    });
-    assert_eq!(
-        text,
-        "drive.csv: column fl_body_accel_m_s2 appears twice (columns 3 and 4), expected once: rename one"
-    );
+    for (column, name, message) in [
+        (
+            WHEEL,
+            "fl_wheel_accel",
+            "column fl_wheel_accel_m_s2 is missing; the nearest name there is fl_wheel_accel",
+        ),
+        (
+            WHEEL,
+            "gear",
+            "column fl_wheel_accel_m_s2 is missing; a corner has both accelerations: without fl_body_accel_m_s2 the log is read without this corner",
+        ),
+        (
+            0,
+            "Time_x",
+            "column time_s is missing; the nearest name there is Time_x; other names or units: itpms signals LOG --write-map map.toml, then --signals map.toml (there, the unit of a name that states none: fl_wheel_speed_m_s = { signal = \"...\", unit = \"km/h\" })",
+        ),
+        (
+            WHEEL,
+            "fl_body_accel_m_s2",
+            "column fl_body_accel_m_s2 appears twice (columns 3 and 4), expected once: rename one",
+        ),
+    ] {
+        let text = with(column, |line| line == 1, |_| name.to_owned());
+        assert_eq!(text, format!("drive.csv: {message}"));
+    }
 }
 
 #[test]
 fn a_cell_that_is_no_number() {
     // Within the rows that are looked at first, and far behind them, when much has been written already.
     for bad_line in [17, 19_000] {
-        let text = edited(|line, cells| {
-            if line == bad_line {
-                cells[BODY] = "broken".to_owned();
-            }
-        });
-        assert_eq!(
-            text,
-            format!(
-                "drive.csv: line {bad_line}, column fl_body_accel_m_s2: found \"broken\", expected a number, or NaN or nothing where it is missing"
-            )
-        );
+        let text = with(BODY, |line| line == bad_line, |_| "broken".to_owned());
+        let expected = "expected a number, or NaN or nothing where it is missing";
+        let place = format!("drive.csv: line {bad_line}, column fl_body_accel_m_s2");
+        assert_eq!(text, format!("{place}: found \"broken\", {expected}"));
     }
 }
 
 #[test]
 fn time_that_goes_backwards_or_stands_still() {
-    let text = edited(|line, cells| {
-        if line > 1 {
-            cells[0] = format!("{}", 100.0 - line as f64 / 500.0);
-        }
-    });
-    assert!(
-        text.starts_with(
-            "drive.csv: time goes backwards in 19999 of the 20000 rows read, at line 3 from 99.996 to 99.994 s, expected"
-        ),
-        "{text}"
-    );
-    let text = edited(|line, cells| {
-        if line > 15_000 {
-            cells[0] = format!("{}", (line - 15_000) as f64 / 500.0);
-        }
-    });
+    let text = with(0, |line| line > 1, |line| format!("{}", 100.0 - line as f64 / 500.0));
+    let message =
+        "time goes backwards in 19999 of the 20000 rows read, at line 3 from 99.996 to 99.994 s, expected";
+    assert!(text.starts_with(&format!("drive.csv: {message}")), "{text}");
+    let text = with(0, |line| line > 15_000, |line| format!("{}", (line - 15_000) as f64 / 500.0));
     // A clock that begins again is another recording: cut there, never sorted.
     assert!(text.contains("begins again at line 15001, from 29.996 to 0.002 s"), "{text}");
     assert!(text.contains("cut the file before line 15001"), "{text}");
-    let text = edited(|line, cells| {
-        if line > 1 {
-            cells[0] = "12.5".to_owned();
-        }
-    });
-    assert!(
-        text.starts_with("drive.csv: time is constant: time_s is 12.5 in all of the 20000 rows read"),
-        "{text}"
-    );
+    let text = with(0, |line| line > 1, |_| "12.5".to_owned());
+    let message = "time is constant: time_s is 12.5 in all of the 20000 rows read";
+    assert!(text.starts_with(&format!("drive.csv: {message}")), "{text}");
 }
 
 #[test]
 fn a_sensor_without_a_single_value() {
-    let text = edited(|line, cells| {
-        if line > 1 {
-            cells[WHEEL] = "NaN".to_owned();
-        }
-    });
     assert_eq!(
-        text,
+        with(WHEEL, |line| line > 1, |_| "NaN".to_owned()),
         "drive.csv: column fl_wheel_accel_m_s2 has no value in any of 20000 rows, and no other corner is complete"
     );
 }

@@ -57,7 +57,6 @@ impl Counter {
     }
 }
 
-/// Ticks as instructions.
 #[must_use]
 pub fn instructions(ticks: f64) -> u32 {
     (ticks * INSTRUCTIONS_PER_TICK + 0.5) as u32

@@ -129,7 +129,6 @@ impl<T: Real> RunningCar<T> {
         (STRETCH_S * self.rate_hz) as usize
     }
 
-    /// The next sample.
     pub fn advance(&mut self) -> CarEstimate<T> {
         let sample = &self.samples[self.next];
         self.next += 1;

@@ -7,7 +7,6 @@ use itpms_paper::{AekfUi, AekfUiLean, FilterConfig, Forgetting};
 use itpms_paper::{AnyEstimator, EstimatorKind};
 use itpms_road::{RoadConfig, RoadFilter};
 
-/// Samples per second.
 pub const RATE_HZ: f64 = 500.0;
 /// Speed in m/s on the sample signal's road.
 pub const SPEED_M_S: f64 = 14.0;
@@ -57,7 +56,6 @@ impl<T: Real> Running<T> {
         running
     }
 
-    /// The next sample.
     pub fn advance(&mut self) -> CornerEstimate<T> {
         let sample = self.samples[self.next % self.samples.len()];
         let time_s = self.next as f64 / RATE_HZ;

@@ -10,6 +10,7 @@
 //! | [`sensors`] | what a study's car has: accelerometers, or wheel speeds alone |
 //! | [`soak`] | false warnings over many simulated hours |
 #![forbid(unsafe_code)]
+#![allow(missing_docs, reason = "not published: names say it, and comments what they do not")]
 
 pub mod certify;
 pub mod malfunction;
@@ -18,3 +19,14 @@ pub mod paper;
 pub mod score;
 pub mod sensors;
 pub mod soak;
+
+/// Of a tire that is low, for tests.
+#[cfg(test)]
+const LOW: itpms_core::warning::Reading<f64> = itpms_core::warning::Reading {
+    pressure_kpa: 190.0,
+    sd_kpa: 4.0,
+    limit_kpa: 212.0,
+    reference_kpa: 241.0,
+    basis: itpms_core::warning::Basis::Calibration,
+    probability: Some(0.998),
+};

@@ -14,11 +14,9 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 
-/// The sensors of a car.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Sensors {
-    /// Accelerometers at wheels and body.
     #[default]
     Accelerations,
     /// The four wheel speeds of its bus and nothing else.
@@ -28,7 +26,6 @@ pub enum Sensors {
 }
 
 impl Sensors {
-    /// Whether it has no accelerometers.
     #[must_use]
     pub fn are_of_wheels(self) -> bool {
         self != Self::Accelerations
@@ -75,7 +72,6 @@ pub(crate) struct Pulses {
 }
 
 impl Pulses {
-    /// Of a scenario's car.
     pub(crate) fn new(scenario: &Scenario) -> Result<Self, ParameterError> {
         let placard_kpa = Corner::ALL
             .map(|corner| scenario.corner.get(corner).map_or(f64::NAN, |corner| corner.placard_kpa));
@@ -84,7 +80,6 @@ impl Pulses {
         Ok(Self { rolling: None, torsion })
     }
 
-    /// A drive begins.
     pub(crate) fn roll(
         &mut self,
         scenario: &Scenario,

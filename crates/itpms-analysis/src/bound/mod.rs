@@ -66,9 +66,6 @@ impl BoundSetting {
     }
 
     /// Refuses a drive that no bound can be computed for.
-    ///
-    /// # Errors
-    /// See [`BoundError`].
     pub fn check(&self) -> Result<(), BoundError> {
         let positive = [
             ("road level Gd(n0) in m3", self.road.gd_n0_m3),
@@ -92,16 +89,11 @@ impl BoundSetting {
 
 /// A drive no bound can be computed for.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[allow(missing_docs, reason = "the messages say it")]
 pub enum BoundError {
     /// A physical quantity out of range.
     #[error("{name} is {value}, expected a positive, finite number")]
-    NotPositive {
-        /// Which one.
-        name: &'static str,
-        /// What was given.
-        value: f64,
-    },
-    /// The road's slope.
+    NotPositive { name: &'static str, value: f64 },
     #[error("waviness is {0}, expected a finite number")]
     Slope(f64),
     /// How far the rear wheel runs beside the front one's track.
@@ -109,14 +101,7 @@ pub enum BoundError {
     Offset(f64),
     /// Limits that are no band, or beyond half the sampling rate.
     #[error("band from {low_hz} to {high_hz} Hz, expected 0 < low < high <= {half_rate_hz} Hz")]
-    Band {
-        /// Lower limit.
-        low_hz: f64,
-        /// Upper limit.
-        high_hz: f64,
-        /// Half the sampling rate.
-        half_rate_hz: f64,
-    },
+    Band { low_hz: f64, high_hz: f64, half_rate_hz: f64 },
 }
 
 /// The bound for one corner on one kind of drive.
@@ -129,9 +114,6 @@ pub struct CornerBound {
 
 impl CornerBound {
     /// The bound for a corner; the setting's noise counts, not the configuration's.
-    ///
-    /// # Errors
-    /// See [`BoundError`].
     pub fn new(corner: &CornerConfig<f64>, setting: &BoundSetting) -> Result<Self, BoundError> {
         setting.check()?;
         Ok(Self {

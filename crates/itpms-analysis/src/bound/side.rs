@@ -28,9 +28,6 @@ pub struct SideBound {
 impl SideBound {
     /// The bound for a front and a rear corner, `[front, rear]`, whose rear wheel runs `rear_offset_m` beside the front
     /// one's track, as like it as `coherence` has it; the setting's noise counts, not the configurations'.
-    ///
-    /// # Errors
-    /// See [`BoundError`].
     pub fn new(
         corners: [CornerConfig<f64>; 2],
         setting: &BoundSetting,

@@ -66,7 +66,6 @@ impl Block {
         self.yy += y * y;
     }
 
-    /// The sums of both.
     pub(super) fn joined(mut self, other: &Self) -> Self {
         self.xx += &other.xx;
         self.xy += &other.xy;

@@ -6,159 +6,69 @@ use thiserror::Error;
 /// Why an identification is refused.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say it")]
 pub enum IdentifyError {
-    /// Columns of unequal length.
     #[error("columns of {first} and {second} rows, expected equal lengths")]
-    Lengths {
-        /// Rows of the first column.
-        first: usize,
-        /// Rows of the other.
-        second: usize,
-    },
-    /// NaN or infinite.
+    Lengths { first: usize, second: usize },
     #[error("row {row} of {what} is not finite")]
-    NotFinite {
-        /// Which quantity.
-        what: &'static str,
-        /// Row, from one.
-        row: usize,
-    },
-    /// Not enough to fit.
+    NotFinite { what: &'static str, row: usize },
     #[error("found {found} {what}, expected at least {expected}")]
-    TooFew {
-        /// Of what.
-        what: &'static str,
-        /// How many there are.
-        found: usize,
-        /// How many are needed.
-        expected: usize,
-    },
+    TooFew { what: &'static str, found: usize, expected: usize },
     /// A quantity that should vary does not.
     #[error("{what} is constant ({value})")]
-    Constant {
-        /// Which quantity, as the column calls it.
-        what: &'static str,
-        /// Its value.
-        value: f64,
-    },
+    Constant { what: &'static str, value: f64 },
     /// A sensor or amplifier at its end.
     #[error(
         "{what} looks clipped: {rows} of {of} rows are exactly {value}, its {end}; expected a signal within its range"
     )]
-    Clipped {
-        /// Which quantity.
-        what: &'static str,
-        /// Rows at the extreme.
-        rows: usize,
-        /// Rows looked at.
-        of: usize,
-        /// The extreme.
-        value: f64,
-        /// `maximum` or `minimum`.
-        end: &'static str,
-    },
+    Clipped { what: &'static str, rows: usize, of: usize, value: f64, end: &'static str },
     /// Numbers that no part has in the unit of the column.
     #[error("wrong units suspected: {what} is {found}, expected {expected}{hint}")]
     Units {
-        /// Which quantity.
         what: &'static str,
         /// What was found, with the unit it would have.
         found: String,
-        /// The plausible range, with unit.
         expected: &'static str,
         /// What it looks like, if it looks like something.
         hint: &'static str,
     },
     /// A slope that cannot be distinguished from zero.
     #[error("{what} is not distinguishable from zero: {value:.4} ± {standard_error:.4} {unit}")]
-    NoSlope {
-        /// The coefficient.
-        what: &'static str,
-        /// Its value.
-        value: f64,
-        /// Its standard error.
-        standard_error: f64,
-        /// Its unit.
-        unit: &'static str,
-    },
+    NoSlope { what: &'static str, value: f64, standard_error: f64, unit: &'static str },
     /// Time that stands still or runs backwards.
     #[error("time_s does not increase at row {row}: {from_s} is followed by {to_s}")]
-    TimeOrder {
-        /// Row, from one.
-        row: usize,
-        /// Time before in s.
-        from_s: f64,
-        /// Time there in s.
-        to_s: f64,
-    },
+    TimeOrder { row: usize, from_s: f64, to_s: f64 },
     /// Samples that do not come at one rate.
     #[error(
         "time_s steps by {step_s:.6} s at row {row}, expected {mean_s:.6} s as on average: one rate throughout"
     )]
-    UnevenTime {
-        /// Row, from one.
-        row: usize,
-        /// Step there in s.
-        step_s: f64,
-        /// Mean step in s.
-        mean_s: f64,
-    },
+    UnevenTime { row: usize, step_s: f64, mean_s: f64 },
     /// Too few samples for a wheel's hop.
     #[error("found {rate_hz:.1} rows per second, expected at least {expected_hz}")]
-    TooSlow {
-        /// Rate in Hz.
-        rate_hz: f64,
-        /// Rate needed in Hz.
-        expected_hz: f64,
-    },
+    TooSlow { rate_hz: f64, expected_hz: f64 },
     /// No frequency is held long enough.
     #[error(
         "the longest stretch of one steady sine has {found} periods, expected at least {expected} of the same frequency and amplitude"
     )]
-    TooFewPeriods {
-        /// Whole periods found.
-        found: usize,
-        /// Whole periods needed.
-        expected: usize,
-    },
+    TooFewPeriods { found: usize, expected: usize },
     /// Too few samples in a period.
     #[error("{rows_per_period:.1} rows per period at {frequency_hz:.3} Hz, expected at least {expected}")]
-    SampledTooSlowly {
-        /// Frequency in Hz.
-        frequency_hz: f64,
-        /// Rows per period found.
-        rows_per_period: f64,
-        /// Rows per period needed.
-        expected: usize,
-    },
+    SampledTooSlowly { frequency_hz: f64, rows_per_period: f64, expected: usize },
     /// Energy comes out of a damper.
     #[error(
         "the damping is {value:.1} N s/m with the sign in which the spring pulls back: force_n and displacement_m are not of the same instant, or not of this part"
     )]
-    NegativeDamping {
-        /// Damping in N s/m.
-        value: f64,
-    },
+    NegativeDamping { value: f64 },
     /// The tire gets softer with pressure.
     #[error(
         "stiffness falls with pressure ({value:.1} ± {standard_error:.1} N/m per kPa), expected it to rise"
     )]
-    FallingStiffness {
-        /// Slope in N/m per kPa.
-        value: f64,
-        /// Its standard error.
-        standard_error: f64,
-    },
+    FallingStiffness { value: f64, standard_error: f64 },
     /// A line that a vehicle file cannot hold.
     #[error(
         "the line meets zero pressure at {value:.0} ± {standard_error:.0} N/m, expected zero or more: measure over more pressures"
     )]
-    NegativeIntercept {
-        /// Intercept in N/m.
-        value: f64,
-        /// Its standard error.
-        standard_error: f64,
-    },
+    NegativeIntercept { value: f64, standard_error: f64 },
     /// A fit without a unique answer.
     #[error("{0} cannot be separated by these data")]
     Singular(&'static str),

@@ -46,7 +46,6 @@ pub(super) fn range(values: &[f64]) -> (f64, f64) {
     values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(*v), high.max(*v)))
 }
 
-/// The signal moves.
 pub(super) fn varies(what: &'static str, values: &[f64]) -> Result<(f64, f64), IdentifyError> {
     let (low, high) = range(values);
     // A span below the rounding of the values is none.

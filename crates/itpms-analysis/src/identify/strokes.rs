@@ -3,7 +3,6 @@
 /// One way of the displacement between two turning points, or up to an end of the record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Stroke {
-    /// First row.
     pub(super) start: usize,
     /// Row after the last.
     pub(super) end: usize,

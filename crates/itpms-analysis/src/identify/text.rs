@@ -29,7 +29,6 @@ pub(super) fn interval((low, high): (f64, f64), standard_error: f64) -> String {
     format!("95 %: {low:.digits$} to {high:.digits$}")
 }
 
-/// A name, its value, and a remark.
 pub(super) fn line(out: &mut String, name: &str, value: &str, remark: &str) {
     let text = format!("{name:<24} {value:<28} {remark}");
     let _ = writeln!(out, "{}", text.trim_end());

@@ -35,8 +35,8 @@ pub const PASSES: usize = 2;
 
 /// Why nothing can be learned.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[allow(missing_docs, reason = "the messages say it")]
 pub enum LearnError {
-    /// There are no drives.
     #[error("no drive, expected one at least")]
     NoDrive,
     /// A drive in which no tire was read.
@@ -50,9 +50,6 @@ pub enum LearnError {
 }
 
 /// The car of the file as it is after these drives.
-///
-/// # Errors
-/// See [`LearnError`].
 pub fn learn(file: &CarConfig<f64>, drives: &[DriveReading]) -> Result<Learned, LearnError> {
     if drives.is_empty() {
         return Err(LearnError::NoDrive);

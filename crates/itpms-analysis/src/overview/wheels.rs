@@ -28,7 +28,6 @@ pub struct WheelSignals {
     pub accel_x_m_s2: f64,
 }
 
-/// Their course.
 #[derive(Debug)]
 pub(super) struct Wheels {
     speeds: [Trace; 4],

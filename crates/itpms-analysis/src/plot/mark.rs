@@ -5,7 +5,6 @@ use super::ink::{Ink, Stroke};
 /// A curve or points: (x, y) in the axes' units.
 pub(super) type Points = Vec<(f64, f64)>;
 
-/// One thing drawn.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Mark {
     Line {

@@ -37,24 +37,20 @@ pub(super) enum Anchor {
     End,
 }
 
-/// A growing picture.
 #[derive(Debug, Default)]
 pub(super) struct Svg(String);
 
 impl Svg {
-    /// Anything.
     pub(super) fn raw(&mut self, text: impl std::fmt::Display) {
         // Writing to a string cannot fail.
         let _ = write!(self.0, "{text}");
     }
 
-    /// A straight line.
     pub(super) fn segment(&mut self, from: (f64, f64), to: (f64, f64), style: impl std::fmt::Display) {
         let [x1, y1, x2, y2] = [from.0, from.1, to.0, to.1].map(coordinate);
         self.raw(format_args!("<path d=\"M{x1} {y1}L{x2} {y2}\"{style}/>"));
     }
 
-    /// A word.
     pub(super) fn text(&mut self, at: (f64, f64), anchor: Anchor, style: impl std::fmt::Display, text: &str) {
         let anchor = match anchor {
             Anchor::Start => "",

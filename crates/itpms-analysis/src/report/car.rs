@@ -78,7 +78,6 @@ fn tire(out: &mut String, seat: &Seat, corner: Corner, &Tire { status, word }: &
     );
 }
 
-/// A wheel without sensors.
 fn absent(out: &mut String, seat: &Seat, corner: Corner) {
     let ((x, y), (text_x, text_y)) = (seat.tire, seat.text);
     let _ = write!(

@@ -28,7 +28,6 @@ pub const PLOT_LICENSE: &str = include_str!("../../assets/uplot/LICENSE");
 /// The charting library uPlot: a script that defines the global `uPlot`.
 pub const PLOT_SCRIPT: &str = include_str!("../../assets/uplot/uPlot.iife.min.js");
 
-/// The page as text.
 pub(super) fn page(data: &ReportData) -> io::Result<String> {
     let headline = escape(&title(data));
     let curves = json::curves(data)?;

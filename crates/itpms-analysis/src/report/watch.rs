@@ -36,7 +36,6 @@ pub struct WatchReport {
     pub unlisted: usize,
 }
 
-/// The running record.
 #[derive(Debug)]
 pub(super) struct WatchCollector {
     track: Track,

@@ -46,7 +46,6 @@ pub struct WheelSpeedReport {
     pub last: RadiusReport<f64>,
 }
 
-/// The running record.
 #[derive(Debug)]
 pub(super) struct WheelSpeedCollector {
     track: Track,

@@ -33,7 +33,6 @@ impl Status {
         }
     }
 
-    /// Word for a badge.
     pub(super) fn label(self) -> &'static str {
         match self {
             Self::Low => "Low",

@@ -21,24 +21,21 @@ const MOST_MISSING: f64 = 1e7;
 
 /// Profiles that cannot be made even.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[allow(missing_docs, reason = "the messages say it")]
 pub enum EvenError {
     /// There is no distance between them.
     #[error("found {0} points, expected 2 or more")]
     Points(usize),
-    /// Leaps in distance.
     #[error(
         "gaps leave {missing:.0} heights missing, {spacing_m:.2} m apart (the longest from {from_m} to {to_m} m), \
          expected {most} or fewer",
         most = MOST_MISSING
     )]
     Gaps {
-        /// How many heights are missing.
         missing: f64,
         /// Distance from height to height in m.
         spacing_m: f64,
-        /// Where the longest gap begins, in m.
         from_m: f64,
-        /// Where it ends, in m.
         to_m: f64,
     },
 }
@@ -69,9 +66,6 @@ impl EvenProfile {
 
     /// From heights at increasing distances: taken as they are where the steps are even, else read between the points
     /// at their usual distance, or, where that is less than 5 cm, averaged over 5 cm.
-    ///
-    /// # Errors
-    /// See [`EvenError`].
     pub fn new(distance_m: &[f64], height_m: &[f64]) -> Result<Self, EvenError> {
         let mut steps: Vec<f64> = distance_m.windows(2).map(|pair| pair[1] - pair[0]).collect();
         steps.sort_by(f64::total_cmp);

@@ -130,9 +130,6 @@ fn step_matrices(dt: f64) -> (Matrix4<f64>, Vector4<f64>) {
 }
 
 /// IRI of a whole profile in m/km (the same as mm/m); `None` for a profile too short for one step or not finite.
-///
-/// # Errors
-/// See [`SpacingError`].
 pub fn iri_m_per_km(
     heights_m: &[f64],
     spacing_m: f64,
@@ -144,9 +141,6 @@ pub fn iri_m_per_km(
 
 /// IRI in m/km of each whole segment of `segment_m` metres; the car drives through without a new start, and a rest
 /// shorter than a segment is left out.
-///
-/// # Errors
-/// See [`SpacingError`].
 pub fn segment_iri_m_per_km(
     heights_m: &[f64],
     spacing_m: f64,

@@ -48,39 +48,26 @@ pub struct SurveyOptions {
 
 /// Options no road can be read with.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[allow(missing_docs, reason = "the messages say it")]
 pub enum SurveyError {
     /// Too coarse for the golden car.
     #[error("heights are {0} m apart, expected more than 0 and at most 1 m")]
     Spacing(f64),
     /// Shorter than anything the golden car could tell apart.
     #[error("segments of {found} m, expected {least} m or more")]
-    Segment {
-        /// The length asked for.
-        found: f64,
-        /// The shortest.
-        least: f64,
-    },
+    Segment { found: f64, least: f64 },
 }
 
 /// Why a segment has no number.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[allow(missing_docs, reason = "the messages say it")]
 pub enum TooLittle {
     /// Most of it is unknown.
     #[error("too little road: {known_m:.0} of {segment_m:.0} m")]
-    Road {
-        /// What is known, in m.
-        known_m: f64,
-        /// The length of the segment in m.
-        segment_m: f64,
-    },
+    Road { known_m: f64, segment_m: f64 },
     /// The band does not hold the wave at which ISO 8608 states a level.
     #[error("waves of {shortest_m:.2} to {longest_m:.1} m only: Gd(n0) needs 10 m")]
-    Waves {
-        /// The shortest wave in m.
-        shortest_m: f64,
-        /// The longest in m.
-        longest_m: f64,
-    },
+    Waves { shortest_m: f64, longest_m: f64 },
     /// No line goes through the spectrum.
     #[error("no spectrum: {0}")]
     Spectrum(FitError),
@@ -168,9 +155,6 @@ pub struct TrackSurvey {
 
 impl TrackSurvey {
     /// A track about to begin.
-    ///
-    /// # Errors
-    /// See [`SurveyError`].
     pub fn new(options: SurveyOptions) -> Result<Self, SurveyError> {
         let segment_m = options.segment_m;
         if !(segment_m >= SHORTEST_SEGMENT_M && segment_m.is_finite()) {

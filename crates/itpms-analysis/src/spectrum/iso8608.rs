@@ -91,15 +91,11 @@ impl IsoClass {
 
 /// A spectrum no line can be drawn through.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[allow(missing_docs, reason = "the messages say it")]
 pub enum FitError {
     /// Limits that are no band.
     #[error("band from {low_per_m} to {high_per_m} cycles/m, expected 0 < low < high")]
-    Band {
-        /// Lower limit.
-        low_per_m: f64,
-        /// Upper limit.
-        high_per_m: f64,
-    },
+    Band { low_per_m: f64, high_per_m: f64 },
     /// The spectrum does not reach into the band.
     #[error("{0} smoothed bands hold a positive density, expected at least 3")]
     TooFewBands(usize),
@@ -205,9 +201,6 @@ pub fn iso_bands(psd: &Psd, low_per_m: f64, high_per_m: f64) -> Vec<Band> {
 /// Draws the line through a displacement spectrum between two spatial frequencies (cycles per metre): least
 /// squares of `ln Gd` over `ln n` through the bands of [`iso_bands`], each octave with the same weight. The
 /// logarithm of a mean of `K` exponential values is low by about `1/(2K) + 1/(12 K²)`; that is added back.
-///
-/// # Errors
-/// See [`FitError`].
 pub fn fit_power_law(psd: &Psd, low_per_m: f64, high_per_m: f64) -> Result<RoadFit, FitError> {
     if !(low_per_m > 0.0 && low_per_m < high_per_m && high_per_m.is_finite()) {
         return Err(FitError::Band { low_per_m, high_per_m });

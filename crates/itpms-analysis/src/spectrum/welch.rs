@@ -72,9 +72,6 @@ impl fmt::Debug for Welch {
 
 impl Welch {
     /// An empty estimate with segments of `segment` samples, `spacing` apart (s, or m).
-    ///
-    /// # Errors
-    /// See [`WelchError`].
     pub fn new(segment: usize, spacing: f64) -> Result<Self, WelchError> {
         if segment < 8 || !segment.is_multiple_of(2) {
             return Err(WelchError::Segment(segment));
@@ -159,9 +156,6 @@ impl Welch {
 }
 
 /// The density of a whole record; `None` when it is shorter than a segment.
-///
-/// # Errors
-/// See [`WelchError`].
 pub fn welch(signal: &[f64], segment: usize, spacing: f64) -> Result<Option<Psd>, WelchError> {
     let mut estimate = Welch::new(segment, spacing)?;
     signal.iter().for_each(|&value| estimate.push(value));

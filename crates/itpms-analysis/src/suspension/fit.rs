@@ -18,7 +18,6 @@ pub(super) struct Prior {
     pub(super) alike_sd: Parameters,
 }
 
-/// What was found.
 #[derive(Debug, Clone)]
 pub(super) struct Fit {
     pub(super) parameters: Parameters,

@@ -89,7 +89,6 @@ const ALL_WORN: f64 = 0.55;
 const ALL_STIFF: f64 = 1.8;
 
 impl DamperHealth {
-    /// Nothing is known.
     pub(super) fn unknown(because: Because) -> Self {
         let state = if because == Because::Short { DamperState::Learning } else { DamperState::Unknown };
         Self {

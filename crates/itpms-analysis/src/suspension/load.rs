@@ -65,7 +65,6 @@ pub struct Load {
 }
 
 impl Load {
-    /// Nothing is known.
     pub(super) fn unknown(because: Because) -> Self {
         let state = if because == Because::Short { LoadState::Learning } else { LoadState::Unknown };
         Self { masses: None, state, because: Some(because) }

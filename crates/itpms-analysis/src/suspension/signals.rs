@@ -62,7 +62,6 @@ impl FirstOrder {
 /// What filters remember.
 type Stages<const N: usize> = [[f64; 2]; N];
 
-/// One corner.
 #[derive(Debug, Clone)]
 pub(super) struct CornerSignals {
     filter: FirstOrder,

@@ -242,7 +242,6 @@ impl SuspensionSpectra {
         }
     }
 
-    /// A frame is complete.
     fn frame(&mut self) {
         let over = |at: usize, limit: f64| self.peaks.iter().any(|peak| !(peak[at] < limit));
         let rate = |corner: usize| {

@@ -73,7 +73,6 @@ fn fit(check: &CornerCheck) -> String {
     [figures, misfit].into_iter().flatten().collect()
 }
 
-/// A corner in words.
 pub(crate) fn named(label: &str) -> String {
     let words = match label {
         "fl" => "Front left",

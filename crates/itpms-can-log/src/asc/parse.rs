@@ -5,7 +5,6 @@ use crate::digits::{self, Base};
 use crate::frame::{CanFrame, CanId, Direction, FrameKind, Payload, length_of_code};
 use crate::lines::Words;
 
-/// What a line says.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum AscLine {
     /// Nothing that matters here: blank, a comment, another part of the header.

@@ -99,7 +99,6 @@ impl AscReader {
         None
     }
 
-    /// The time of a stamp.
     fn time_s(&mut self, stamp_s: f64) -> f64 {
         let block_s = self.block_s.take();
         match self.stamps {

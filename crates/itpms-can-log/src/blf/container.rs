@@ -35,7 +35,6 @@ pub(super) enum Piece {
     End,
 }
 
-/// Reads piece by piece.
 #[derive(Debug)]
 pub(super) struct Containers {
     input: BufReader<File>,

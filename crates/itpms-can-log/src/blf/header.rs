@@ -61,7 +61,6 @@ pub(super) struct Summary {
 }
 
 impl Summary {
-    /// The header's bytes.
     pub(super) fn to_bytes(self) -> [u8; SIZE] {
         let mut out = Vec::with_capacity(SIZE);
         out.extend_from_slice(b"LOGG");

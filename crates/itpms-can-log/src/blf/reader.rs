@@ -47,7 +47,6 @@ enum Step {
 }
 
 impl BlfReader {
-    /// Reads the header.
     pub(crate) fn new(mut file: File, bytes: u64) -> Result<Self, CanProblem> {
         let mut start = Vec::new();
         (&mut file).take(header::LEAST as u64).read_to_end(&mut start).map_err(FileProblem::Read)?;

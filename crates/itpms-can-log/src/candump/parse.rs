@@ -31,6 +31,7 @@ pub enum Clock {
 /// Why a line is no frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say it")]
 pub enum LineProblem {
     /// Nothing on it, a comment (`#`, `;`, `//`), or an explanation that `candump -e` puts under an error frame.
     #[error("the line is blank")]
@@ -41,7 +42,6 @@ pub enum LineProblem {
     /// The logger says how many frames it has lost here (`candump -d`).
     #[error("{0} frames were lost by the logger")]
     Lost(u64),
-    /// Something else.
     #[error("expected {0}")]
     NotUnderstood(&'static str),
 }

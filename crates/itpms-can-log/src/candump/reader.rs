@@ -34,7 +34,6 @@ pub(crate) struct CandumpReader {
 enum Stamps {
     /// Not looked at yet.
     Unknown,
-    /// They are times.
     Times,
     /// Each is the time since the frame before; the sum so far in s.
     Differences(f64),

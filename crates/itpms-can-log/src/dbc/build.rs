@@ -19,7 +19,6 @@ const NO_MESSAGE: u64 = 0xC000_0000;
 /// Source address that databases of SAE J1939 have where any node may send.
 const NULL_ADDRESS: u32 = 0xFE;
 
-/// Everything found so far.
 #[derive(Debug, Default)]
 pub(super) struct Builder {
     messages: Vec<Draft>,

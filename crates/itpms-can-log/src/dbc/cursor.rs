@@ -59,7 +59,6 @@ impl<'a> Cursor<'a> {
         Ok(number)
     }
 
-    /// A finite number.
     pub(super) fn number(&mut self, expected: &'static str) -> Result<f64, Astray> {
         let word = self.peek();
         let number = word.parse().ok().filter(|number: &f64| number.is_finite());

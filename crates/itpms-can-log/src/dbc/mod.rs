@@ -63,17 +63,11 @@ impl Dbc {
     }
 
     /// The same for a file's contents.
-    ///
-    /// # Errors
-    /// See [`DbcError`].
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, DbcError> {
         Self::parse(&itpms_files::decoded(bytes))
     }
 
     /// The same for a file's text.
-    ///
-    /// # Errors
-    /// See [`DbcError`].
     pub fn parse(text: &str) -> Result<Self, DbcError> {
         if text.len() as u64 > 2 * LARGEST {
             return Err(DbcError::TooLarge { found: text.len() as u64, most: LARGEST });

@@ -96,7 +96,6 @@ impl<T: Real> Belief<T> {
         Corner::ALL.into_iter().for_each(|corner| self.set_tire(corner));
     }
 
-    /// One of them.
     pub(super) fn set_tire(&mut self, corner: Corner) {
         let at = TIRE + corner.index();
         self.bank.inflate_tire(corner, T::lit(SET_ANEW_SD));

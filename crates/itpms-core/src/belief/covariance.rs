@@ -66,7 +66,6 @@ impl<T: Real> Covariance<T> {
         self.diagonals.copy_from(&other.diagonals);
     }
 
-    /// The variances.
     pub(crate) fn variances(&self) -> State<T> {
         self.diagonals.column(0).into_owned()
     }

@@ -55,7 +55,6 @@ struct FrameUpdate<T: Real> {
     /// Of the most likely one, before the frame.
     record: Placed<UpdateRecord<T>>,
     best: usize,
-    /// Frames so far.
     frames: u32,
 }
 

@@ -23,7 +23,6 @@ pub(super) struct Instruments<T> {
 }
 
 impl<T: Real> Instruments<T> {
-    /// Nothing has been learned.
     pub(super) fn restart(&mut self) {
         self.frames = [T::zero(); 2];
     }

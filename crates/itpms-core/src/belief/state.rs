@@ -6,7 +6,6 @@ use nalgebra::SVector;
 use crate::model::{Corner, Side, UNCALIBRATED_BIAS_SD};
 use crate::real::Real;
 
-/// Quantities.
 pub(crate) const SIZE: usize = 37;
 /// Compliance of each tire over the one at placard pressure, less one.
 pub(crate) const TIRE: usize = 0;

@@ -92,7 +92,6 @@ impl<T: Real> FlatWatch<T> {
         Self { last: T::zero(), equal: 0, equal_since_s: f64::NEG_INFINITY, largest: T::zero() }
     }
 
-    /// Takes a finite value.
     fn push(&mut self, time_s: f64, value: T) -> Flatness {
         if value == self.last && self.equal > 0 {
             self.equal += 1;

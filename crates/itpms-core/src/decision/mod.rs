@@ -86,12 +86,10 @@ impl<T: Real> Probabilities<T> {
         &self.of_set
     }
 
-    /// That this tire is low.
     pub(crate) fn low(&self, tire: Corner) -> T {
         if self.lacks[tire.index()] { self.sum(|set| set & (1 << tire.index()) != 0) } else { T::zero() }
     }
 
-    /// That any is.
     pub(crate) fn any_low(&self) -> T {
         self.sum(|set| set != 0)
     }

@@ -10,14 +10,12 @@ use crate::real::Real;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) enum SwapPattern {
-    /// As they are labeled.
     #[blank]
     AsLabeled,
     /// The body moves as a wheel does.
     BodyIsWheel,
     /// The wheel moves as a body does.
     WheelIsBody,
-    /// Both.
     Crossed,
 }
 

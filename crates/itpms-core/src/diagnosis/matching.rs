@@ -6,7 +6,6 @@ use nalgebra::{SMatrix, SVector};
 use crate::model::Corner;
 use crate::real::Real;
 
-/// The pairs of corners.
 pub(crate) const PAIRS: [[Corner; 2]; 6] = {
     let [fl, fr, rl, rr] = Corner::ALL;
     [[fl, fr], [fl, rl], [fl, rr], [fr, rl], [fr, rr], [rl, rr]]

@@ -59,7 +59,6 @@ const FORGETTING_BLOCKS: u32 = 6;
 /// Blocks with something wrong after which what is suspected, not reported, and cannot be looked at meanwhile is let go.
 const LEFT_BLOCKS: u32 = 20;
 
-/// Something that is wrong.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Fault<T> {
@@ -74,7 +73,6 @@ impl<T> Fault<T> {
     }
 }
 
-/// Whether the car moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Motion {
     Standing,

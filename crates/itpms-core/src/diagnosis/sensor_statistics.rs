@@ -148,7 +148,6 @@ impl<T: Real> SensorWatch<T> {
         time_s - self.changed_s
     }
 
-    /// Ends a block.
     pub(crate) fn end_block(&mut self, time_s: f64) -> SensorBlock<T> {
         let block = SensorBlock {
             floor: self.floor,

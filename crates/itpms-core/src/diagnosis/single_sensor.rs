@@ -24,7 +24,6 @@ const TOO_NOISY: f64 = 6.0;
 const NOT_NOISY: f64 = 3.0;
 const NOISE: DebounceTimes = DebounceTimes { set_s: 3.0, clear_s: 5.0 };
 
-/// A sensor under watch.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct SingleSensorMonitor<T> {

@@ -120,7 +120,6 @@ impl core::fmt::Display for Misfit {
 }
 
 impl<T: Real> BodyFit<T> {
-    /// Nothing was seen yet.
     pub(crate) fn unknown() -> Self {
         Self {
             incoherence: None,

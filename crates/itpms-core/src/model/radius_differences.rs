@@ -12,7 +12,6 @@ pub(crate) const SEEN: [[f64; 3]; 4] =
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct RadiusDifferences<T> {
-    /// The changes.
     pub change_1e3: [T; 3],
     /// Their covariance in the order 00, 10, 11, 20, 21, 22, with what loads may have done.
     pub covariance_1e6: [T; 6],

@@ -43,7 +43,6 @@ impl Corner {
         self as usize
     }
 
-    /// The side it is on.
     pub(crate) fn side(self) -> Side {
         [Side::Left, Side::Right, Side::Left, Side::Right][self]
     }
@@ -58,7 +57,6 @@ impl Corner {
         [Corner::FrontRight, Corner::FrontLeft, Corner::RearRight, Corner::RearLeft][self]
     }
 
-    /// The three others.
     pub(crate) fn others(self) -> [Self; 3] {
         [1, 2, 3].map(|step| Self::ALL[(self as usize + step) % 4])
     }

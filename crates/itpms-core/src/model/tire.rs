@@ -120,9 +120,6 @@ impl<T: Real> PressureMap<T> {
     }
 
     /// Ordinary least squares through measured pairs, with the coefficients' covariance and R².
-    ///
-    /// # Errors
-    /// See [`RegressionError`].
     pub fn regression(pressures_kpa: &[T], stiffnesses_n_per_m: &[T]) -> Result<(Self, T), RegressionError> {
         let n = pressures_kpa.len();
         if n != stiffnesses_n_per_m.len() {

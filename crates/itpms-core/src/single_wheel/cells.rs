@@ -100,7 +100,6 @@ pub(super) fn multiply<T: Real>(cells: &mut Cells<T>, factors: &Cells<T>) {
     }
 }
 
-/// The sum of all.
 #[inline(never)]
 pub(super) fn sum<T: Real>(cells: &Cells<T>) -> T {
     let mut sum = T::zero();

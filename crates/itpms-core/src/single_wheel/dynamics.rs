@@ -6,7 +6,6 @@ use nalgebra::SMatrix;
 use crate::memory::Blank;
 use crate::real::Real;
 
-/// Leak modes.
 pub(crate) const LEAK_MODES: usize = 5;
 /// Level modes of the road.
 pub(crate) const LEVEL_MODES: usize = 3;

@@ -323,7 +323,6 @@ impl<T: Real> Informed<T> {
         })
     }
 
-    /// What is believed now.
     pub(crate) fn belief(&self) -> Belief<T> {
         if let Some(outside) = self.outside.as_ref() {
             return self.outside_belief(outside);

@@ -26,7 +26,6 @@ impl<T: Real, const BINS: usize, const SIGNALS: usize> Frame<T, BINS, SIGNALS> {
         Self { re: SMatrix::zeros(), im: SMatrix::zeros(), seen: T::one() }
     }
 
-    /// A signal in a bin.
     pub(crate) fn at(&self, bin: usize, signal: usize) -> Complex<T> {
         let of = |part: &SMatrix<T, BINS, SIGNALS>| part.get((bin, signal)).copied().unwrap_or(T::ZERO);
         Complex::new(of(&self.re), of(&self.im))

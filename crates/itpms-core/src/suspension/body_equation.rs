@@ -130,7 +130,6 @@ pub(crate) struct BodyEquation<T: Real> {
 pub(crate) enum Learning {
     /// There is nothing to do.
     Idle,
-    /// Some of them.
     UnderWay,
     /// All of them, just now.
     Complete,

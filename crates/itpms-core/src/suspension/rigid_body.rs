@@ -32,7 +32,6 @@ impl<T: Real> RigidBody<T> {
         }
     }
 
-    /// Whether the corner is there.
     pub(super) fn has(&self, corner: Corner) -> bool {
         self.present[corner]
     }

@@ -47,7 +47,6 @@ pub(super) struct Spectrum<T> {
     pub edge_variance_rad2: T,
 }
 
-/// What was found.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Fitted<T> {
     pub hz: T,
@@ -105,7 +104,6 @@ impl<T: Real> Spectrum<T> {
     }
 }
 
-/// Finds the resonance.
 pub(super) fn fit<T: Real>(spectrum: &Spectrum<T>, shape: &Shape<T>) -> Fitted<T> {
     let weight = T::lit(INDEPENDENT) * T::whole(spectrum.frames);
     let mut problem = Problem::new(spectrum, shape, weight);

@@ -60,7 +60,6 @@ impl<T: Real> Parabola<T> {
     }
 }
 
-/// What was learned.
 #[derive(Debug, Clone, Copy, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Reference<T: Real> {
@@ -80,7 +79,6 @@ impl<T: Real> Reference<T> {
         }
     }
 
-    /// What to store of it.
     pub(super) fn stored(&self) -> TorsionCalibration<T> {
         let mut curves = [TorsionCurve { information: [[T::zero(); 3]; 3], vector: [T::zero(); 3] }; CURVES];
         let [shapes @ .., resonance] = &mut curves;

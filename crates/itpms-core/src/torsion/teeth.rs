@@ -15,7 +15,6 @@ const EDGES: f64 = 4096.0;
 /// No edge's time is known better than to so many pitches: 20 ns of 2 ms. It is more than what arithmetic rounds to.
 const LEAST_EDGE_SD: f64 = 1e-5;
 
-/// What an edge is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Edge<T> {
     /// The next tooth, so many pitches after the one before.

@@ -17,7 +17,6 @@ pub(super) struct Gaussian<T> {
 }
 
 impl<T: Real> Gaussian<T> {
-    /// Independent states.
     pub(super) fn independent(mean: [T; STATES], sd: [T; STATES]) -> Self {
         let mut belief = Self { mean, covariance: [[T::zero(); ROW]; ROWS] };
         for (i, sd) in sd.into_iter().enumerate() {

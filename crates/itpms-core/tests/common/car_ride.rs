@@ -142,7 +142,6 @@ pub fn cast<T: Real>(row: &CarSample<f64>) -> CarSample<T> {
     }
 }
 
-/// The estimator of a car.
 pub fn car<T: Real>(config: &CarConfig<T>) -> CarEstimator<T> {
     CarEstimator::new(config, RATE_HZ).unwrap()
 }

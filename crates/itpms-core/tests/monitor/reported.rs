@@ -12,7 +12,6 @@ use itpms_core::warning::{MonitorReport, WheelState};
 /// Steps per second of the made-up drives.
 pub(super) const RATE_HZ: f64 = 20.0;
 
-/// What an estimator reports.
 #[derive(Clone, Copy)]
 pub(super) struct Reported {
     pub(super) kpa: [f64; 4],

@@ -81,7 +81,6 @@ pub fn convert(request: &Request<'_>, look: Look<'_>) -> Result<Option<Converted
     }
 }
 
-/// A count and its noun.
 fn counted(count: u64, noun: &str) -> String {
     if count == 1 { format!("1 {noun}") } else { format!("{count} {noun}s") }
 }

@@ -8,7 +8,7 @@ use std::path::Path;
 use super::{Converted, LOOK, Look, Request, counted};
 use crate::can::{CanFrame, CanId, FrameKind, FrameReader};
 use crate::dbc::{Dbc, Message};
-use crate::error::{DataError, Problem};
+use crate::error::DataError;
 use crate::log::frame_description;
 use crate::mdf4::{ChannelSpec, GroupSpec, Mdf4Writer, SampleFormat};
 
@@ -21,10 +21,7 @@ pub(super) fn convert(request: &Request<'_>, look: Look<'_>) -> Result<Option<Co
     let path = path.unwrap_or(request.input);
     let Some(content) = Content::of(request.input, &dbc, look)? else { return Ok(None) };
     if content.groups.is_empty() {
-        return Err(DataError::new(
-            request.input,
-            Problem::NotApplicable("has no frame that the DBC file knows"),
-        ));
+        return Err(DataError::new(request.input, "has no frame that the DBC file knows"));
     }
     let groups: Vec<Group<'_>> = content
         .groups

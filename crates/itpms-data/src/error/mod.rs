@@ -13,7 +13,7 @@ use itpms_files::sentence;
 pub use itpms_files::{FileError, FileProblem, Place};
 use thiserror::Error;
 
-pub(crate) use self::hints::likely_unit;
+pub(crate) use self::hints::{coarse_clock, likely_unit, not_among, separated_by, twice};
 pub use self::problem::Problem;
 
 /// A file that could not be used, and why.

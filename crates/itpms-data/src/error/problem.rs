@@ -1,148 +1,50 @@
 //! The kinds of problems with a file, and their words.
 
-use itpms_core::model::ParameterError;
 use itpms_files::{FileProblem, Place};
 use thiserror::Error;
 
-use super::hints::{because, hint, hint_key, hint_missing, one_by_one, other_unit};
-use crate::pressure_unit::pressure_in_other_unit;
-use crate::pulses::problem::PulseProblem;
+use super::hints::{hint, one_by_one, other_unit};
 use crate::reference::problem::ReferenceProblem;
-use crate::signals::problem::SignalProblem;
 
 /// One kind of problem with a file.
 #[derive(Debug, Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say it")]
 pub enum Problem {
     /// One that a file of any format may have.
     #[error(transparent)]
     File(#[from] FileProblem),
 
-    /// No corner can be made of the signals.
+    /// What no program acts on: found and expected, in a sentence that stands where it is found.
     #[error("{0}")]
-    UnusableSignals(String),
-    /// The signals that were mapped hardly have values; what had to be repaired may say why.
-    #[error("no row can be made: too few values of the mapped accelerations{}", because(.0))]
-    NoRows(Vec<String>),
+    Refused(String),
     /// A file that another program makes of what is read.
     #[error("{0}")]
     Elsewhere(String),
-    /// An option that means nothing for this format.
-    #[error("{0}")]
-    NotApplicable(&'static str),
 
     // --- drive logs: the table ---
-    /// What spreadsheets call Unicode text, behind gzip.
-    #[error("the packed text is UTF-16, expected UTF-8: unpack it (gunzip), then it is read")]
-    Utf16,
     /// Zero bytes or blank lines only.
     #[error("the file is empty, expected a header line with time_s and the accelerations of a corner")]
     Empty,
-    /// Zero bytes where a file of this kind was expected.
-    #[error("the file is empty, expected {0}")]
-    EmptyFile(&'static str),
-    /// What MCAP begins with is not there.
-    #[cfg(feature = "mcap")]
-    #[error(
-        "it does not begin as an MCAP file ({0}), expected one as ROS 2, Foxglove or this program record it"
-    )]
-    NotMcap(String),
-    /// A header without data.
     #[error("there is a header but no row under it")]
     HeaderOnly,
-    /// Not Parquet, or damaged.
     #[error("not a readable Parquet file: {0}")]
     Parquet(String),
     /// A problem in one of several part files.
     #[error("{part}: {problem}")]
-    InPart {
-        /// The file's name within the folder.
-        part: String,
-        /// What is wrong there.
-        problem: Box<Problem>,
-    },
+    InPart { part: String, problem: Box<Problem> },
     /// A column that has to be there.
     #[error("column {column} is missing{}", hint(.nearest))]
-    MissingColumn {
-        /// Its name.
-        column: String,
-        /// The most similar name that is there.
-        nearest: Option<String>,
-    },
-    /// A corner of which one acceleration is there and the other one is not.
-    #[error(
-        "column {column} is missing; a corner has both accelerations: without {present} the log is read without this corner"
-    )]
-    HalfCorner {
-        /// The name of what is missing.
-        column: String,
-        /// The name of what is there.
-        present: String,
-    },
-    /// A table of measurements without a column it has to have.
-    #[error("column {column} is missing{}; found {found}, expected {expected}", hint(.nearest))]
-    NotAmongColumns {
-        /// Its name.
-        column: String,
-        /// The most similar name that is there.
-        nearest: Option<String>,
-        /// All names that are there.
-        found: String,
-        /// All names that are asked for.
-        expected: String,
-    },
-    /// A measurement that is missing where every row has to be complete.
-    #[error("{place}, column {column}: found {found}, expected a finite number")]
-    NotFinite {
-        /// Where.
-        place: Place,
-        /// In which column.
-        column: String,
-        /// The cell.
-        found: String,
-    },
-    /// Not even a header.
-    #[error("the file is empty, expected a header line with {0}")]
-    NoHeader(String),
-    /// The header is one long cell because another separator was used.
-    #[error("the header is separated by {0:?}, expected commas")]
-    Separator(char),
-    /// A column that is there twice.
-    #[error("column {column} appears twice (columns {first} and {second}), expected once: rename one")]
-    DuplicateColumn {
-        /// Its name.
-        column: String,
-        /// Its first place, from one.
-        first: usize,
-        /// Its second place, from one.
-        second: usize,
-    },
+    MissingColumn { column: String, nearest: Option<String> },
     /// A Parquet column of another type.
     #[error("column {column} holds {found}, expected numbers{}", one_by_one(.found))]
-    ColumnType {
-        /// Its name.
-        column: String,
-        /// What it holds, in words.
-        found: String,
-    },
-    /// A column that holds other than words.
-    #[error("column {column} holds {found}, expected one of the words {expected}")]
-    WordsExpected {
-        /// Its name.
-        column: String,
-        /// What it holds, in words.
-        found: String,
-        /// The words.
-        expected: String,
-    },
+    ColumnType { column: String, found: String },
     /// Text where a number belongs.
     #[error(
         "{place}, column {column}: found {found:?}, expected a number, or NaN or nothing where it is missing{hint}"
     )]
     NotANumber {
-        /// Where.
         place: Place,
-        /// In which column.
         column: String,
         /// The cell (its beginning, if long).
         found: String,
@@ -151,45 +53,12 @@ pub enum Problem {
     },
     /// A row that is longer or shorter than the header.
     #[error("{place}: found {found} cells, expected {expected} as in the header")]
-    CellCount {
-        /// Where.
-        place: Place,
-        /// Cells in this row.
-        found: usize,
-        /// Cells in the header.
-        expected: usize,
-    },
-
-    /// A header in the middle of a file that is not the first one in another order.
-    #[error(
-        "{place}: the header comes again with other columns (column {column} is in one of the two alone), expected the same: cut the file there, \
-         each of its parts has a header then"
-    )]
-    OtherColumns {
-        /// Where.
-        place: Place,
-        /// A column of one of the two.
-        column: String,
-    },
+    CellCount { place: Place, found: usize, expected: usize },
 
     // --- drive logs: the contents ---
     /// A drive has more than one sample.
     #[error("found {0} sample with a time, expected at least 2")]
     TooFewSamples(u64),
-    /// No row says when it was measured.
-    #[error("column time_s has no value in any of {rows} rows")]
-    NoTime {
-        /// Rows read.
-        rows: u64,
-    },
-    /// The clock stands still.
-    #[error("time is constant: time_s is {time_s} in all of the {rows} rows read, expected it to increase")]
-    TimeConstant {
-        /// The time of all rows.
-        time_s: f64,
-        /// Rows read.
-        rows: u64,
-    },
     /// The clock's resolution is too coarse.
     #[error(
         "time stands still in {repeated} of the {rows} rows read (first at {place}), expected it to increase from row to row"
@@ -197,51 +66,8 @@ pub enum Problem {
     TimeRepeats {
         /// Rows with the time of the row before.
         repeated: u64,
-        /// Rows read.
         rows: u64,
-        /// The first such row.
         place: Place,
-    },
-    /// The same in a folder of parts, where two begin before the other has ended.
-    #[error(
-        "{repeated} of the {rows} rows read have the time of another one, and the parts {one} and {other} have rows of the same time, expected each row once: \
-         move one of the two elsewhere"
-    )]
-    PartsRepeat {
-        /// Rows with the time of another one.
-        repeated: u64,
-        /// Rows read.
-        rows: u64,
-        /// A part.
-        one: String,
-        /// Another one.
-        other: String,
-    },
-    /// The clock counts in steps longer than the samples' period, and these did not come evenly.
-    #[error(
-        "the times of {what} are in steps of {} s under {:.0} samples a second, and these are not even: where each belongs is not sure; \
-         expected steps shorter than the samples' period (write the time with more digits, or take the logger's finer clock)",
-        (*.step_s * 1e6).round() / 1e6, .rate_hz
-    )]
-    CoarseClock {
-        /// Rows, or a signal.
-        what: String,
-        /// Step of the clock in s.
-        step_s: f64,
-        /// Samples a second.
-        rate_hz: f64,
-    },
-    /// Stamps that are off by a good part of the sample period.
-    #[error(
-        "the times are uneven: a step of {} s has a standard deviation of {jitter_percent:.0} %, so frequencies are unknown; expected even samples \
-         (write the time at which each was taken, not at which it arrived)",
-        (*.period_s * 1e6).round() / 1e6
-    )]
-    UnevenStamps {
-        /// Standard deviation of a step over its mean, in percent.
-        jitter_percent: f64,
-        /// The usual step in s.
-        period_s: f64,
     },
     /// The rows of two drives in turns.
     #[error(
@@ -253,65 +79,8 @@ pub enum Problem {
         ratio: f64,
         /// Where that is so: from here, in s.
         from_s: f64,
-        /// To here.
         to_s: f64,
-        /// What to do.
         way_out: String,
-    },
-    /// Not one rate.
-    #[error(
-        "the rate changes from {from_hz:.0} to {to_hz:.0} Hz at {since_s} s, expected one rate (cut the log there)"
-    )]
-    RateChanges {
-        /// Rate at first in Hz.
-        from_hz: f64,
-        /// Rate later on in Hz.
-        to_hz: f64,
-        /// Since when, in s.
-        since_s: f64,
-    },
-    /// Many readings of one signal do not fit the clock of the others.
-    #[error(
-        "{left_out} of the {readings} readings of {column} have stamps that contradict those of the others by more than ten seconds or \
-         go through the same seconds again, expected 1 % at most (was a clock set? then cut the log there)"
-    )]
-    StampsContradict {
-        /// The column.
-        column: String,
-        /// Readings left out.
-        left_out: u64,
-        /// All of them.
-        readings: u64,
-    },
-    /// Rows are not in the order of time, and not just one or two of them.
-    #[error(
-        "time goes backwards in {backwards} of the {rows} rows read, at {place} from {from_s} to {to_s} s, expected it to increase \
-         (rows are put in order over ten seconds; sort the file by its time, or cut it where the clock was set)"
-    )]
-    TimeBackwards {
-        /// Rows that lie before an earlier row.
-        backwards: u64,
-        /// Rows read.
-        rows: u64,
-        /// The first row with which time went back.
-        place: Place,
-        /// Time of the row before it in the file in s.
-        from_s: f64,
-        /// Time of the row in s.
-        to_s: f64,
-    },
-    /// A second recording under the first one.
-    #[error(
-        "the clock begins again at {place}, from {from_s} to {to_s} s: another recording, expected one: cut the file before {place}, and give each part \
-         the header"
-    )]
-    BeginsAgain {
-        /// The first row of the other one.
-        place: Place,
-        /// Time of the row before it in s.
-        from_s: f64,
-        /// Its time in s.
-        to_s: f64,
     },
     /// No wheel can be seen at this rate.
     #[error(
@@ -322,150 +91,19 @@ pub enum Problem {
     SamplePeriod {
         /// The name of the column of the time.
         clock: String,
-        /// Median period in s.
         period_s: f64,
-        /// Its inverse.
         rate_hz: f64,
     },
-    /// No corner has a usable pair of sensors.
-    #[error("column {column} has no value in any of {rows} rows, and no other corner is complete")]
-    AllMissing {
-        /// The first such column.
-        column: String,
-        /// Rows read.
-        rows: u64,
-    },
-    /// A number that stands for no value.
-    #[error(
-        "{what} is {value} in {count} of the first {rows} rows, far from all others, as where a number stands for no value; expected NaN or \
-         nothing there"
-    )]
-    StandsForMissing {
-        /// Which sensor.
-        what: String,
-        /// The number, in the column's unit.
-        value: f64,
-        /// How often it comes.
-        count: usize,
-        /// Rows looked at.
-        rows: usize,
-    },
-    /// The numbers cannot be in the units that they should be in.
-    #[error("wrong units suspected ({suspicion}): {evidence}, expected {expected}")]
-    Units {
-        /// What they seem to be.
-        suspicion: &'static str,
-        /// What they should be.
-        expected: &'static str,
-        /// The numbers that say so.
-        evidence: String,
-    },
 
-    // --- vehicle files ---
-    /// Not TOML.
-    #[error("line {line}: not valid TOML: {message}")]
-    Syntax {
-        /// Where.
-        line: usize,
-        /// The parser's words.
-        message: String,
-    },
-    /// An unexpected key, most likely mistyped.
-    #[error("line {line}: unknown key {key} in {table}{}, expected one of: {known}", hint_key(.nearest))]
-    UnknownKey {
-        /// Where.
-        line: usize,
-        /// The table it is in.
-        table: String,
-        /// The key.
-        key: String,
-        /// The most similar known key.
-        nearest: Option<String>,
-        /// All known keys.
-        known: String,
-    },
-    /// A key that has to be there.
-    #[error("{table} has no {key}{}", hint_missing(*.line))]
-    MissingKey {
-        /// Line of the table's header.
-        line: Option<usize>,
-        /// The table.
-        table: String,
-        /// The key.
-        key: String,
-    },
-    /// A value of another type.
-    #[error("line {line}: {table} {key} is {found}, expected {expected}")]
-    ValueType {
-        /// Where.
-        line: usize,
-        /// The table.
-        table: String,
-        /// The key.
-        key: String,
-        /// Type and text of the value.
-        found: String,
-        /// The type wanted.
-        expected: &'static str,
-    },
-    /// A value outside its physical range.
-    #[error("line {line}: {table} {error}")]
-    Parameter {
-        /// Where.
-        line: usize,
-        /// The table.
-        table: String,
-        /// Name, value and range.
-        error: ParameterError,
-    },
-    /// A value that no car has in the unit of its key.
-    #[error(
-        "line {line}: {table} {key} is {value}, expected {low} to {high} (another unit?{})",
-        if key.ends_with("_kpa") { pressure_in_other_unit(*.value) } else { String::new() }
-    )]
-    Implausible {
-        /// Where.
-        line: usize,
-        /// The table.
-        table: String,
-        /// The key.
-        key: &'static str,
-        /// What was found.
-        value: f64,
-        /// Lowest value accepted.
-        low: f64,
-        /// Highest value accepted.
-        high: f64,
-    },
-    // --- roads ---
+    /// The numbers cannot be in the units that they should be in: what they seem to be, what says so, what they should be.
+    #[error("wrong units suspected {0}")]
+    Units(String),
+
     /// A table of accelerations where heights belong.
     #[error(
         "looks like a drive log (accelerations over time), expected a road profile with distance_m and heights"
     )]
     DriveLog,
-    /// Numbers that nothing says the meaning of.
-    #[error(
-        "{place}: found {found} columns of numbers without a header, expected 2 (distance and height) or 3 (distance, left and right)"
-    )]
-    UnnamedColumns {
-        /// Where.
-        place: Place,
-        /// How many.
-        found: usize,
-    },
-    /// A profile whose rows are not in the order of distance.
-    #[error("{place}: the distance goes back from {from_m} to {to_m} m, expected it to increase")]
-    DistanceBackwards {
-        /// Where.
-        place: Place,
-        /// Distance of the row before in m.
-        from_m: f64,
-        /// Distance of the row in m.
-        to_m: f64,
-    },
-    /// A profile without a length.
-    #[error("found no two rows with different distances, expected a road")]
-    NoRoad,
     /// An OpenCRG file that cannot be used.
     #[error(transparent)]
     Crg(crate::crg::CrgProblem),
@@ -475,31 +113,24 @@ pub enum Problem {
     #[error(transparent)]
     Can(crate::can::CanProblem),
 
-    // --- vehicle files, as a whole ---
-    /// A vehicle without wheels.
-    #[error(
-        "no corner is described, expected at least one table [corner.fl] (or fr, rl, rr); for wheel speeds alone wheelbase_m, track_front_m, track_rear_m and driven in [vehicle]"
-    )]
-    NoCorner,
-
-    // --- MDF4 ---
     /// Not MDF4, or damaged beyond reading.
     #[cfg(feature = "mdf4")]
     #[error(transparent)]
     Mdf4(crate::mdf4::Mdf4Problem),
 
-    // --- learned references ---
     /// Not a reference, not a whole one, or another car's.
     #[error(transparent)]
     Reference(#[from] ReferenceProblem),
+}
 
-    // --- tooth pulses ---
-    /// No table of pulses.
-    #[error(transparent)]
-    Pulses(#[from] PulseProblem),
+impl From<String> for Problem {
+    fn from(sentence: String) -> Self {
+        Self::Refused(sentence)
+    }
+}
 
-    // --- signals ---
-    /// A map of signals, or a map and a log, that do not fit.
-    #[error(transparent)]
-    Signals(#[from] SignalProblem),
+impl From<&str> for Problem {
+    fn from(sentence: &str) -> Self {
+        Self::Refused(sentence.to_owned())
+    }
 }

@@ -8,7 +8,7 @@ use super::format::LogFormat;
 #[cfg(feature = "mdf4")]
 use crate::can::CanProblem;
 use crate::dbc::Dbc;
-use crate::error::{DataError, Problem};
+use crate::error::DataError;
 
 /// Whether a log holds frames of a bus and is read by their description: a CAN log, or an MDF4 file with frames and no other signals. One that has
 /// both is read by its frames where a description is given.
@@ -28,7 +28,7 @@ pub fn frame_description(log: &Path, dbc: Option<&Path>) -> Result<Dbc, DataErro
         attached(log)?.ok_or_else(|| {
             let what =
                 "is a CAN log, whose frames mean nothing by themselves; expected a DBC file (--dbc car.dbc)";
-            DataError::new(log, Problem::NotApplicable(what))
+            DataError::new(log, what)
         })
     };
     dbc.map_or_else(attached, crate::dbc::described)

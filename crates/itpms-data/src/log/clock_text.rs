@@ -1,5 +1,7 @@
 //! Times that are written as dates, or as days and a clock: what pandas, polars and many loggers write into CSV.
 
+use itpms_files::Date;
+
 /// Seconds since 1970 of `2026-03-01 08:00:00.002`, with `T` or a blank, with `Z`, an offset or nothing (taken for UTC) after
 /// it, or with the date as `01.03.2026`, as `01-Mar-2026`, or as `03/01/2026 08:00:00 AM`; or the seconds of `0 days 00:00:01.5`, of `00:00:01.5` and of MATLAB's `1.5 sec`.
 pub(crate) fn seconds(text: &[u8]) -> Option<f64> {
@@ -106,18 +108,11 @@ fn days_since_1970(date: &str) -> Option<i64> {
     let month = named.map_or_else(|| month.to_owned(), |place| (place + 1).to_string());
     let (year, day) =
         if german || named.is_some() && first.len() < 3 { (last, first) } else { (first, last) };
-    let (year, month, day): (i64, i64, i64) = (year.parse().ok()?, month.parse().ok()?, day.parse().ok()?);
-    if parts.next().is_some() || !(1900..2500).contains(&year) || !(1..=12).contains(&month) {
-        return None;
-    }
-    let leap = year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
-    let lengths = [31, if leap { 29 } else { 28 }, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31];
-    if !(1..=lengths[month as usize - 1]).contains(&day) {
-        return None;
-    }
-    let leap_days = |year: i64| year / 4 - year / 100 + year / 400;
-    let years = 365 * (year - 1970) + leap_days(year - 1) - leap_days(1969);
-    Some(years + lengths[..month as usize - 1].iter().sum::<i64>() + day - 1)
+    let (year, month, day) = (year.parse().ok()?, month.parse().ok()?, day.parse().ok()?);
+    let date = Date { year, month, day, hour: 0, minute: 0, second: 0 };
+    let seconds = date.seconds().filter(|_| parts.next().is_none() && (1900..2500).contains(&year))?;
+    // The day after the last of a month is the next one's.
+    (Date::of_seconds(seconds) == date).then_some(seconds / 86_400)
 }
 
 #[cfg(test)]

@@ -48,9 +48,8 @@ impl CsvSource {
         let fail = |problem| DataError::new(path, problem);
         let mut lines = Lines::new(file);
         let head = TextHead::read(&mut lines).map_err(fail)?.ok_or_else(|| fail(Problem::Empty))?;
-        let header = mapped::header(path, &head.names, &head.units, map).map_err(|error| {
-            if is_candump(&head.names) { fail(Problem::NotApplicable(CANDUMP)) } else { error }
-        })?;
+        let header = mapped::header(path, &head.names, &head.units, map)
+            .map_err(|error| if is_candump(&head.names) { DataError::new(path, CANDUMP) } else { error })?;
         let place = |selection: &Selection| Ok((selection.place(&head.names)?, selection.clone()));
         let rows = rows.iter().map(place).collect::<Result<_, Problem>>().map_err(fail)?;
         let is_under_names = !head.units.is_empty();
@@ -170,7 +169,12 @@ impl CsvSource {
             .find(|(name, known)| known.is_none() && Slot::all().any(|slot| slot.name() == **name));
         if let Some(column) = lost.map(|place| &self.head.names[place]).or(new.map(|(name, _)| name)) {
             let place = Place::Line(self.lines.number());
-            return Err(Problem::OtherColumns { place, column: shortened(column) });
+            let column = shortened(column);
+            return Err(format!(
+                "{place}: the header comes again with other columns (column {column} is in one of the two alone), expected the same: cut the \
+                 file there, each of its parts has a header then"
+            )
+            .into());
         }
         let of = |place: &Option<usize>| place.and_then(|place| self.header.slots[place]);
         let slots = known.iter().map(of).collect();

@@ -35,12 +35,10 @@ impl Dialect {
         }
     }
 
-    /// The names in the header.
     pub(crate) fn names(self, header: &[u8]) -> Vec<String> {
         self.cells(header).map(|name| itpms_files::decoded(name).replace("\"\"", "\"")).collect()
     }
 
-    /// The cells of a line.
     pub(crate) fn cells(self, line: &[u8]) -> impl Iterator<Item = &[u8]> {
         cells_by(line, self.separator)
     }

@@ -7,7 +7,6 @@ use itpms_files::input;
 use super::elsewhere;
 use crate::error::{DataError, FileProblem, Problem};
 
-/// A format of tables.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Format {
     Csv,
@@ -120,14 +119,15 @@ impl LogFormat {
             LogFormat::Table(Format::Csv) => Problem::Empty,
             #[cfg(feature = "parquet")]
             LogFormat::Table(Format::Parquet) => {
-                Problem::EmptyFile("a Parquet file with time_s and the accelerations of a corner")
+                "the file is empty, expected a Parquet file with time_s and the accelerations of a corner"
+                    .into()
             }
             #[cfg(feature = "mdf4")]
-            LogFormat::Mdf4 => Problem::EmptyFile("an MDF4 file"),
+            LogFormat::Mdf4 => "the file is empty, expected an MDF4 file".into(),
             #[cfg(feature = "can")]
-            LogFormat::Can => Problem::EmptyFile("CAN frames"),
+            LogFormat::Can => "the file is empty, expected CAN frames".into(),
             #[cfg(feature = "mcap")]
-            LogFormat::Mcap => Problem::EmptyFile("an MCAP file"),
+            LogFormat::Mcap => "the file is empty, expected an MCAP file".into(),
         }
     }
 }

@@ -6,11 +6,10 @@ use itpms_core::model::Corner;
 use itpms_files::{nearest, shortened};
 
 use super::row::{Field, LogColumns, Slot};
-use crate::error::Problem;
+use crate::error::{Problem, separated_by, twice};
 use crate::signals::names::meaning;
 use crate::signals::{Conversion, column_unit};
 
-/// What a header says.
 #[derive(Debug, Clone)]
 pub(super) struct Header {
     pub(super) columns: LogColumns,
@@ -48,11 +47,7 @@ impl Header {
             if let Some(slot) = slot
                 && let Some(first) = place(*slot).filter(|first| *first < i)
             {
-                return Err(Problem::DuplicateColumn {
-                    column: slot.name(),
-                    first: first + 1,
-                    second: i + 1,
-                });
+                return Err(twice(&slot.name(), first, i));
             }
         }
         let has = |slot| place(slot).is_some();
@@ -65,12 +60,15 @@ impl Header {
         };
         let half = |slot: Slot, present: Slot| match missing(slot) {
             Problem::MissingColumn { column, nearest: None } => {
-                Problem::HalfCorner { column, present: present.name() }
+                let present = present.name();
+                Problem::Refused(format!(
+                    "column {column} is missing; a corner has both accelerations: without {present} the log is read without this corner"
+                ))
             }
             misspelled => misspelled,
         };
         if !has(Slot::Time) {
-            return Err(separator(names).map_or_else(|| missing(Slot::Time), Problem::Separator));
+            return Err(separator(names).map_or_else(|| missing(Slot::Time), separated_by));
         }
         for corner in Corner::ALL {
             let [body, wheel] =

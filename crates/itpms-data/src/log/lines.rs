@@ -141,7 +141,9 @@ impl Lines {
             }
             if self.number == 1 && (self.line.starts_with(b"\xff\xfe") || self.line.starts_with(b"\xfe\xff"))
             {
-                return Err(Problem::Utf16);
+                return Err(
+                    "the packed text is UTF-16, expected UTF-8: unpack it (gunzip), then it is read".into()
+                );
             }
             match self.text().first() {
                 None => {}

@@ -5,14 +5,14 @@
 
 use std::path::Path;
 
-use itpms_files::{nearest, shortened};
+use itpms_files::shortened;
 
 use super::header::Header;
 use super::quantity::Quantity;
 use super::row::{LogColumns, Slot};
 use crate::error::{DataError, Problem};
 use crate::signals::names::meaning;
-use crate::signals::{Conversion, SignalMap, SignalProblem, column_unit, resolve};
+use crate::signals::{Conversion, SignalMap, column_unit, not_there, resolve};
 
 /// How a table's header is read.
 pub(super) fn header(
@@ -89,7 +89,7 @@ fn in_units(mut header: Header, names: &[String], units: &[String]) -> Result<He
         let Some(slot) = header.slots[place].filter(|_| column_unit::is_unit(unit)) else { continue };
         let conversion = conversion(unit, slot).ok_or_else(|| {
             let (column, expected) = (&names[place], Quantity::of(slot).unit());
-            Problem::UnusableSignals(format!("column {column} has the unit {unit}, expected {expected}"))
+            Problem::Refused(format!("column {column} has the unit {unit}, expected {expected}"))
         })?;
         header.conversions[place] = Some(conversion).filter(|conversion| *conversion != Conversion::IDENTITY);
     }
@@ -113,7 +113,7 @@ fn mapped(path: &Path, names: &[String], units: &[String], map: &SignalMap) -> R
         others.iter().map(|place| column_unit::candidate_in(&names[*place], stated(*place))).collect();
     let resolved = resolve(&candidates, Some(map))?;
     if let Some(why) = resolved.unusable() {
-        return Err(fail(Problem::UnusableSignals(why)));
+        return Err(fail(Problem::Refused(why)));
     }
     let mut slots = vec![None; names.len()];
     let mut conversions = vec![None; names.len()];
@@ -125,7 +125,7 @@ fn mapped(path: &Path, names: &[String], units: &[String], map: &SignalMap) -> R
             let (signal, slot) = (&chosen.signal, chosen.slot.name());
             let why =
                 format!("column {signal} is to be both {} and {slot}, expected one of them", other.name());
-            return Err(fail(Problem::UnusableSignals(why)));
+            return Err(fail(Problem::Refused(why)));
         }
         conversions[place] = Some(chosen.conversion);
     }
@@ -143,14 +143,12 @@ fn clock(
     let seconds = |factor| Conversion { factor, offset: 0.0 };
     let under = |place: usize| units.get(place).and_then(|unit| column_unit::seconds(unit));
     if let Some((signal, line, conversion)) = map.time() {
-        let in_map = |problem| DataError::new(map.path(), Problem::Signals(problem));
         let column = Slot::Time.name();
         // In memory a frame's index has no name of its own and comes as `time_s`.
         let called = |wanted: &str| names.iter().position(|name| name == wanted);
         let Some(place) = called(signal).or_else(|| called(&Slot::Time.name())) else {
-            let near = nearest(signal, names.iter().map(String::as_str)).map(str::to_owned);
-            let (signal, of) = (signal.to_owned(), names.len());
-            return Err(in_map(SignalProblem::NotThere { line, column, signal, of, nearest: near }));
+            let known = names.iter().map(String::as_str);
+            return Err(DataError::new(map.path(), not_there(line, &column, signal, names.len(), known)));
         };
         let stated = || under(place).or_else(|| column_unit::seconds_in(signal)).map(seconds);
         return Ok((place, conversion.or_else(stated).unwrap_or(Conversion::IDENTITY)));
@@ -170,7 +168,7 @@ fn clock(
                 "time_s could be {} or {}: say which in the map, time_s = {:?}",
                 names[one], names[other], names[one]
             );
-            Err(DataError::new(path, Problem::UnusableSignals(why)))
+            Err(DataError::new(path, Problem::Refused(why)))
         }
     }
 }

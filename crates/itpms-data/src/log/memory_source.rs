@@ -98,7 +98,7 @@ impl MemorySource {
             return Ok(false);
         };
         let expected = self.header.slots.len();
-        let unusable = |why: String| Err(Problem::UnusableSignals(why));
+        let unusable = |why: String| Err(Problem::Refused(why));
         if piece.len() != expected {
             return unusable(format!(
                 "a piece of the drive has {} columns, expected {expected}",

@@ -10,7 +10,6 @@
 use super::row::{LogColumns, LogRow, Slot};
 use crate::error::Problem;
 
-/// Rows of a stretch.
 const ROWS: usize = 1024;
 /// Every stretch is looked at up to here, then one of so many.
 const FIRST: usize = 4;
@@ -51,7 +50,6 @@ impl Mixed {
         Self { slots, stretches: 0, rows: 0, begin_s: f64::NAN, values, moving: Vec::with_capacity(ROWS) }
     }
 
-    /// Takes the next row.
     pub(super) fn take(&mut self, row: &LogRow) -> Result<(), Problem> {
         if self.rows == 0 {
             self.begin_s = row.time_s;

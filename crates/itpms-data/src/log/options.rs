@@ -33,7 +33,7 @@ impl LogOptions {
         match &map {
             Some(map) if map.time().is_some() => Err(DataError::new(
                 map.path(),
-                Problem::NotApplicable("time_s is for tables: MDF4 and CAN logs have their own clock"),
+                "time_s is for tables: MDF4 and CAN logs have their own clock",
             )),
             _ => Ok(map),
         }
@@ -43,13 +43,13 @@ impl LogOptions {
     #[cfg(any(feature = "can", feature = "mdf4"))]
     pub(super) fn refuse_for_signals(&self) -> Result<(), Problem> {
         let what = "rows are selected of tables (--where); this log holds signals, each on its own clock";
-        if self.rows.is_empty() { Ok(()) } else { Err(Problem::NotApplicable(what)) }
+        if self.rows.is_empty() { Ok(()) } else { Err(what.into()) }
     }
 
     /// What only other logs have.
     pub(super) fn refuse_for_tables(&self) -> Result<(), Problem> {
         let what = "a DBC file says what the frames of a CAN log mean; this is a table";
-        self.dbc.as_ref().map_or(Ok(()), |_| Err(Problem::NotApplicable(what)))
+        self.dbc.as_ref().map_or(Ok(()), |_| Err(what.into()))
     }
 }
 

@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 
 use super::row::LogRow;
 use super::stamps::{Coarse, Fate, Series, Sorted, Stamped, Strays, TOLERATED_SHARE};
-use crate::error::{Place, Problem};
+use crate::error::{Place, Problem, coarse_clock};
 
 /// Up to this many rows out of order are repaired in any log; beyond, [`TOLERATED_SHARE`] decides.
 const TOLERATED_ROWS: u64 = 1;
@@ -167,27 +167,39 @@ impl TimeOrder {
         let with_time = self.rows - self.without_time;
         if let Stage::Complete = stage {
             if self.rows > 0 && with_time == 0 {
-                return Err(Problem::NoTime { rows: self.rows });
+                return Err(format!("column time_s has no value in any of {} rows", self.rows).into());
             }
             if with_time > 1 && self.repeated + 1 == with_time {
-                return Err(Problem::TimeConstant { time_s: self.given_s, rows: with_time });
+                return Err(format!(
+                    "time is constant: time_s is {} in all of the {with_time} rows read, expected it to increase",
+                    self.given_s
+                )
+                .into());
             }
         }
         if self.backwards > tolerated
             && self.backwards as f64 > TOLERATED_SHARE * with_time as f64
             && let Some(Step { place, from_s, to_s }) = self.step_back
         {
-            let (backwards, rows) = (self.backwards, with_time);
             // Sorted, two recordings would be one of twice the rate.
             if (to_s - self.first_s).abs() < BEGINS_AGAIN_S && from_s - self.first_s > BEGINS_AGAIN_S {
-                return Err(Problem::BeginsAgain { place, from_s, to_s });
+                return Err(format!(
+                    "the clock begins again at {place}, from {from_s} to {to_s} s: another recording, expected one: cut the file before \
+                     {place}, and give each part the header"
+                )
+                .into());
             }
-            return Err(Problem::TimeBackwards { backwards, rows, place, from_s, to_s });
+            return Err(format!(
+                "time goes backwards in {} of the {with_time} rows read, at {place} from {from_s} to {to_s} s, expected it to increase \
+                 (rows are put in order over ten seconds; sort the file by its time, or cut it where the clock was set)",
+                self.backwards
+            )
+            .into());
         }
         let coarse = self.coarse();
         if coarse.is_unsure() {
             let Coarse { step_s, rate_hz, .. } = coarse;
-            return Err(Problem::CoarseClock { what: "rows".to_owned(), step_s, rate_hz });
+            return Err(coarse_clock("rows", step_s, rate_hz));
         }
         if self.repeated > tolerated
             && self.repeated as f64 > TOLERATED_REPEATS * with_time as f64

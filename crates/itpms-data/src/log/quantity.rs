@@ -3,7 +3,6 @@
 use super::around::AirField;
 use super::row::{Field, Motion, Slot};
 
-/// What a column measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Quantity {
     /// In m/s².

@@ -270,7 +270,10 @@ impl LogReader {
         if let Problem::TimeRepeats { repeated, rows, .. } = problem
             && let Some((one, other)) = self.source.overlap()
         {
-            return Problem::PartsRepeat { repeated, rows, one, other };
+            return Problem::Refused(format!(
+                "{repeated} of the {rows} rows read have the time of another one, and the parts {one} and {other} have rows of the same time, \
+                 expected each row once: move one of the two elsewhere"
+            ));
         }
         if let Problem::TwoRecordings { way_out, .. } = &mut problem
             && let Some(found) = self.source.one_of_two(&self.path)
@@ -368,7 +371,11 @@ impl LogReader {
             columns.present().iter().any(alive) || roll(Field::WheelSpeed) || roll(Field::WheelRotation);
         match self.report.dead_columns.first() {
             Some(column) if self.report.rows_read > 0 && !useful => {
-                Err(Problem::AllMissing { column: column.clone(), rows: self.report.rows_read })
+                let rows = self.report.rows_read;
+                Err(format!(
+                    "column {column} has no value in any of {rows} rows, and no other corner is complete"
+                )
+                .into())
             }
             _ => Ok(()),
         }

@@ -78,14 +78,20 @@ impl Regular {
 
     fn check(&self) -> Result<(), Problem> {
         if self.uneven >= LEAST && f64::from(self.uneven) > UNEVEN_SHARE * f64::from(self.stretches) {
-            return Err(Problem::UnevenStamps {
-                jitter_percent: 100.0 * self.worst,
-                period_s: self.period_s,
-            });
+            let (period_s, jitter_percent) = ((self.period_s * 1e6).round() / 1e6, 100.0 * self.worst);
+            return Err(format!(
+                "the times are uneven: a step of {period_s} s has a standard deviation of {jitter_percent:.0} %, so frequencies are unknown; \
+                 expected even samples (write the time at which each was taken, not at which it arrived)"
+            )
+            .into());
         }
         if self.others >= LEAST {
             let (from_hz, to_hz) = (1.0 / self.period_s, 1.0 / self.other_s);
-            return Err(Problem::RateChanges { from_hz, to_hz, since_s: self.since_s });
+            return Err(format!(
+                "the rate changes from {from_hz:.0} to {to_hz:.0} Hz at {} s, expected one rate (cut the log there)",
+                self.since_s
+            )
+            .into());
         }
         Ok(())
     }

@@ -271,7 +271,6 @@ impl LogColumns {
         Corner::ALL.into_iter().filter(|corner| self.corners[corner.index()].is_some()).collect()
     }
 
-    /// Whether this column is there.
     pub(crate) fn has(&self, slot: Slot) -> bool {
         match slot {
             Slot::Time => true,

@@ -19,7 +19,6 @@ pub struct Selection {
 const ANY: &str = "*";
 
 impl Selection {
-    /// The column's name.
     pub(crate) fn column(&self) -> &str {
         &self.column
     }
@@ -40,14 +39,14 @@ impl Selection {
         names.iter().position(|name| *name == self.column).ok_or_else(|| {
             let near = itpms_files::nearest(&self.column, names.iter().map(String::as_str));
             let near = near.map_or_else(String::new, |name| format!("; the nearest name there is {name}"));
-            Problem::UnusableSignals(format!("there is no column {} to select {self} by{near}", self.column))
+            Problem::Refused(format!("there is no column {} to select {self} by{near}", self.column))
         })
     }
 
     /// What is wrong where no row has the value.
     pub(crate) fn nowhere(selections: &[Self]) -> Problem {
         let all = selections.iter().map(ToString::to_string).collect::<Vec<_>>().join(" and ");
-        Problem::UnusableSignals(format!("no row has {all}, expected a value that is there"))
+        Problem::Refused(format!("no row has {all}, expected a value that is there"))
     }
 }
 

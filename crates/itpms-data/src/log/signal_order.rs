@@ -5,7 +5,7 @@
 
 use super::row::{SLOTS, Slot};
 use super::stamps::{Coarse, Fate, Series, Sorted, Stamped, TOLERATED_SHARE, WINDOW_S};
-use crate::error::Problem;
+use crate::error::{Problem, coarse_clock};
 use crate::signals::Reading;
 
 /// Readings that wait at most for earlier ones: 12 MB, and ten seconds of four wheels at 2 kHz.
@@ -100,12 +100,17 @@ impl SignalOrder {
             let coarse = self.series[slot.index()].coarse();
             if coarse.is_unsure() {
                 let Coarse { step_s, rate_hz, .. } = coarse;
-                return Err(Problem::CoarseClock { what: slot.name(), step_s, rate_hz });
+                return Err(coarse_clock(&slot.name(), step_s, rate_hz));
             }
             let Signal { kept, left_out, .. } = self.left_out.signals[slot.index()];
             let readings = kept + left_out;
             if left_out > TOLERATED_READINGS && left_out as f64 > TOLERATED_SHARE * readings as f64 {
-                return Err(Problem::StampsContradict { column: slot.name(), left_out, readings });
+                return Err(format!(
+                    "{left_out} of the {readings} readings of {} have stamps that contradict those of the others by more than ten seconds or \
+                     go through the same seconds again, expected 1 % at most (was a clock set? then cut the log there)",
+                    slot.name()
+                )
+                .into());
             }
         }
         Ok(())

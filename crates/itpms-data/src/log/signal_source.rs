@@ -132,7 +132,7 @@ impl SignalSource {
     #[cfg(any(feature = "can", feature = "mcap", feature = "mdf4"))]
     fn resolved(path: &Path, feed: Feed, resolved: &Resolved) -> Result<Self, DataError> {
         if let Some(why) = resolved.unusable() {
-            return Err(DataError::new(path, Problem::UnusableSignals(why)));
+            return Err(DataError::new(path, Problem::Refused(why)));
         }
         Ok(Self::new(feed, &resolved.slots(), Vec::new(), resolved.assumptions(), Slot::Time.name()))
     }
@@ -182,6 +182,13 @@ impl SignalSource {
         self.feed.repairs().into_iter().chain(self.order.warnings()).chain(aligned).collect()
     }
 
+    /// What had to be repaired may say why.
+    fn no_rows(&self) -> Problem {
+        let repairs = self.repairs();
+        let why = if repairs.is_empty() { String::new() } else { format!(" ({})", repairs.join("; ")) };
+        Problem::Refused(format!("no row can be made: too few values of the mapped accelerations{why}"))
+    }
+
     pub(super) fn alignment(&self) -> Option<AlignmentReport> {
         self.aligner.report()
     }
@@ -224,7 +231,7 @@ impl SignalSource {
                 return Ok(Some(Place::Row(self.rows)));
             }
             if self.is_over {
-                return if self.rows == 0 { Err(Problem::NoRows(self.repairs())) } else { Ok(None) };
+                return if self.rows == 0 { Err(self.no_rows()) } else { Ok(None) };
             }
             let order = &mut self.order;
             if !self.feed.step(|fate| order.take(fate))? {
@@ -250,5 +257,5 @@ fn without_frames(path: &Path, options: &LogOptions) -> Result<(), DataError> {
     }
     let what =
         "a DBC file says what frames of a CAN bus mean; this file has none, it names its signals itself";
-    Err(DataError::new(path, Problem::NotApplicable(what)))
+    Err(DataError::new(path, what))
 }

@@ -18,7 +18,6 @@ use super::telling;
 use crate::error::{DataError, Place, Problem};
 use crate::signals::align::AlignmentReport;
 
-/// An open drive log.
 #[derive(Debug)]
 pub(super) enum Source {
     Table(Box<TableSource>),

@@ -40,7 +40,6 @@ impl StandIns {
         Self(found)
     }
 
-    /// Takes them out of a row.
     pub(super) fn take_out(&mut self, row: &mut RawRow) {
         for (slot, value, count) in &mut self.0 {
             if row[slot.index()] == *value {

@@ -62,7 +62,6 @@ impl Rows {
     }
 }
 
-/// The formats of tables.
 #[derive(Debug)]
 pub(super) enum Table {
     Csv(Box<CsvSource>),

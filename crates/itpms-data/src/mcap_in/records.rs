@@ -129,7 +129,10 @@ impl Messages {
     fn ends(&mut self, error: &McapError) -> Result<bool, Problem> {
         self.is_over = true;
         if !self.any {
-            return Err(Problem::NotMcap(error.to_string()));
+            return Err(format!(
+                "it does not begin as an MCAP file ({error}), expected one as ROS 2, Foxglove or this program record it"
+            )
+            .into());
         }
         let place = self.read;
         self.ended = Some(match error {

@@ -32,7 +32,6 @@ enum Codec {
     Protobuf(MessageDescriptor),
 }
 
-/// One topic.
 #[derive(Debug)]
 pub(crate) struct Topic {
     pub(crate) name: String,

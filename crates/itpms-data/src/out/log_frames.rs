@@ -6,7 +6,7 @@ use itpms_files::AtomicFile;
 
 use crate::can::FrameWriter;
 use crate::dbc::Encoder;
-use crate::error::{DataError, Problem};
+use crate::error::DataError;
 use crate::log::{LogColumns, LogOptions, LogRow};
 
 #[derive(Debug)]
@@ -20,12 +20,12 @@ impl LogFrames {
         let Some(dbc) = &options.dbc else {
             let what =
                 "is to be a CAN log, whose frames need a description; expected a DBC file (--dbc car.dbc)";
-            return Err(DataError::new(path, Problem::NotApplicable(what)));
+            return Err(DataError::new(path, what));
         };
         let encoder = Encoder::new(&crate::dbc::described(dbc)?, options.map()?.as_ref(), columns)?;
         if encoder.is_empty() {
             let what = "has no signal for any column of the drive; name them in a map (--signals map.toml)";
-            return Err(DataError::new(dbc, Problem::NotApplicable(what)));
+            return Err(DataError::new(dbc, what));
         }
         Ok(Self { encoder, writer: FrameWriter::create(path)? })
     }

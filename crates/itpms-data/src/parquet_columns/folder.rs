@@ -60,7 +60,7 @@ pub(super) fn parts(path: &Path, selections: &[Selection]) -> Result<(Vec<Part>,
             all.push(format!("{} more", values.len() - all.len()));
         }
         let (all, first) = (all.join(", "), values.first().copied().unwrap_or_default());
-        return Err(Problem::UnusableSignals(format!(
+        return Err(Problem::Refused(format!(
             "the folder holds several recordings, {all}: say which one is meant, --where {key}={first} (--where {key}=* where all are of one drive)"
         )));
     }
@@ -76,7 +76,7 @@ fn refuse_copies(parts: &[Part]) -> Result<(), Problem> {
         let alike = by_length.entry(about.len()).or_default();
         if let Some(other) = alike.iter().find(|other| itpms_files::have_same_bytes(other, &part.path)) {
             let [one, other] = [*other, part.path.as_path()].map(Path::display);
-            return Err(Problem::UnusableSignals(format!(
+            return Err(Problem::Refused(format!(
                 "the parts {one} and {other} have the same bytes, expected each part once: move one of the two elsewhere"
             )));
         }
@@ -85,7 +85,6 @@ fn refuse_copies(parts: &[Part]) -> Result<(), Problem> {
     Ok(())
 }
 
-/// Whether there are any in a folder.
 pub(super) fn has_parts(folder: &Path) -> bool {
     part_files(folder).is_ok_and(|files| !files.is_empty())
 }

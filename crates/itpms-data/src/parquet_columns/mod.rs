@@ -33,7 +33,6 @@ pub(crate) use parts::{ParquetParts, is_folder_of_parts};
 /// Rows decoded at a time.
 const BATCH: usize = 4096;
 
-/// A file of columns.
 pub(crate) struct ParquetColumns {
     reader: SerializedFileReader<File>,
     /// Of all columns. A nested one has a dotted path and thereby no name of ours.
@@ -104,7 +103,6 @@ impl ParquetColumns {
         })
     }
 
-    /// The names of all columns.
     pub(crate) fn names(&self) -> &[String] {
         &self.names
     }
@@ -171,8 +169,8 @@ impl ParquetColumns {
     ) -> Result<(), Problem> {
         let described = &self.reader.metadata().file_metadata().schema_descr().columns()[leaf];
         let meaning = Meaning::of_words(described, words).map_err(|found| {
-            let expected = words.join(", ");
-            Problem::WordsExpected { column: self.names[leaf].clone(), found, expected }
+            let (column, expected) = (&self.names[leaf], words.join(", "));
+            Problem::Refused(format!("column {column} holds {found}, expected one of the words {expected}"))
         })?;
         self.take(leaf, meaning);
         Ok(())
@@ -321,7 +319,6 @@ impl Column {
     }
 }
 
-/// Where decoded values go.
 struct Cells<'a> {
     present: i16,
     levels: &'a mut Vec<i16>,

@@ -46,7 +46,6 @@ struct Wanted {
     columns: Vec<String>,
     /// Which of the chosen ones is the clock.
     clock: Option<usize>,
-    /// Which rows.
     rows: Vec<Selection>,
 }
 

@@ -14,7 +14,6 @@
 //! | `problem` | what can be wrong with such a table |
 //! | `source` | rows from text and from Parquet |
 
-pub(crate) mod problem;
 mod source;
 
 use std::cmp::Reverse;
@@ -26,7 +25,6 @@ use itpms_core::model::Corner;
 use self::source::Source;
 use crate::error::{DataError, Place, Problem};
 use crate::out::{AtomicFile, Cell, Kind, Table};
-pub use problem::PulseProblem;
 
 /// Rows may lie before others of up to so much later, in s.
 pub const REACH_S: f64 = 10.0;
@@ -173,7 +171,12 @@ impl PulseReader {
         if row.time_s < newest_s {
             if self.last.is_some_and(|last| row.time_s < last.time_s) || row.time_s < newest_s - REACH_S {
                 let after = newest_place.unwrap_or(place);
-                return Err(PulseProblem::Backwards { place, time_s: row.time_s, after, newest_s }.into());
+                return Err(format!(
+                    "{place}, column time_s: found {} s after the {newest_s} s of {after}, expected the pulses of all wheels in the order of \
+                     time (sort the table by time_s, or cut it where the clock was set)",
+                    row.time_s
+                )
+                .into());
             }
             self.moved += 1;
         } else {

@@ -5,7 +5,6 @@ use std::path::Path;
 use itpms_core::model::Corner;
 use itpms_files::{input, nearest};
 
-use super::problem::PulseProblem;
 use crate::error::{DataError, Place, Problem};
 use crate::log::{Format, Lines, TextHead, shortened};
 #[cfg(feature = "parquet")]
@@ -14,7 +13,6 @@ use crate::parquet_columns::ParquetColumns;
 const TIME: &str = "time_s";
 const WHEEL: &str = "wheel";
 
-/// A row.
 type Row = (Place, f64, usize);
 
 #[derive(Debug)]
@@ -52,8 +50,8 @@ impl Source {
                 let mut values = columns.values();
                 let (time_s, wheel) = (values.next().unwrap_or(f64::NAN), values.next().unwrap_or(f64::NAN));
                 if !(wheel >= 0.0) {
-                    let found = if wheel.is_nan() { "nothing" } else { "another word" }.to_owned();
-                    return Err(PulseProblem::Wheel { place, found }.into());
+                    let found = if wheel.is_nan() { "nothing" } else { "another word" };
+                    return Err(no_wheel(place, found));
                 }
                 Ok(Some((place, time_s, wheel as usize)))
             }
@@ -77,16 +75,24 @@ fn open_parquet(path: &Path) -> Result<Source, Problem> {
     Ok(Source::Parquet(Box::new(columns)))
 }
 
+fn no_wheel(place: Place, found: &str) -> Problem {
+    Problem::Refused(format!("{place}, column wheel: found {found}, expected fl, fr, rl or rr"))
+}
+
 /// Where the two columns are.
 fn places(names: &[String]) -> Result<[usize; 2], Problem> {
     let place = |column: &'static str| {
         let mut of = names.iter().enumerate().filter(|(_, name)| name.trim().eq_ignore_ascii_case(column));
         let Some((index, _)) = of.next() else {
-            let nearest = nearest(column, names.iter().map(String::as_str)).map(str::to_owned);
+            let nearest = nearest(column, names.iter().map(String::as_str));
+            let hint = nearest.map(|name| format!("; the nearest name there is {name}")).unwrap_or_default();
             let found = names.join(", ").replace(|c: char| c.is_control(), " ");
-            return Err(PulseProblem::NoColumn { column, found, nearest });
+            return Err(format!(
+                "found the columns {found}, expected time_s and wheel: {column} is missing{hint}"
+            ));
         };
-        if of.next().is_some() { Err(PulseProblem::TwoColumns(column)) } else { Ok(index) }
+        let is_one = of.next().is_none();
+        if is_one { Ok(index) } else { Err(format!("two columns are called {column}, expected one")) }
     };
     Ok([place(TIME)?, place(WHEEL)?])
 }
@@ -94,13 +100,13 @@ fn places(names: &[String]) -> Result<[usize; 2], Problem> {
 impl TextSource {
     fn open(path: &Path) -> Result<Self, Problem> {
         let mut lines = Lines::new(input::open(path)?.0);
-        let head =
-            TextHead::read(&mut lines)?.ok_or(Problem::EmptyFile("a header line with time_s and wheel"))?;
+        let head = TextHead::read(&mut lines)?
+            .ok_or("the file is empty, expected a header line with time_s and wheel")?;
         let columns = places(&head.names)?;
         let unit = head.units.get(columns[0]).map(|unit| unit.trim_matches(['[', ']']));
         match unit {
             None | Some("" | "-" | "s") => {}
-            Some(other) => return Err(PulseProblem::Unit(other.to_owned()).into()),
+            Some(other) => return Err(format!("the unit of time_s is {other:?}, expected s").into()),
         }
         Ok(Self { lines, head, columns, cut_off: false })
     }
@@ -146,8 +152,7 @@ impl TextSource {
         })?;
         let is = |corner: &Corner| wheel.eq_ignore_ascii_case(corner.label().as_bytes());
         let index = Corner::ALL.iter().position(is);
-        let wheel =
-            index.ok_or_else(|| PulseProblem::Wheel { place, found: format!("{:?}", shown(wheel)) })?;
+        let wheel = index.ok_or_else(|| no_wheel(place, &format!("{:?}", shown(wheel))))?;
         Ok(Some((place, time_s, wheel)))
     }
 }

@@ -48,7 +48,7 @@ use itpms_files::AtomicFile;
 use crate::error::{DataError, FileProblem, Problem};
 use crate::vehicle::Vehicle;
 pub use identity::VehicleIdentity;
-pub use itpms_files::crc64;
+pub use itpms_files::{Unsealed, crc64, seal, unsealed};
 pub use problem::ReferenceProblem;
 pub use suspension::{FRICTION_ELEMENTS, SuspensionReference};
 pub use text::day;

@@ -6,39 +6,18 @@ use thiserror::Error;
 /// Why a reference is not used.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say it")]
 pub enum ReferenceProblem {
-    /// Some other file.
     #[error("is no learned reference: its beginning is {found:?}, expected \"itpms-reference\"")]
-    Foreign {
-        /// Its beginning.
-        found: String,
-    },
+    Foreign { found: String },
     /// Cut short, or changed since it was written.
     #[error("the learned reference is damaged: its checksum says {found}, expected {expected}")]
-    Damaged {
-        /// What its first line says.
-        found: String,
-        /// What its contents give.
-        expected: String,
-    },
+    Damaged { found: String, expected: String },
     /// From a program of the future.
     #[error("the learned reference has format {found}, expected at most {newest}: a newer itpms wrote it")]
-    Newer {
-        /// Its format.
-        found: u32,
-        /// The newest that this program reads.
-        newest: u32,
-    },
-    /// Learned on another car.
+    Newer { found: u32, newest: u32 },
     #[error("the reference was learned on a vehicle whose {what} is {found}, expected {expected}")]
-    OtherVehicle {
-        /// Name, id or parameters.
-        what: &'static str,
-        /// As stored.
-        found: String,
-        /// As the vehicle file has it.
-        expected: String,
-    },
+    OtherVehicle { what: &'static str, found: String, expected: String },
     /// A value that no car has.
     #[error("the learned reference is not plausible: {0}")]
     Implausible(CalibrationError),
@@ -46,12 +25,7 @@ pub enum ReferenceProblem {
     #[error(
         "the calibration shows a wheelbase of {found_m:.2} m, the vehicle file has {file_m} m: measure it, or write wheelbase_sd_m = 0.15 beside wheelbase_m to have it learned"
     )]
-    Wheelbase {
-        /// What the calibration shows, in m.
-        found_m: f64,
-        /// What the file has, in m.
-        file_m: f64,
-    },
+    Wheelbase { found_m: f64, file_m: f64 },
     /// Whole, but without something that belongs there.
     #[error("the learned reference does not have {0}")]
     Lacks(&'static str),

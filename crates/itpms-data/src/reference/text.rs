@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use itpms_core::model::{Corner, CornerCalibration, Learned, VehicleCalibration};
 use itpms_core::wheel_speed::RadiusDays;
-use itpms_files::crc64;
+use itpms_files::{Date, Unsealed, seal, unsealed};
 use toml::de::DeTable;
 
 use super::{
@@ -33,26 +33,15 @@ pub(super) fn sealed(stored: &StoredReference) -> String {
         (true, true) => WITHOUT_DAYS,
         (true, false) => WITHOUT_WHEEL_SPEEDS,
     };
-    let format = format.to_string();
-    format!("{MAGIC}{format} {}\n{body}", seal(&format, body.as_bytes()))
+    seal(MAGIC, &format.to_string(), body.as_bytes()) + &body
 }
 
 /// The reference in a file that is whole and of a known format.
 pub(super) fn opened(bytes: &[u8]) -> Result<StoredReference, Problem> {
-    let Some(rest) = bytes.strip_prefix(MAGIC.as_bytes()) else {
-        let beginning = &bytes[..bytes.len().min(MAGIC.len())];
-        return Err(
-            ReferenceProblem::Foreign { found: String::from_utf8_lossy(beginning).into_owned() }.into()
-        );
-    };
-    let end_of_line = rest.iter().position(|byte| *byte == b'\n').unwrap_or(rest.len());
-    let (line, body) = (&rest[..end_of_line], rest.get(end_of_line + 1..).unwrap_or_default());
-    let line = String::from_utf8_lossy(line);
-    let (format, found) = line.split_once(' ').unwrap_or((&line, ""));
-    let expected = seal(format, body);
-    if found != expected {
-        return Err(ReferenceProblem::Damaged { found: found.to_owned(), expected }.into());
-    }
+    let (format, body) = unsealed(MAGIC, bytes).map_err(|error| match error {
+        Unsealed::Foreign(found) => ReferenceProblem::Foreign { found },
+        Unsealed::Damaged { found, expected } => ReferenceProblem::Damaged { found, expected },
+    })?;
     let format = match format.parse() {
         Ok(known @ WITHOUT_ROAD_BIAS..=FORMAT) => known,
         Ok(other) => return Err(ReferenceProblem::Newer { found: other, newest: FORMAT }.into()),
@@ -60,11 +49,6 @@ pub(super) fn opened(bytes: &[u8]) -> Result<StoredReference, Problem> {
     };
     let body = str::from_utf8(body).map_err(|_| ReferenceProblem::Lacks("readable text"))?;
     read_body(body, format)
-}
-
-/// The checksum of a format and a body, in lower-case digits.
-fn seal(format: &str, body: &[u8]) -> String {
-    format!("{:016x}", crc64(&[format.as_bytes(), b"\n", body]))
 }
 
 fn body(stored: &StoredReference) -> String {
@@ -158,18 +142,18 @@ fn read_body(text: &str, format: u32) -> Result<StoredReference, Problem> {
         Some(table) => days::read(&table, learned_unix_s)?,
         None => RadiusDays::since(learned_unix_s as f64),
     };
-    if wheel_speeds.is_some() && !root.has("corner") {
-        let (wheelbase_m, reference) = (None, nothing_of_corners());
-        return Ok(StoredReference {
-            vehicle,
-            learned_unix_s,
-            wheelbase_m,
-            reference,
-            wheel_speeds,
-            torsion,
-            days,
-            suspension: None,
-        });
+    let stored = StoredReference {
+        vehicle,
+        learned_unix_s,
+        wheelbase_m: None,
+        reference: nothing_of_corners(),
+        wheel_speeds,
+        torsion,
+        days,
+        suspension: None,
+    };
+    if stored.wheel_speeds.is_some() && !root.has("corner") {
+        return Ok(stored);
     }
     let [[left_gain, left_skew], [right_gain, right_skew]] =
         [read_side(&learned, SIDES[0])?, read_side(&learned, SIDES[1])?];
@@ -189,16 +173,7 @@ fn read_body(text: &str, format: u32) -> Result<StoredReference, Problem> {
         return Err(ReferenceProblem::Lacks("a wheelbase that a car has").into());
     }
     let suspension = root.table("suspension")?.map(|table| suspension::read(&table)).transpose()?;
-    Ok(StoredReference {
-        vehicle,
-        learned_unix_s,
-        wheelbase_m,
-        reference,
-        wheel_speeds,
-        torsion,
-        days,
-        suspension,
-    })
+    Ok(StoredReference { wheelbase_m, reference, suspension, ..stored })
 }
 
 fn read_corners(corners: &Table<'_>, format: u32) -> Result<[Option<CornerCalibration<f64>>; 4], Problem> {
@@ -244,15 +219,7 @@ fn needed_text(table: &Table<'_>, key: &'static str) -> Result<String, Problem> 
 
 /// The day of a time in s since 1970, `2026-03-01`, in the Gregorian calendar and UTC.
 pub fn day(unix_s: u64) -> String {
-    // Counted from 1 March of the year 0, so that the leap day is the last of its year; eras of 400 years.
-    let days = unix_s / 86_400 + 719_468;
-    let (era, day_of_era) = (days / 146_097, days % 146_097);
-    let year_of_era = (day_of_era - day_of_era / 1_460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
-    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
-    let month_from_march = (5 * day_of_year + 2) / 153;
-    let day = day_of_year - (153 * month_from_march + 2) / 5 + 1;
-    let month = (month_from_march + 2) % 12 + 1;
-    let year = 400 * era + year_of_era + u64::from(month <= 2);
+    let Date { year, month, day, .. } = Date::of_seconds(i64::try_from(unix_s).unwrap_or(i64::MAX));
     format!("{year:04}-{month:02}-{day:02}")
 }
 

@@ -16,10 +16,10 @@ use std::path::{Path, PathBuf};
 use itpms_files::input;
 use toml::de::DeTable;
 
+use super::Conversion;
 use super::units::Unit;
-use super::{Conversion, SignalProblem};
 use crate::error::{DataError, Problem};
-use crate::log::Slot;
+use crate::log::{Quantity, Slot};
 use crate::toml_table::{Table, syntax_problem};
 
 /// Which signal goes into which column.
@@ -46,7 +46,6 @@ pub(super) struct Entry {
 pub(super) enum Scale {
     /// From the unit that the file states.
     AsStated,
-    /// From this unit.
     Unit(String, Conversion),
     /// By these numbers.
     Numbers(Conversion),
@@ -117,12 +116,16 @@ fn entry(signals: &Table<'_>, slot: Slot, column: &str) -> Result<Entry, Problem
     table.check_keys(&["signal", "unit", "factor", "offset"])?;
     let signal = table.text("signal")?.ok_or_else(|| table.lacks("signal"))?;
     let (unit, factor, offset) = (table.text("unit")?, table.number("factor")?, table.number("offset")?);
-    let column = column.to_owned();
     let scale = match (unit, factor, offset) {
         (None, None, None) => Scale::AsStated,
         (Some(unit), None, None) => {
             let conversion = Unit::of(&unit).conversion_to(slot);
-            let wrong = || SignalProblem::MapUnit { line, column, slot, unit: unit.clone() };
+            let wrong = || {
+                let known = Quantity::of(slot).known_units();
+                format!(
+                    "line {line}: {column} has unit {unit:?}, expected {known} (or factor and offset instead)"
+                )
+            };
             Scale::Unit(unit.clone(), conversion.ok_or_else(wrong)?)
         }
         (None, factor, offset) => {
@@ -130,11 +133,18 @@ fn entry(signals: &Table<'_>, slot: Slot, column: &str) -> Result<Entry, Problem
             let usable =
                 conversion.factor.is_finite() && conversion.factor != 0.0 && conversion.offset.is_finite();
             if !usable {
-                return Err(SignalProblem::MapNumbers { line, column, conversion }.into());
+                let Conversion { factor, offset } = conversion;
+                return Err(format!(
+                    "line {line}: {column} has factor {factor} and offset {offset}, expected a finite factor that is not 0 and a finite offset"
+                )
+                .into());
             }
             Scale::Numbers(conversion)
         }
-        (Some(_), ..) => return Err(SignalProblem::UnitAndNumbers { line, column }.into()),
+        (Some(_), ..) => {
+            let expected = "expected one of the two";
+            return Err(format!("line {line}: {column} has a unit and a factor or offset, {expected}").into());
+        }
     };
     Ok(Entry { slot, line, signal: named(signal), scale })
 }

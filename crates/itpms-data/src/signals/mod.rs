@@ -22,10 +22,10 @@ pub(crate) use column_unit::is_unit;
 pub(crate) mod listing;
 mod map;
 pub(crate) mod names;
-pub(crate) mod problem;
 mod remark;
 mod report;
 mod resolve;
+mod sentences;
 mod units;
 
 use itpms_core::model::Corner;
@@ -35,12 +35,12 @@ pub use align::Aligner;
 pub use listing::{ListedGroup, ListedSignal, Lister, Listing};
 pub use map::SignalMap;
 use map::{Entry, Scale};
-pub use problem::SignalProblem;
 pub use remark::{Remark, Source};
 pub use report::doubt_of;
 #[cfg(any(feature = "can", feature = "mdf4"))]
 pub(crate) use resolve::contested;
 pub use resolve::{Chosen, Resolved, resolve, resolve_among, resolve_knowing};
+pub(crate) use sentences::not_there;
 
 /// One value of one signal at its own time.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -71,7 +71,6 @@ impl Candidate {
         if self.group.is_empty() { self.name.clone() } else { format!("{}.{}", self.group, self.name) }
     }
 
-    /// Whether this is its full name.
     fn is_called(&self, full_name: &str) -> bool {
         let rest = full_name.strip_prefix(self.group.as_str());
         match (self.group.is_empty(), rest) {

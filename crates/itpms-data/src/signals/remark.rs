@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::problem::{stated, suggested};
+use super::sentences::{stated, suggested};
 use crate::log::Slot;
 
 /// By what a signal is a column.

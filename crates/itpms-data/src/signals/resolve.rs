@@ -6,14 +6,13 @@
 //! takes it: of two it is unknown which is meant, so both are named and neither is taken. Knows nothing of formats.
 
 use itpms_core::model::Corner;
-use itpms_files::nearest;
 
 use super::names::{self, Fit};
 use super::remark::{Remark, Source};
 use super::units::Unit;
-use super::{Candidate, Conversion, Entry, Scale, SignalMap, SignalProblem, Unread};
-use crate::error::{DataError, Problem};
-use crate::log::{Field, SLOTS, Slot};
+use super::{Candidate, Conversion, Entry, Scale, SignalMap, Unread, not_there, sentences};
+use crate::error::DataError;
+use crate::log::{Field, Quantity, SLOTS, Slot};
 
 /// One column's signal.
 #[derive(Debug, Clone, PartialEq)]
@@ -115,7 +114,7 @@ pub fn resolve_among(
         settled[entry.slot.index()] = true;
         let Some(signal) = &entry.signal else { continue };
         let chosen = by_map(candidates, &is_empty, unread, entry, signal)
-            .map_err(|problem| DataError::new(&map.path, Problem::Signals(problem)))?;
+            .map_err(|sentence| DataError::new(&map.path, sentence))?;
         let before = resolved.iter().find(|other| other.candidate == chosen.candidate);
         if let Some(other) = before {
             let remark =
@@ -187,7 +186,7 @@ fn by_map(
     unread: &[Unread],
     entry: &Entry,
     signal: &str,
-) -> Result<Chosen, SignalProblem> {
+) -> Result<Chosen, String> {
     let (line, column, slot) = (entry.line, entry.slot.name(), entry.slot);
     let called = |name: &dyn Fn(&Candidate) -> bool| {
         candidates.iter().enumerate().filter(|(_, c)| name(c)).map(|(i, _)| i).collect::<Vec<_>>()
@@ -206,23 +205,27 @@ fn by_map(
             let called =
                 |unread: &&Unread| unread.candidate.is_called(signal) || unread.candidate.name == signal;
             if let Some(Unread { candidate, why }) = unread.iter().find(called) {
-                let (signal, why) = (candidate.full_name(), why.clone());
-                return Err(SignalProblem::Unread { line, column, signal, why });
+                let signal = candidate.full_name();
+                return Err(format!(
+                    "line {line}: {column} is to be {signal:?}, which cannot be read: it is {why}"
+                ));
             }
             let full: Vec<String> = candidates.iter().map(Candidate::full_name).collect();
             let short = candidates.iter().map(|candidate| candidate.name.as_str());
-            let near = nearest(signal, full.iter().map(String::as_str).chain(short)).map(str::to_owned);
-            let (signal, of) = (signal.to_owned(), candidates.len());
-            return Err(SignalProblem::NotThere { line, column, signal, of, nearest: near });
+            let names = full.iter().map(String::as_str).chain(short);
+            return Err(not_there(line, &column, signal, candidates.len(), names));
         }
         _ => {
-            let signal = signal.to_owned();
-            if candidates[found[0]].full_name() == signal {
-                let groups = found.len();
-                return Err(SignalProblem::SameName { line, column, signal, groups });
-            }
-            let found = some_names(candidates, &found);
-            return Err(SignalProblem::Several { line, column, signal, found });
+            let to_be = format!("line {line}: {column} is to be {signal:?}");
+            let (groups, names) = (found.len(), some_names(candidates, &found));
+            return Err(if candidates[found[0]].full_name() == *signal {
+                format!(
+                    "{to_be}, of which there are {groups} at the same times: nothing tells them apart, expected one (leave the other groups out \
+                     of the log, or give them names)"
+                )
+            } else {
+                format!("{to_be}, which could be {names}: expected one of these")
+            });
         }
     };
     let candidate = &candidates[place];
@@ -234,12 +237,13 @@ fn by_map(
         }
     };
     let conversion = match &entry.scale {
-        Scale::AsStated => stated().ok_or_else(|| SignalProblem::Unit {
-            line,
-            column,
-            slot,
-            signal: candidate.full_name(),
-            unit: candidate.unit.clone(),
+        Scale::AsStated => stated().ok_or_else(|| {
+            let (signal, unit) = (candidate.full_name(), &candidate.unit);
+            let (found, expected) = (sentences::stated(unit), Quantity::of(slot).words());
+            let suggested = sentences::suggested(slot, &signal, unit);
+            format!(
+                "line {line}: {column} is to be {signal:?}, whose unit {found}, expected {expected}: give it in the map, {suggested}"
+            )
         })?,
         Scale::Unit(_, conversion) | Scale::Numbers(conversion) => *conversion,
     };

@@ -8,7 +8,6 @@ use itpms_core::model::PressureUnit;
 use super::Conversion;
 use crate::log::{Quantity, Slot};
 
-/// What a spelling means.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Unit {
     /// Nothing, or a dash: the file does not say.

@@ -25,39 +25,8 @@
 //! initial_kpa = 241.3            # optional: where the estimate starts; the placard's unless given
 //! ```
 //!
-//! Optional keys beyond these ([`VehicleDetails`], docs/vehicle.md): how far the values are to be trusted, friction and
-//! tire damping, tracks, and what the wheel-speed methods need.
-//!
-//! ```toml
-//! [vehicle]
-//! confidence = "typical"         # or "measured", "rough": standard deviations of what has none of its own
-//! track_front_m = 1.55
-//! track_rear_m = 1.55
-//! driven = "front"               # or "rear", "all"
-//! limited_slip = true            # coupled wheels of a driven axle
-//! spring_stiffening_per_m = 3.0  # of the springs: 3 % per cm
-//! gross_axle_kg = [1050.0, 1000.0] # what front and rear axle may carry
-//! level_control = true           # springs that follow the load
-//! adaptive_dampers = true        # dampers that a controller sets
-//! [tire]
-//! stiffness_relative_sd = 0.03   # of the line as a whole
-//! stiffness_over_mass_relative_sd = 0.02 # of stiffness over unsprung mass, where a drive has shown it
-//! rolling_radius_m = 0.31
-//! radius_per_ln_pressure = 0.005 # d ln R / d ln p
-//! radius_per_ln_pressure_sd = 0.003
-//! torsion_hz = 45.0
-//! torsion_hz_per_kpa = 0.045
-//! teeth = 48
-//! [corner.fl]
-//! sprung_mass_relative_sd = 0.08
-//! unsprung_mass_relative_sd = 0.05
-//! spring_relative_sd = 0.15
-//! damping_relative_sd = 0.15
-//! friction_n = 30.0
-//! friction_sd_n = 20.0
-//! tire_damping_n_s_per_m = 50.0
-//! tire_damping_sd_n_s_per_m = 30.0
-//! ```
+//! All other keys are optional ([`VehicleDetails`], docs/vehicle.md): how far the values are to be trusted, friction and tire
+//! damping, tracks, and what the wheel-speed methods need.
 //!
 //! Wheel speeds need no masses, springs, dampers and stiffnesses: a file with `wheelbase_m`, `track_front_m`, `track_rear_m` and
 //! `driven` is complete without them, and its corners have a `placard_kpa` or are not there.
@@ -356,7 +325,9 @@ impl Vehicle {
             details.corners[corner.index()] = beyond;
         }
         if corners.iter().all(Option::is_none) && !rolls {
-            return Err(Problem::NoCorner);
+            return Err("no corner is described, expected at least one table [corner.fl] (or fr, rl, rr); for wheel speeds alone wheelbase_m, \
+                 track_front_m, track_rear_m and driven in [vehicle]"
+                .into());
         }
         Ok(Self { name, id, learned, wheelbase_m, corners, details }.with_details(details))
     }
@@ -412,8 +383,11 @@ fn plausible(table: &Table<'_>, key: &'static str, value: f64) -> Result<f64, Pr
 }
 
 fn implausible(table: &Table<'_>, key: &'static str, value: f64, low: f64, high: f64) -> Problem {
-    let (line, table) = (table.line_of_key(key), table.path().to_owned());
-    Problem::Implausible { line, table, key, value, low, high }
+    let (line, table) = (table.line_of_key(key), table.path());
+    let unit = if key.ends_with("_kpa") { pressure_in_other_unit(value) } else { String::new() };
+    Problem::Refused(format!(
+        "line {line}: {table} {key} is {value}, expected {low} to {high} (another unit?{unit})"
+    ))
 }
 
 fn required(table: &Table<'_>, key: &'static str) -> Result<f64, Problem> {
@@ -463,11 +437,7 @@ fn read_corner(
 ) -> Result<(CornerConfig<f64>, CornerDetails), Problem> {
     table.check_keys(&CORNER_KEYS)?;
     let own = table.table("tire")?.map(|own| read_tire(&own, false)).transpose()?;
-    let lacks = || Problem::MissingKey {
-        line: table.line(),
-        table: table.path().to_owned(),
-        key: "tire; expected a table [tire] for all corners or one under this corner".to_owned(),
-    };
+    let lacks = || table.lacks("tire; expected a table [tire] for all corners or one under this corner");
     let (tire, tire_details) = own.or(common_tire).ok_or_else(lacks)?;
     let tire = tire.ok_or_else(|| table.lacks("tire.stiffness_per_kpa"))?;
     let (sprung_kg, unsprung_kg) = (required(table, "sprung_mass_kg")?, required(table, "unsprung_mass_kg")?);

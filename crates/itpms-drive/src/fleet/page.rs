@@ -360,7 +360,6 @@ fn duration(seconds: f64) -> String {
     }
 }
 
-/// The mean of what is known.
 fn mean(values: impl Iterator<Item = Option<f64>>) -> Option<f64> {
     let (mut sum, mut count) = (0.0, 0.0);
     for value in values.flatten() {

@@ -191,7 +191,6 @@ impl DriveRecord {
     }
 }
 
-/// All that is kept.
 #[derive(Debug)]
 pub(super) struct Records {
     ledger: Ledger,
@@ -240,7 +239,6 @@ impl Records {
         self.drives.get(name)
     }
 
-    /// Keeps a drive.
     pub(super) fn add(&mut self, drive: DriveRecord) -> Result<(), DriveError> {
         let text = serde_json::to_string(&drive);
         let text = text.map_err(|error| DriveError::Mismatch(format!("{}: no JSON: {error}", drive.file)))?;

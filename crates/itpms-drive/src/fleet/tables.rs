@@ -47,7 +47,6 @@ const COLUMNS: [(&str, Kind); 36] = [
     ("damper_left_right", Kind::Number),
 ];
 
-/// Writes all tables.
 pub(super) fn write(out: &Path, outcome: &Outcome) -> Result<(), DriveError> {
     let columns = COLUMNS.map(|(name, kind)| (name.to_owned(), kind));
     for name in [

@@ -31,7 +31,6 @@ pub(super) struct Guard {
 enum Caller {
     /// Ours, or no page at all.
     Own,
-    /// One that was allowed.
     Allowed(HeaderValue),
     /// Any other.
     Stranger,

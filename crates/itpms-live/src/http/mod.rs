@@ -60,15 +60,11 @@ impl Options {
 
 /// Why the page cannot be served.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages say it")]
 pub enum HttpError {
     /// The address is taken, not ours, or needs more rights.
     #[error("cannot listen on {address}: {source}")]
-    Listen {
-        /// Where it was tried.
-        address: SocketAddr,
-        /// What the system reported.
-        source: io::Error,
-    },
+    Listen { address: SocketAddr, source: io::Error },
     /// No thread or no event queue was to be had.
     #[error("cannot start the web server: {0}")]
     Start(io::Error),

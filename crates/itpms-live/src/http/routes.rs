@@ -22,7 +22,6 @@ use super::shared::{Shared, unix_s};
 use super::{Options, assets, events, metrics};
 use crate::hub::Hub;
 
-/// Every address there is.
 pub(super) fn router(options: Options, hub: Arc<Hub>, newest: Newest) -> Router {
     let guard = Arc::new(Guard::new(&options.hosts, &options.origins));
     let run = format!("{:x}", (unix_s() * 1e3) as u64);

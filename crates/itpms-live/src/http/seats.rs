@@ -10,14 +10,12 @@ use std::time::{Duration, Instant};
 
 use tokio::sync::Notify;
 
-/// Seats in all.
 pub(super) const SEATS: usize = 96;
 /// Seats of one address, or of one network of IPv6.
 pub(super) const SEATS_OF_ONE: usize = 72;
 /// So long without a byte in either direction is silence. An open stream says something every second.
 const SILENCE: Duration = Duration::from_secs(2);
 
-/// All seats.
 #[derive(Debug)]
 pub(super) struct Seats {
     begun: Instant,

@@ -8,14 +8,12 @@ use super::health::Health;
 use super::pump::Newest;
 use crate::hub::Hub;
 
-/// What the handlers share.
 #[derive(Debug)]
 pub(super) struct Shared {
     pub(super) hub: Arc<Hub>,
     pub(super) newest: Newest,
     /// Tells this run of the monitor from the next one, whose counters start again.
     pub(super) run: String,
-    /// Streams that are open.
     pub(super) streams: AtomicUsize,
 }
 

@@ -155,7 +155,6 @@ fn wheel_value(wheel: &Wheel, sets: u64, signal: &str) -> f64 {
     }
 }
 
-/// Where frames go.
 enum Target {
     /// A file of candump's lines.
     File(BufWriter<File>),

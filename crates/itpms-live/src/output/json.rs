@@ -12,7 +12,6 @@ use crate::engine::Published;
 use crate::error::LiveError;
 use crate::snapshot::{Snapshot, Transition};
 
-/// A line.
 #[derive(Serialize)]
 #[serde(tag = "type", rename_all = "lowercase")]
 enum Line<'a> {

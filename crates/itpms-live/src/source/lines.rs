@@ -8,7 +8,6 @@ use itpms_data::can::candump::{LineProblem, parse_line};
 
 use crate::input::{Input, Note, NoteSink};
 
-/// Turns lines into inputs.
 pub(super) struct Lines {
     name: String,
     say: NoteSink,

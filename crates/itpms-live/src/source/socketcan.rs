@@ -75,7 +75,6 @@ fn open(interface: &str) -> io::Result<CanFdSocket> {
 
 /// What came of one read.
 enum Received {
-    /// A frame, handed on.
     Frame,
     /// Nothing in the time given, or something that is not for us.
     Silence,

@@ -25,7 +25,6 @@ pub fn start(inputs: Arc<Queue<Input>>, say: NoteSink) {
     });
 }
 
-/// Reads to the end.
 fn read(mut reader: BufReader<impl Read>, inputs: &Queue<Input>, say: NoteSink) {
     let mut lines = Lines::new("-", say);
     let mut line = Vec::new();

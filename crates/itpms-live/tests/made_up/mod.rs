@@ -71,7 +71,6 @@ fn wheel(corner: &'static str) -> Wheel {
     }
 }
 
-/// An alert that began.
 pub(crate) fn transition(seq: u64, time_s: f64) -> Arc<Transition> {
     let mut alert = Map::new();
     alert.insert("kind".to_owned(), json!("under-inflated"));

@@ -35,7 +35,6 @@ pub(super) fn widths(group: &GroupSpec) -> (usize, usize) {
     (8 + values, integers.div_ceil(8))
 }
 
-/// Everything before the data.
 pub(super) fn head(groups: &[GroupSpec]) -> Head {
     let mut bytes = Vec::new();
     bytes.extend(b"MDF     4.10    itpms   ");

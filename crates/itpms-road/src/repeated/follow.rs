@@ -25,7 +25,6 @@ const MODEL: f64 = 0.01;
 /// Residual power over the road's beyond which a pass is no pass over the same road.
 const STRANGE: f64 = 0.2;
 
-/// What a pass was.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Verdict {
     /// The same road.

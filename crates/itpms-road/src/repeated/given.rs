@@ -7,7 +7,6 @@ use itpms_core::model::QuarterCar;
 pub(crate) struct Belief<T> {
     /// Compliance in m/N.
     pub(crate) theta: T,
-    /// Its relative standard deviation.
     pub(crate) relative_sd: T,
     /// True while it is known to be constant, as during a calibration.
     pub(crate) held: Held,

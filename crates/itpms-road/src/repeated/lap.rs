@@ -21,7 +21,6 @@ const PATIENCE: u32 = 2;
 pub(crate) struct PeriodicEstimate<T> {
     /// Compliance in m/N.
     pub(crate) theta: T,
-    /// Its relative standard deviation.
     pub(crate) relative_sd: T,
     /// Relative change of the compliance per second.
     pub(crate) rate_per_s: T,
@@ -35,7 +34,6 @@ pub(crate) struct PeriodicEstimate<T> {
     pub(crate) whole_period: bool,
 }
 
-/// A road under observation.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Lap<T: Real> {

@@ -16,7 +16,6 @@ pub(crate) const RATE: usize = 1;
 pub(crate) const THEN: usize = 2;
 /// How far the passes have slipped against the learned road, in 1/(2π 10 Hz).
 pub(crate) const SLIP: usize = 3;
-/// Numbers in a state.
 pub(crate) const STATES: usize = 4;
 
 /// Modes: at rest, drifting as with a slow leak or a pump, moving as in a puncture.

@@ -26,7 +26,6 @@ pub(crate) fn recorder(
     RoadRecorder::new(config, vec![RoadRow::default(); rows], vec![Segment::default(); segments]).unwrap()
 }
 
-/// The road record of a log.
 pub(crate) fn record(config: &RoadConfig<f64>, log: &Log) -> Vec<RoadPoint<f64>> {
     let mut recorder = recorder(config, log.rate_hz);
     let mut points = vec![];

@@ -17,7 +17,6 @@ use crate::streams::{Purpose, generator};
 /// Body and wheel accelerations of the corners, in the order of `Corner::ALL`.
 pub type Readings = [[f64; 2]; 4];
 
-/// A fault in action.
 #[derive(Debug, Clone)]
 struct Fault {
     spec: FaultSpec,

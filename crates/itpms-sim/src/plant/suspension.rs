@@ -8,7 +8,6 @@ use super::Deviations;
 use super::friction::Friction;
 use super::mount::Mount;
 
-/// A strut.
 #[derive(Debug, Clone)]
 pub(crate) struct Strut {
     spring_n_per_m: f64,

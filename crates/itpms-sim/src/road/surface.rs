@@ -18,7 +18,6 @@ use crate::error::InvalidValue;
 /// Nodes of a block on the coarsest grid: 1310.72 m.
 const BLOCK_NODES: usize = 1 << 18;
 
-/// A surface being laid.
 #[derive(Debug, Clone)]
 pub(crate) enum SurfaceRun {
     Flat,

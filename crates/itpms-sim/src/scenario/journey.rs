@@ -94,7 +94,6 @@ const JUNCTION_RAMP_S: f64 = 0.8;
 /// Fastest acceleration across at which one turns there, in m/s², where one drives as usual.
 const JUNCTION_M_S2: f64 = 3.2;
 
-/// A composed journey.
 pub(crate) struct Journey {
     pub(crate) points_s_km_h: Vec<[f64; 2]>,
     pub(crate) lateral_points_s_m_s2: Vec<[f64; 2]>,
@@ -130,7 +129,6 @@ impl JourneySpec {
     }
 }
 
-/// A journey being composed.
 struct Composer<'a> {
     spec: &'a JourneySpec,
     random: Pcg64,

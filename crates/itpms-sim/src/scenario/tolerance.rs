@@ -163,7 +163,6 @@ impl ToleranceSpec {
     }
 }
 
-/// Draws deviations.
 struct Source {
     random: Pcg64,
     draw: Draw,

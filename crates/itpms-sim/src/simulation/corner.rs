@@ -19,7 +19,6 @@ use crate::time_profile::TimeProfile;
 /// Way in m within half a step below which a car stands.
 const STANDING_M: f64 = 1e-6;
 
-/// A corner in motion.
 #[derive(Debug, Clone)]
 pub(crate) struct CornerRun {
     pub(crate) corner: Corner,

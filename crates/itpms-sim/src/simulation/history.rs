@@ -18,7 +18,6 @@ impl History {
         Self { values: vec![0.0; 4 + late_steps.ceil() as usize].into(), late_steps }
     }
 
-    /// The next step's value.
     pub(crate) fn push(&mut self, value: f64) {
         self.values.pop_front();
         self.values.push_back(value);

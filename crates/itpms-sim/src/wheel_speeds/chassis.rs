@@ -25,7 +25,6 @@ const FRONT_SLIP_RAD_PER_M_S2: f64 = 0.0045;
 /// Steps in which an axle's share is found.
 const SHARING_STEPS: u32 = 5;
 
-/// The car's measures.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Chassis {
     pub(crate) wheelbase_m: f64,
@@ -42,7 +41,6 @@ pub(crate) struct Chassis {
     pub(crate) static_n: [f64; 4],
 }
 
-/// What the car pulls.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Trailer {
     /// Mass in kg on its own wheels, and on the hitch.

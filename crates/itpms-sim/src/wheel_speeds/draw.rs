@@ -126,7 +126,6 @@ impl Day {
         spec
     }
 
-    /// What is the car's.
     fn car(&self) -> WheelSpeedSpec {
         let random = &mut generator(self.car_seed, Purpose::DrawnConditions, [0, 0]);
         let usual = WheelSpeedSpec::default();

@@ -48,7 +48,6 @@ pub(crate) fn write_drive(
     write(scenario, seed, simulated::columns(scenario, truth(false)), &outputs, screen, interrupt)
 }
 
-/// Where everything goes.
 struct Outputs<'a> {
     log: &'a Path,
     vehicle: Option<&'a Path>,

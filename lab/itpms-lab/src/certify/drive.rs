@@ -35,7 +35,6 @@ const TRACE_S: f64 = 2.0;
 /// Seconds between two reports of how far it is.
 const REPORT_S: f64 = 10.0;
 
-/// Drives one test.
 pub(super) fn drive(
     procedure: &Procedure,
     course: &Course,
@@ -57,7 +56,6 @@ pub(super) fn drive(
     Ok(Outcome::new(procedure, course, run.findings, run.trace, run.simulated_s))
 }
 
-/// A test under way.
 struct Run<'a> {
     course: &'a Course,
     odometer: &'a Odometer<'a>,

@@ -54,7 +54,6 @@ pub use test_case::{Failure, Test};
 /// value while it is set up.
 const STACK_BYTES: usize = 32 << 20;
 
-/// What is to be driven.
 #[derive(Debug, Clone)]
 pub struct Request {
     /// All tests, or one of each kind.
@@ -96,35 +95,24 @@ impl LoadsTold {
     }
 }
 
-/// Everything that was driven.
 #[derive(Debug, Clone, Serialize)]
 pub struct Certificate {
-    /// Program version.
     pub version: &'static str,
     /// Seed of the first test's course.
     pub seed: u64,
-    /// Whether all tests passed.
     pub passed: bool,
     /// Simulated time in s.
     pub driven_s: f64,
     /// Tests of one kind together, where they were driven on wheel speeds.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub patterns: Vec<PatternTests>,
-    /// The tests, in order.
     pub outcomes: Vec<Outcome>,
 }
 
-/// Why there is no result.
 #[derive(Debug, Error)]
 pub enum CertifyError {
-    /// No test of that name.
     #[error("no test's name contains {found:?}, expected a part of one of: {known}")]
-    NoSuchTest {
-        /// What was asked for.
-        found: String,
-        /// All names.
-        known: String,
-    },
+    NoSuchTest { found: String, known: String },
     /// The progress callback asked for it.
     #[error("stopped")]
     Stopped,
@@ -137,7 +125,6 @@ pub enum CertifyError {
     /// A reference that the estimator refuses.
     #[error(transparent)]
     Reference(#[from] CalibrationError),
-    /// No threads.
     #[error("cannot start threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
 }

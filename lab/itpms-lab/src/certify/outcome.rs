@@ -39,29 +39,23 @@ pub(super) struct Findings {
 pub struct FalseAlert {
     /// When it was first reported, in s from the start of the learning phase, the key-out included.
     pub time_s: f64,
-    /// What the car did.
     pub phase: Phase,
     /// Why, in one word; see [`Cause::label`](itpms_core::warning::Cause::label).
     pub cause: &'static str,
-    /// The wheels it named.
     pub wheels: String,
-    /// In full.
     pub text: String,
     #[serde(skip)]
     wrong: Wrong,
 }
 
-/// Where a test stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Phase {
-    /// Nothing is wrong yet.
     Learning,
     /// The tell-tale is waited for, or has been on for less than a minute.
     Detection,
     /// Parked, the key in again.
     KeyIn,
-    /// Driving with everything put right.
     Recovery,
 }
 
@@ -80,7 +74,6 @@ impl Findings {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
-    /// Everything as it should be.
     Pass,
     /// A lamp was lit before anything was wrong.
     FalseAlarm,
@@ -120,7 +113,6 @@ impl Verdict {
         }
     }
 
-    /// In a word or two.
     #[must_use]
     pub fn label(self) -> &'static str {
         match self {
@@ -139,21 +131,15 @@ impl Verdict {
 /// What came of a test. Times in s; times of day count from the start of the learning phase.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Outcome {
-    /// The test's name.
     pub name: String,
-    /// The regulation.
     pub rule: Rule,
-    /// Its clauses.
     pub clause: &'static str,
     /// What was done to the car.
     pub what: String,
-    /// Whether it passed.
     pub verdict: Verdict,
     /// Cumulative driving time at the tell-tale, and its limit.
     pub warned_after_s: Option<f64>,
-    /// The limit.
     pub limit_s: f64,
-    /// The wheels the tell-tale named.
     pub named: String,
     /// Those of them of which nothing was wrong. The regulations do not ask; we do.
     pub named_wrongly: String,
@@ -218,7 +204,6 @@ impl Outcome {
     }
 }
 
-/// A moment of a test.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TracePoint {
     /// Time in s.
@@ -234,7 +219,6 @@ pub struct TracePoint {
 }
 
 impl TracePoint {
-    /// A gap.
     pub(super) fn nothing(time_s: f64) -> Self {
         let unknown = [f64::NAN; 4];
         Self { time_s, speed_km_h: 0.0, truth_kpa: unknown, estimate_kpa: unknown, sd_kpa: unknown }
@@ -256,7 +240,7 @@ impl TracePoint {
 mod tests {
     use super::*;
     use itpms_core::model::Corner;
-    use itpms_core::warning::{Basis, Cause, Reading};
+    use itpms_core::warning::Cause;
 
     fn good() -> Findings {
         Findings {
@@ -283,19 +267,11 @@ mod tests {
     #[test]
     fn another_lamp_or_wheel_fails_a_test_and_is_kept_once() {
         let [fl, fr, ..] = Corner::ALL;
-        let reading = Reading {
-            pressure_kpa: 190.0,
-            sd_kpa: 4.0,
-            limit_kpa: 212.0,
-            reference_kpa: 241.0,
-            basis: Basis::Calibration,
-            probability: Some(0.998),
-        };
         let low = |corner: Corner| Alert {
             wheels: corner.into(),
             since_s: 0.0,
             reported_s: 0.0,
-            cause: Cause::UnderInflated(reading),
+            cause: Cause::UnderInflated(crate::LOW),
         };
         let mut findings = good();
         findings.keep_false_alert(1500.0, Phase::Detection, Wrong::Wheel, &low(fr));

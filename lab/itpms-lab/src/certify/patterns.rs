@@ -10,15 +10,12 @@ use super::{Outcome, Procedure, Rule, Test};
 /// Tests of a regulation with tires let down in one pattern.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PatternTests {
-    /// The regulation.
     pub rule: Rule,
     /// Which tires: `one wheel`, `both of an axle` and the like.
     pub tires: &'static str,
     /// Runs, of them warned of within the limit, warned of later or never, and with a wheel named to which nothing was done.
     pub runs: usize,
-    /// Within the limit.
     pub in_time: usize,
-    /// With a wrong wheel.
     pub wrong: usize,
     /// With anything reported while all was well.
     pub false_alarms: usize,

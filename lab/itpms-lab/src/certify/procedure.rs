@@ -12,14 +12,11 @@ use crate::sensors::Sensors;
 pub enum Extent {
     /// Every wheel, every combination that a regulation names, every sensor.
     Full,
-    /// One test of each kind.
     Quick,
 }
 
-/// A test of a regulation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Procedure {
-    /// Whose.
     pub rule: Rule,
     /// What is wrong with the car.
     pub test: Test,

@@ -7,7 +7,6 @@ use serde::Serialize;
 
 use super::test_case::Test;
 
-/// A regulation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Rule {
@@ -25,7 +24,6 @@ const R141_FURTHER_KPA: f64 = 7.0;
 const FMVSS_FURTHER_KPA: f64 = 14.0;
 
 impl Rule {
-    /// Both.
     pub const ALL: [Self; 2] = [Self::UnR141, Self::Fmvss138];
 
     /// As people write it.

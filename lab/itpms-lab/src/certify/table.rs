@@ -116,7 +116,6 @@ impl Certificate {
             + "Wheel speeds alone: what all four tires lose alike is not seen, but by tooth pulses; a dash is never.\n"
     }
 
-    /// How many did not pass.
     #[must_use]
     pub fn failed(&self) -> usize {
         self.outcomes.iter().filter(|outcome| outcome.verdict != Verdict::Pass).count()
@@ -168,7 +167,6 @@ fn aligned<const N: usize>(rows: &[[String; N]]) -> String {
 }
 
 impl Outcome {
-    /// The test's pressures over time.
     #[must_use]
     pub fn csv(&self) -> String {
         let mut text = "time_s,speed_km_h".to_owned();
@@ -195,7 +193,7 @@ mod tests {
     use super::super::rules::Rule;
     use super::super::telltale::Wrong;
     use super::*;
-    use itpms_core::warning::{Alert, Basis, Cause, Reading};
+    use itpms_core::warning::{Alert, Cause};
 
     #[test]
     fn what_else_was_said_is_in_the_table_and_on_the_page() {
@@ -221,19 +219,11 @@ mod tests {
             driven_s: 2000.0,
             trace: vec![],
         };
-        let reading = Reading {
-            pressure_kpa: 190.0,
-            sd_kpa: 4.0,
-            limit_kpa: 212.0,
-            reference_kpa: 241.0,
-            basis: Basis::Calibration,
-            probability: Some(0.998),
-        };
         let alert = Alert {
             wheels: Corner::RearRight.into(),
             since_s: 0.0,
             reported_s: 0.0,
-            cause: Cause::UnderInflated(reading),
+            cause: Cause::UnderInflated(crate::LOW),
         };
         let mut findings = Findings::default();
         findings.keep_false_alert(1507.0, Phase::Detection, Wrong::Wheel, &alert);

@@ -4,7 +4,6 @@ use itpms_core::model::CarEstimate;
 use itpms_core::model::{Corner, Warning, Wheels};
 use itpms_core::warning::{Alert, Cause, MonitorReport};
 
-/// A lamp.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Lamp {
     Low,
@@ -47,7 +46,6 @@ fn lamp_of(cause: &Cause<f64>) -> Option<Lamp> {
     }
 }
 
-/// How an alert is wrong.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Wrong {
     /// Nothing of the kind is the matter with the car.
@@ -81,25 +79,15 @@ pub(super) fn wrong(lamp: Lamp, concerned: Wheels, alert: &Alert<f64>) -> Option
 
 #[cfg(test)]
 mod tests {
-    use itpms_core::warning::Basis;
-
     use super::*;
     use itpms_core::diagnosis::{Malfunction, Place, Sensor};
-    use itpms_core::warning::Reading;
 
     #[test]
     fn only_what_was_done_to_the_car_explains_a_lamp() {
         let [fl, fr, ..] = Corner::ALL;
         let all: Wheels = Corner::ALL.into_iter().collect();
         let one = Wheels::from(fl);
-        let reading = Reading {
-            pressure_kpa: 190.0,
-            sd_kpa: 4.0,
-            limit_kpa: 212.0,
-            reference_kpa: 241.0,
-            basis: Basis::Calibration,
-            probability: Some(0.998),
-        };
+        let reading = crate::LOW;
         let stuck = Malfunction::Stuck(Sensor { corner: fl, place: Place::Wheel });
         let says = |lamp, concerned, cause, wheels: Wheels| {
             wrong(lamp, concerned, &Alert { wheels, since_s: 0.0, reported_s: 0.0, cause })

@@ -6,11 +6,8 @@ use itpms_sim::fault::{FaultKind, FaultPlace, FaultSpec, SensorName};
 /// What is wrong with the car.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Test {
-    /// These tires are let down.
     Low(Wheels),
-    /// All four are let down.
     LowAll,
-    /// A sensor fails.
     Malfunction(Failure),
 }
 
@@ -26,7 +23,6 @@ pub enum Failure {
 }
 
 impl Failure {
-    /// In a file's name.
     pub(super) fn name(self) -> String {
         let place = |place| if place == FaultPlace::Wheel { "wheel" } else { "body" };
         match self {
@@ -36,7 +32,6 @@ impl Failure {
         }
     }
 
-    /// For a reader.
     pub(super) fn words(self) -> String {
         let place = |place| if place == FaultPlace::Wheel { "wheel" } else { "body" };
         match self {

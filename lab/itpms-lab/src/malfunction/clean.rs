@@ -10,13 +10,10 @@ use super::drive::Recorded;
 /// The same drives without a malfunction.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Clean {
-    /// Hours of driving and standing.
     pub hours: f64,
     /// Way in km.
     pub distance_km: f64,
-    /// Malfunctions reported.
     pub malfunctions: usize,
-    /// Warnings reported.
     pub warnings: usize,
     /// Share of the wheels' time in which their sensors were under suspicion.
     pub share_screened: f64,

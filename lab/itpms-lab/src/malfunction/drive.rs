@@ -24,7 +24,6 @@ const BEFORE_GLASS_S: f64 = 100.0;
 const GLASS_S: f64 = 640.0;
 const AFTER_GLASS_S: f64 = 130.0;
 
-/// A recorded drive.
 pub(super) struct Recorded {
     pub(super) rate_hz: f64,
     pub(super) car: CarConfig<f64>,

@@ -7,10 +7,8 @@ use itpms_sim::fault::{FaultKind, FaultPlace, FaultSpec, SensorName};
 
 use FaultPlace::{Body, Wheel};
 
-/// A kind of malfunction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Kind {
-    /// Its name.
     pub name: &'static str,
     /// Seconds of driving within which it is reported.
     pub stated_s: f64,

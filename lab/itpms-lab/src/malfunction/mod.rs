@@ -42,10 +42,8 @@ pub type Progress<'a> = &'a (dyn Fn(u64, u64) -> ControlFlow<()> + Sync);
 /// Stack of a thread in bytes: an estimator under its monitor is a large value, copied while it is set up.
 const STACK_BYTES: usize = 32 << 20;
 
-/// What to compute.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Request {
-    /// Drives per malfunction.
     pub drives: usize,
     /// Seed of the first; the others follow.
     pub first_seed: u64,
@@ -53,30 +51,20 @@ pub struct Request {
     pub only: Option<String>,
 }
 
-/// Why there is no study.
 #[derive(Debug, Error)]
 pub enum MalfunctionError {
-    /// Nothing was asked for.
     #[error("0 drives, expected at least one")]
     Nothing,
-    /// No malfunction of that name.
     #[error("no malfunction is called `{found}`, expected a part of one of: {}", known.join("; "))]
-    Unknown {
-        /// What was asked for.
-        found: String,
-        /// What there is.
-        known: Vec<&'static str>,
-    },
+    Unknown { found: String, known: Vec<&'static str> },
     /// The progress callback asked for it.
     #[error("stopped")]
     Stopped,
-    /// A scenario.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
     /// A parameter that an estimator refuses.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// Threads could not be started.
     #[error("threads cannot be started: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
 }
@@ -87,7 +75,6 @@ const AWAITED_S: f64 = 60.0;
 /// One kind of malfunction over all drives. Times in s of driving; NaN where there is none.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Row {
-    /// The malfunction.
     pub name: &'static str,
     /// Drives it was put into, for long enough to be reported.
     pub drives: usize,
@@ -102,7 +89,6 @@ pub struct Row {
     pub named_exactly: usize,
     /// Other malfunctions reported while it lasted or in the two minutes after: of another kind, or of another sensor.
     pub others_said: usize,
-    /// The stated time.
     pub stated_s: f64,
     /// Time until it was reported, median.
     pub said_median_s: f64,
@@ -143,31 +129,22 @@ pub struct Row {
     pub recovered_worst_s: f64,
 }
 
-/// What came out.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Study {
     /// Of this structure: 1.
     pub version: u32,
-    /// Drives per malfunction.
     pub drives: usize,
-    /// Seed of the first.
     pub first_seed: u64,
-    /// A row per malfunction.
     pub rows: Vec<Row>,
-    /// The drives without.
     pub clean: Clean,
 }
 
-/// What one drive gave.
 struct OneDrive {
     outcomes: Vec<Outcome>,
     clean: Clean,
 }
 
 /// Makes the study on all processors.
-///
-/// # Errors
-/// See [`MalfunctionError`].
 pub fn study(request: &Request, progress: Progress<'_>) -> Result<Study, MalfunctionError> {
     if request.drives == 0 {
         return Err(MalfunctionError::Nothing);

@@ -20,7 +20,6 @@ const DRIVING_M_S: f64 = 3.0;
 const WRONG_SDS: f64 = 3.0;
 const FAR_KPA: f64 = 20.0;
 
-/// What came of it.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Outcome {
     /// Seconds of driving until it was reported; `None`: never.
@@ -63,16 +62,12 @@ impl Shown {
     }
 }
 
-/// Warnings of tires.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub struct TireWarnings {
-    /// Of one that is low.
     pub low: usize,
-    /// Of one that leaks fast.
     pub fast_leak: usize,
     /// Of all four that are low.
     pub all_low: usize,
-    /// Of one that is overfull.
     pub over: usize,
 }
 
@@ -90,7 +85,6 @@ impl TireWarnings {
         }
     }
 
-    /// All of them.
     #[must_use]
     pub fn total(&self) -> usize {
         self.low + self.fast_leak + self.all_low + self.over
@@ -106,7 +100,6 @@ impl TireWarnings {
     }
 }
 
-/// Where it stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Phase {
     Hidden,
@@ -239,12 +232,9 @@ fn shown_wrong(
 #[cfg(test)]
 mod tests {
     use super::super::kinds;
-    use itpms_core::warning::Basis;
-
     use super::*;
     use itpms_core::diagnosis::{Malfunction, Place, Sensor};
     use itpms_core::model::{Diagnostics, Level, Validity, Warning};
-    use itpms_core::warning::Reading;
 
     fn stuck() -> Kind {
         kinds().into_iter().find(|kind| kind.name == "stuck, wheel").unwrap()
@@ -259,15 +249,7 @@ mod tests {
     }
 
     fn low(corner: Corner) -> Alert<f64> {
-        let reading = Reading {
-            pressure_kpa: 190.0,
-            sd_kpa: 4.0,
-            limit_kpa: 212.0,
-            reference_kpa: 241.0,
-            basis: Basis::Calibration,
-            probability: Some(0.998),
-        };
-        alert(Cause::UnderInflated(reading), corner)
+        alert(Cause::UnderInflated(crate::LOW), corner)
     }
 
     fn shows(pressure_kpa: f64, pressure_sd_kpa: f64, validity: Validity) -> Option<CornerEstimate<f64>> {

@@ -19,7 +19,6 @@ impl Dual {
         Self { value, gradient: DVector::zeros(unknowns) }
     }
 
-    /// The unknown of this index.
     pub(super) fn unknown(value: f64, index: usize, unknowns: usize) -> Self {
         let mut dual = Self::constant(value, unknowns);
         dual.gradient[index] = 1.0;

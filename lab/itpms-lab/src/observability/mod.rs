@@ -46,9 +46,7 @@ use sources::{Circumstances, SourceBound};
 pub struct Curve {
     /// Which sources: `a`, `b'`, `a+d`, ...
     pub sources: String,
-    /// The same in words.
     pub words: &'static str,
-    /// What the pressure did.
     pub situation: Situation,
     /// How well the car is known.
     pub car: Car,
@@ -79,7 +77,6 @@ pub enum Varied {
 }
 
 impl Varied {
-    /// All of them.
     pub const ALL: [Varied; 4] =
         [Varied::SpeedKmH, Varied::DampingNSPerM, Varied::NoiseMS2, Varied::IncoherentShare];
 
@@ -107,9 +104,7 @@ impl Varied {
 /// The least sd for one set of sources over one circumstance, at [`SWEEP_S`] after the loss.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Sweep {
-    /// What varies.
     pub varied: Varied,
-    /// Which sources.
     pub sources: String,
     /// How well the car is known.
     pub car: Car,
@@ -122,26 +117,19 @@ pub const SWEEP_S: f64 = 8.0;
 /// When the curves are looked at, in s; the tables take 2, 8 and 40.
 const TIMES_S: [f64; 15] = [0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0, 11.0, 16.0, 22.0, 32.0, 40.0, 60.0];
 
-/// Everything the study found.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Observability {
-    /// The vehicle's name.
     pub vehicle: String,
-    /// Its corner.
     pub corner: String,
     /// What was assumed, by name with unit.
     pub conditions: Conditions,
-    /// The proof, driven.
     pub twins: Twins,
-    /// Ranks.
     pub ranks: Vec<RankCase>,
-    /// Bounds over time.
     pub curves: Vec<Curve>,
     /// Bounds over speed, damping, noise and the road's incoherent share.
     pub sweeps: Vec<Sweep>,
 }
 
-/// What the bounds hold for.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Conditions {
     /// Placard pressure in kPa.
@@ -154,9 +142,7 @@ pub struct Conditions {
     pub before_s: f64,
     /// Speed in km/h.
     pub speed_km_h: f64,
-    /// Road level in m³.
     pub road_level_m3: f64,
-    /// Road slope.
     pub road_slope: f64,
     /// Noise of each accelerometer in m/s².
     pub noise_m_s2: f64,
@@ -172,28 +158,21 @@ pub struct Conditions {
     pub reset_sd_kpa: f64,
     /// Unsprung masses in kg of the corner and of the unlike one (b').
     pub unsprung_masses_kg: (f64, f64),
-    /// Whether the unlike one was made up.
     pub unlike_is_made_up: bool,
 }
 
 /// No study.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum StudyError {
-    /// The drive.
     #[error(transparent)]
     Bound(#[from] BoundError),
-    /// A corner.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// The caller wanted no more.
     #[error("stopped")]
     Stopped,
 }
 
 /// The whole study of one corner: some seconds. `look` is called now and then with the share done and may stop it.
-///
-/// # Errors
-/// See [`StudyError`].
 pub fn study(
     subject: &Subject,
     look: &(dyn Fn(f64) -> ControlFlow<()> + Sync),

@@ -36,14 +36,11 @@ pub enum Stiffness {
     Free,
     /// Only how much two stiffnesses differ.
     DifferenceOnly,
-    /// It is fixed.
     Fixed,
-    /// It was known beforehand.
     Known,
 }
 
 impl Stiffness {
-    /// In words.
     #[must_use]
     pub fn words(self) -> &'static str {
         match self {
@@ -55,7 +52,6 @@ impl Stiffness {
     }
 }
 
-/// The rank in one case.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RankCase {
     /// Who measures, and what is known.
@@ -68,7 +64,6 @@ pub struct RankCase {
     pub missing: usize,
     /// How many of them are body, wheel and road moving together (height and velocity): 0 to 2.
     pub drifts: usize,
-    /// What becomes of the stiffness.
     pub stiffness: Stiffness,
     /// Smallest singular value kept, over the largest; the worst instant.
     pub smallest_kept: f64,

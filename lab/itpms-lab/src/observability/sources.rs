@@ -76,7 +76,6 @@ impl Sources {
         self.0.contains(&source)
     }
 
-    /// In words.
     #[must_use]
     pub fn words(self) -> &'static str {
         match self.to_string().as_str() {
@@ -104,7 +103,6 @@ impl fmt::Display for Sources {
     }
 }
 
-/// What the pressure did.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Situation {
@@ -115,10 +113,8 @@ pub enum Situation {
 }
 
 impl Situation {
-    /// Both.
     pub const ALL: [Situation; 2] = [Situation::Constant, Situation::AfterLoss];
 
-    /// As in the tables.
     #[must_use]
     pub fn label(self) -> &'static str {
         match self {
@@ -140,10 +136,8 @@ pub enum Car {
 }
 
 impl Car {
-    /// Both.
     pub const ALL: [Car; 2] = [Car::Exact, Car::AsFiled];
 
-    /// As in the tables.
     #[must_use]
     pub fn label(self) -> &'static str {
         match self {
@@ -161,7 +155,6 @@ const FRONT_CAR: usize = 3;
 const REAR_CAR: usize = FRONT_CAR + CAR_PARAMETERS;
 const PARAMETERS: usize = REAR_CAR + CAR_PARAMETERS + 2;
 
-/// What a sweep may change.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Circumstances {
     /// Road, speed, rate, noise and band.
@@ -298,7 +291,6 @@ fn model(sources: Sources) -> RoadModel {
     }
 }
 
-/// The corner with another damper.
 fn damped(corner: &CornerConfig<f64>, damping: Option<f64>) -> Result<CornerConfig<f64>, ParameterError> {
     let Some(damping) = damping else { return Ok(*corner) };
     let car = &corner.quarter_car;

@@ -9,11 +9,9 @@ use itpms_analysis::bound::BoundSetting;
 /// Whom and what the study is about.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Subject {
-    /// What people call the vehicle.
     pub vehicle: String,
     /// Which corner: `fl`, `fr`, `rl` or `rr`.
     pub corner: String,
-    /// The corner itself.
     pub front: CornerConfig<f64>,
     /// The corner with another unsprung mass that meets the same road (source b').
     pub unlike: CornerConfig<f64>,

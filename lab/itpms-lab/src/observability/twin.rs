@@ -20,7 +20,6 @@ const FALL_S: (f64, f64) = (4.0, 6.5);
 /// A share of the placard's pressure: the paper's drop from 241.3 to 137.9 kPa.
 const LOW: f64 = 0.5715;
 
-/// One drive over one road.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Twin {
     /// What kind of tire, in words.

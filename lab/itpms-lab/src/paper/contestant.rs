@@ -19,7 +19,6 @@ pub(super) enum Tuning {
     Bench,
 }
 
-/// One who takes part.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Contestant {
     pub(super) kind: EstimatorKind,

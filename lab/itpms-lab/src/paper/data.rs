@@ -10,7 +10,6 @@ use serde::ser::{SerializeMap, Serializer};
 /// Significant digits of a number in a file.
 const DIGITS: i32 = 8;
 
-/// A column's values.
 #[derive(Debug, Clone, PartialEq)]
 enum Values {
     Numbers(Vec<f64>),
@@ -26,7 +25,6 @@ pub struct Data {
 }
 
 impl Data {
-    /// No columns yet.
     #[must_use]
     pub fn new(name: impl Into<String>, title: impl Into<String>) -> Self {
         Self { name: name.into(), title: title.into(), columns: vec![] }
@@ -39,7 +37,6 @@ impl Data {
         self
     }
 
-    /// One more column of words.
     #[must_use]
     pub fn words(mut self, name: impl Into<String>, values: impl IntoIterator<Item = String>) -> Self {
         self.columns.push((name.into(), Values::Words(values.into_iter().collect())));

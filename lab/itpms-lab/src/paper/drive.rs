@@ -57,7 +57,6 @@ pub(super) struct Truth {
     pub(super) road_m: Vec<f64>,
 }
 
-/// One drive.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Drive {
     /// In the order of the case's contestants.
@@ -66,7 +65,6 @@ pub(super) struct Drive {
     pub(super) truth: Truth,
 }
 
-/// A contestant with its sums.
 struct Seat {
     runner: Runner,
     reset_s: f64,
@@ -115,7 +113,6 @@ impl Seat {
     }
 }
 
-/// Simulates and estimates one drive.
 pub(super) fn drive(case: &Case, seed: u64, keep: Keep) -> Result<Drive, PaperError> {
     let corner = case.scenario.corner_config(CORNER)?;
     let rate_hz = case.scenario.rate_hz;

@@ -7,10 +7,8 @@ use thiserror::Error;
 use itpms_analysis::bound::BoundError;
 use itpms_analysis::spectrum::{FitError, WelchError};
 
-/// Why there is no study.
 #[derive(Debug, Error)]
 pub enum PaperError {
-    /// Statistics of nothing.
     #[error("0 seeds, expected at least one")]
     NoSeeds,
     /// A scenario without the corner that the study drives.
@@ -40,7 +38,6 @@ pub enum PaperError {
     /// A drive that has no bound.
     #[error(transparent)]
     Bound(#[from] BoundError),
-    /// A file's JSON.
     #[error("cannot be written as JSON: {0}")]
     Json(#[from] serde_json::Error),
 }

@@ -105,7 +105,6 @@ pub(super) fn forgetting(
     four(Panel::new(letter, title, x, y), outcome, |record| forgetting_factors(outcome, record))
 }
 
-/// Estimate minus truth.
 pub(super) fn error(letter: &str, title: &str, outcome: &Outcome, top_kpa: f64) -> Panel {
     let y = Axis::linear("Estimate − truth", "kPa").within(-top_kpa, top_kpa);
     let panel = Panel::new(letter, title, time_axis(outcome), y);
@@ -145,7 +144,6 @@ pub(super) fn covariance(letter: &str, title: &str, outcome: &Outcome) -> Panel 
     })
 }
 
-/// Stiffness in kN/m.
 pub(super) fn stiffness(letter: &str, title: &str, outcome: &Outcome, range_kn_per_m: (f64, f64)) -> Panel {
     let y = Axis::linear("Tire stiffness", "kN/m").within(range_kn_per_m.0, range_kn_per_m.1);
     let kilo = |values: &[f64]| values.iter().map(|v| v / 1e3).collect::<Vec<_>>();

@@ -61,7 +61,6 @@ pub type Progress<'a> = plan::Callback<'a>;
 /// What the paper leaves open, and how many drives.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Request {
-    /// Drives per case.
     pub seeds: usize,
     /// Seed of the first; the others follow. The first is the one that is drawn.
     pub first_seed: u64,
@@ -94,7 +93,6 @@ impl Default for Request {
     }
 }
 
-/// One file of the study.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct File {
     /// Without a folder.
@@ -111,9 +109,6 @@ pub struct Study {
 }
 
 /// Drives everything and lays it out. The progress counts drives; what follows them takes a few seconds.
-///
-/// # Errors
-/// See [`PaperError`].
 pub fn reproduce(request: &Request, progress: Progress<'_>) -> Result<Study, PaperError> {
     if request.seeds == 0 {
         return Err(PaperError::NoSeeds);

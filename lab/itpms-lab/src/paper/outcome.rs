@@ -25,7 +25,6 @@ pub(super) struct Record {
     pub(super) drives: usize,
     /// When the drawn drive diverged, s.
     pub(super) drawn_diverged_s: Option<f64>,
-    /// Histories of the drawn drive.
     pub(super) trace: Trace,
     /// RMSE of the drawn drive, kPa.
     pub(super) drawn_rmse_kpa: f64,
@@ -34,7 +33,6 @@ pub(super) struct Record {
 /// One case over all its drives.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Outcome {
-    /// Of the drawn drive.
     pub(super) truth: Truth,
     /// In the order of the case's contestants.
     pub(super) records: Vec<Record>,

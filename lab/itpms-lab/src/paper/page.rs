@@ -11,7 +11,6 @@ use itpms_analysis::plot::escape;
 
 const STYLE: &str = include_str!("../../assets/paper/page.css");
 
-/// The whole page.
 pub(super) fn page(sections: &[Section], request: &Request) -> String {
     let contents: String = sections
         .iter()

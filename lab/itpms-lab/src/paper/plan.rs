@@ -18,7 +18,6 @@ pub(super) const RESET_SHORT_S: f64 = 4.0;
 /// What the estimators are given in the mass studies, kg.
 pub(super) const TOLD_KG: f64 = 240.0;
 
-/// What became of every case.
 #[derive(Debug)]
 pub(super) struct Outcomes {
     pub(super) drop: Outcome,
@@ -35,7 +34,6 @@ pub(super) struct Outcomes {
     pub(super) bench_noise: [Outcome; 3],
 }
 
-/// Drives everything.
 pub(super) fn run(request: &Request, progress: Progress<'_>) -> Result<Outcomes, PaperError> {
     let simulated = |name: &str| Case::simulation(name, request);
     let bench = |name: &str, reset_s: f64| Case::bench(name, reset_s, request);

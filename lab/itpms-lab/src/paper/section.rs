@@ -5,7 +5,6 @@
 use super::data::Data;
 use itpms_analysis::plot::{Figure, escape};
 
-/// A chapter of the page.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Section {
     /// Anchor, unique on the page.
@@ -14,7 +13,6 @@ pub struct Section {
     pub(super) parts: Vec<Part>,
 }
 
-/// A piece of a section.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Part {
     /// HTML of whole elements.
@@ -78,7 +76,6 @@ impl Table {
         Self { title: title.into(), head, rows: vec![], data }
     }
 
-    /// One more row.
     #[must_use]
     pub fn row(mut self, cells: impl IntoIterator<Item = String>) -> Self {
         self.rows.push(cells.into_iter().collect());
@@ -168,7 +165,6 @@ pub(super) fn number(value: f64, decimals: usize) -> String {
     }
 }
 
-/// With its sign.
 pub(super) fn signed(value: f64, decimals: usize) -> String {
     let text = number(value, decimals);
     let zero = !text.chars().any(|c| c.is_ascii_digit() && c != '0');

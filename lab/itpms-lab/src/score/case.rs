@@ -25,7 +25,6 @@ const BOUND_STEP_S: f64 = 0.1;
 /// A drive to score, and where in it to look.
 #[derive(Debug, Clone)]
 pub(super) struct Case {
-    /// Name of its row.
     pub(super) name: String,
     pub(super) kind: EstimatorKind,
     pub(super) scenario: Scenario,
@@ -122,7 +121,6 @@ impl Case {
         }
     }
 
-    /// What the estimator is given.
     pub(super) fn corner(&self) -> Result<CornerConfig<f64>, ScoreError> {
         Ok(self.scenario.corner_config(CORNER)?)
     }

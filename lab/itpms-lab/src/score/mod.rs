@@ -43,18 +43,15 @@ use runner::Runner;
 
 pub use runner::Progress;
 
-/// What can be asked for by itself.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// What can be asked for by itself, in the order of the table: cars with four wheels from `Drive` on, from `Ablation` on not in the usual one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Part {
-    /// The paper's sudden loss.
     PaperDrop,
     /// The same down to 41.4 kPa.
     PaperDeepDrop,
-    /// A loss and a recovery.
     PaperDropRecover,
     /// A sprung mass 8 % off.
     Mass,
-    /// Slopes, classes and noises.
     BiasGrid,
     /// Honesty of the 95 % interval over all of the above.
     Coverage,
@@ -62,23 +59,22 @@ pub enum Part {
     Bench,
     /// Bound over variance at constant pressure.
     Efficiency,
-    /// The road record.
     Road,
     /// Four wheels, one of them punctured.
     Drive,
-    /// The same with each source of information alone. Not part of the usual table.
+    /// The same with each source of information alone.
     Ablation,
-    /// The same while something differs from what the estimator is given. Not part of the usual table.
+    /// The same while something differs from what the estimator is given.
     Disturbances,
-    /// How soon a loss is warned of. Not part of the usual table.
+    /// How soon a loss is warned of.
     Detection,
-    /// How soon tires are named that lose air together, or did before the drive. Not part of the usual table.
+    /// How soon tires are named that lose air together, or did before the drive.
     Several,
-    /// Cars that are not their files. Not part of the usual table.
+    /// Cars that are not their files.
     Car,
-    /// What ten minutes at known pressures teach of a car. Not part of the usual table.
+    /// What ten minutes at known pressures teach of a car.
     Learn,
-    /// An owner's whole path. Not part of the usual table.
+    /// An owner's whole path.
     Own,
 }
 
@@ -103,37 +99,17 @@ impl Part {
         Self::Learn,
         Self::Own,
     ];
-    /// The paper's scenarios.
     pub const PAPER: [Self; 3] = [Self::PaperDrop, Self::PaperDeepDrop, Self::PaperDropRecover];
 
     /// Whether it belongs to the table that is computed when nothing is asked for by name.
     #[must_use]
     pub fn is_usual(self) -> bool {
-        !matches!(
-            self,
-            Self::Ablation
-                | Self::Disturbances
-                | Self::Detection
-                | Self::Several
-                | Self::Car
-                | Self::Learn
-                | Self::Own
-        )
+        self < Self::Ablation
     }
 
     /// Whether it is of cars with four wheels.
     fn is_of_cars(self) -> bool {
-        matches!(
-            self,
-            Self::Drive
-                | Self::Ablation
-                | Self::Disturbances
-                | Self::Detection
-                | Self::Several
-                | Self::Car
-                | Self::Learn
-                | Self::Own
-        )
+        self >= Self::Drive
     }
 
     /// The name on the command line.
@@ -160,7 +136,6 @@ impl Part {
         }
     }
 
-    /// The part of that name.
     #[must_use]
     pub fn from_label(label: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|part| part.label() == label)
@@ -222,7 +197,6 @@ impl Part {
     }
 }
 
-/// What to compute.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Request {
     /// Drives per row; of [`Part::Own`] the cars.
@@ -258,12 +232,9 @@ impl Default for Request {
 pub struct Score {
     /// Of this structure: 1.
     pub version: u32,
-    /// Who was scored.
     #[serde(serialize_with = "labels")]
     pub estimators: Vec<EstimatorKind>,
-    /// Drives per row asked for.
     pub seeds: usize,
-    /// Seed of the first.
     pub first_seed: u64,
     /// In the order of the table.
     pub rows: Vec<Row>,
@@ -273,39 +244,27 @@ fn labels<S: serde::Serializer>(kinds: &[EstimatorKind], serializer: S) -> Resul
     serializer.collect_seq(kinds.iter().map(|kind| kind.label()))
 }
 
-/// Why there is no score.
 #[derive(Debug, Error)]
 pub enum ScoreError {
-    /// Statistics of nothing.
     #[error("0 seeds or no estimator, expected at least one of each")]
     Nothing,
     /// Several estimators are compared in the paper's scenarios alone.
     #[error("{part} is scored for one estimator at a time; several are compared in {}", paper_labels())]
-    OneEstimator {
-        /// What was asked for.
-        part: &'static str,
-    },
+    OneEstimator { part: &'static str },
     /// Four wheels are the default estimator's.
     #[error("{part} is scored for {} alone: the paper's filters know one wheel", EstimatorKind::default().label())]
-    DefaultEstimator {
-        /// What was asked for.
-        part: &'static str,
-    },
+    DefaultEstimator { part: &'static str },
     /// No row is called so.
     #[error(
         "no four-wheel row that was asked for has a name with `{only}` in it, such as `car, 80 km/h, reset`"
     )]
-    NoRow {
-        /// What was asked for.
-        only: String,
-    },
+    NoRow { only: String },
     /// The progress callback asked for it.
     #[error("stopped")]
     Stopped,
     /// The operating system gives no threads.
     #[error("no threads to compute with: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
-    /// A scenario.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
     /// A parameter that an estimator refuses.
@@ -320,16 +279,13 @@ pub enum ScoreError {
     /// A calibration that does not fit its car.
     #[error(transparent)]
     Calibration(#[from] itpms_core::model::CalibrationError),
-    /// The bound.
     #[error(transparent)]
     Bound(#[from] BoundError),
-    /// The road recorder's memory.
     #[error(transparent)]
     Memory(#[from] RecorderMemoryError),
     /// The road's spectrum.
     #[error(transparent)]
     Welch(#[from] WelchError),
-    /// The road's roughness.
     #[error(transparent)]
     Spacing(#[from] SpacingError),
 }
@@ -339,9 +295,6 @@ fn paper_labels() -> String {
 }
 
 /// Computes a score on all processors.
-///
-/// # Errors
-/// See [`ScoreError`].
 pub fn score(request: &Request, progress: Progress<'_>) -> Result<Score, ScoreError> {
     let (Some(&kind), true) = (request.estimators.first(), request.seeds > 0) else {
         return Err(ScoreError::Nothing);

@@ -42,7 +42,6 @@ struct Fidelity {
     iri: f64,
 }
 
-/// The drives of this part.
 pub(super) struct Plan {
     cases: Vec<(Case, usize)>,
 }

@@ -9,13 +9,11 @@ use serde::Serialize;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Goal {
-    /// Not more.
     AtMost(f64),
     /// Not more, and better still not more than the second.
     AtMostStretch(f64, f64),
     /// Not further from zero.
     WithinOfZero(f64),
-    /// Not less.
     AtLeast(f64),
     /// From the first to the second.
     Between(f64, f64),
@@ -25,9 +23,7 @@ pub enum Goal {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// Not reached.
     Missed,
-    /// Reached.
     Met,
     /// Reached, and the harder goal as well.
     Stretch,
@@ -68,28 +64,23 @@ impl Goal {
 pub struct Column {
     /// Name with unit.
     pub name: &'static str,
-    /// Heading.
     #[serde(skip)]
     pub heading: &'static str,
-    /// Decimals worth printing.
     #[serde(skip)]
     pub decimals: usize,
 }
 
 impl Column {
-    /// A column.
     #[must_use]
     pub const fn new(name: &'static str, heading: &'static str, decimals: usize) -> Self {
         Self { name, heading, decimals }
     }
 
-    /// A figure without a goal.
     #[must_use]
     pub fn plain(self, value: f64) -> Cell {
         Cell { column: self, value, goal: None, verdict: None }
     }
 
-    /// A figure with its goal.
     #[must_use]
     pub fn judged(self, value: f64, goal: Goal) -> Cell {
         Cell { column: self, value, goal: Some(goal), verdict: Some(goal.verdict(value)) }
@@ -99,30 +90,23 @@ impl Column {
 /// One figure. JSON: `name`, `value` (null when not finite), `goal` (null or for example `{"at_most": 17.0}`), `verdict`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Cell {
-    /// What it is.
     #[serde(flatten)]
     pub column: Column,
-    /// The figure.
     pub value: f64,
     /// What it has to be, if anything.
     pub goal: Option<Goal>,
-    /// Whether it is.
     pub verdict: Option<Verdict>,
 }
 
-/// One line of the score.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Row {
     /// Part of the score it belongs to: rows of a part have the same columns.
     pub part: &'static str,
     /// Its name; name and estimator are unique within the part.
     pub name: String,
-    /// Who was scored.
     #[serde(serialize_with = "label")]
     pub estimator: EstimatorKind,
-    /// Drives it was computed from.
     pub drives: usize,
-    /// The figures.
     pub cells: Vec<Cell>,
     /// The worst verdict of its cells; none if no cell has a goal.
     pub verdict: Option<Verdict>,

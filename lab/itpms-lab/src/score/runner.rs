@@ -21,7 +21,6 @@ pub type Progress<'a> = &'a (dyn Fn(u64, u64) -> ControlFlow<()> + Sync);
 pub(super) struct Turn {
     /// From 0.
     pub(super) index: usize,
-    /// Seed of the simulation.
     pub(super) seed: u64,
 }
 

@@ -56,19 +56,16 @@ impl ErrorSum {
         self.covered += u64::from(error.abs() <= HALF_95 * sd);
     }
 
-    /// How many there are.
     #[must_use]
     pub fn count(&self) -> u64 {
         self.count
     }
 
-    /// Root of the mean square.
     #[must_use]
     pub fn rmse(&self) -> f64 {
         (self.squares / self.count as f64).sqrt()
     }
 
-    /// Mean.
     #[must_use]
     pub fn bias(&self) -> f64 {
         self.sum / self.count as f64
@@ -86,7 +83,6 @@ impl ErrorSum {
 pub struct Spread {
     /// 10th percentile.
     pub p10: f64,
-    /// Median.
     pub median: f64,
     /// 90th percentile.
     pub p90: f64,
@@ -126,9 +122,7 @@ fn of_sorted(sorted: &[f64], share: f64) -> f64 {
 /// Mean over drives and the standard error of that mean (NaN for a single one).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mean {
-    /// The mean.
     pub value: f64,
-    /// Its standard error.
     pub error: f64,
 }
 

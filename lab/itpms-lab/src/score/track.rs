@@ -40,7 +40,6 @@ const COVERED: Column = Column::new("coverage", "coverage", 3);
 const COVERED_CHANGE: Column = Column::new("coverage_in_change", "in drop", 3);
 const BOUND: Column = Column::new("bound_rms_kpa", "bound", 1);
 
-/// What one drive gives.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Track {
     judged: ErrorSum,
@@ -188,7 +187,6 @@ impl Plan {
         self.cases.len() - 1
     }
 
-    /// Drives in all.
     pub(super) fn drives(&self) -> u64 {
         self.cases.iter().map(|(_, drives)| *drives as u64).sum()
     }

@@ -17,7 +17,7 @@ use itpms_sim::time_profile::Pressure;
 use itpms_sim::wheel_speeds::{Condition, Day, YawFault};
 use serde::{Deserialize, Serialize};
 
-use super::hour::{ASK_ROWS, Hour, Said, WheelHour, scenario};
+use super::hour::{ASK_ROWS, DayHour, Hour, LossHour, Said, WheelHour, YawHour, scenario};
 use super::rolling::Watch;
 use super::{Plan, SoakError};
 use crate::sensors::{wheel_speed_config, wheel_speed_sample};
@@ -44,51 +44,6 @@ pub struct Days {
     pub bad_yaw: bool,
 }
 
-/// What is kept of a day beside its hour.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct DayHour {
-    /// What the day was: of a mixed plan one of the others.
-    pub condition: Condition,
-    /// `d ln R / d ln p` of its tires.
-    pub radius_per_ln_pressure: f64,
-    /// Distance since the calibration in km.
-    pub since_km: f64,
-    /// Whether a calibration taught anything.
-    pub calibrated: bool,
-    /// Of the yaw rate, where the car has one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub yaw: Option<YawHour>,
-    /// Of the tires that lost air, where some did.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub loss: Option<LossHour>,
-}
-
-/// What became of a yaw rate.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct YawHour {
-    /// What is wrong with it.
-    pub fault: YawFault,
-    /// Whether it was left out.
-    pub left_out: bool,
-}
-
-/// What became of a loss.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct LossHour {
-    /// Which tires, in one word.
-    pub kind: String,
-    /// The tires.
-    pub wheels: Vec<String>,
-    /// Change of `ln` of their radius: `-beta ln p`.
-    pub radius_change: f64,
-    /// When a warning named one of them, alone or among others, in s after the loss began.
-    pub found_s: Option<f64>,
-    /// Whether one named just them.
-    pub exact: bool,
-    /// Whether one named a tire that had not lost air.
-    pub wrong: bool,
-}
-
 /// Which tires lose air, from seed to seed. Not all four: radii do not show it.
 fn losing(seed: u64) -> (&'static str, Wheels, bool) {
     use Corner::{FrontLeft as Fl, FrontRight as Fr, RearLeft as Rl, RearRight as Rr};
@@ -108,7 +63,6 @@ fn losing(seed: u64) -> (&'static str, Wheels, bool) {
     (kind, wheels.iter().copied().collect(), parked)
 }
 
-/// Drives one seed.
 pub(super) fn drive(
     plan: &Plan,
     days: &Days,
@@ -250,7 +204,6 @@ fn lose(
     Ok(())
 }
 
-/// What was said while driving.
 struct Kept {
     losing: Wheels,
     from_s: f64,

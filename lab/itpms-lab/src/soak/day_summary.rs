@@ -5,18 +5,15 @@ use std::collections::BTreeMap;
 use itpms_sim::wheel_speeds::YawFault;
 use serde::Serialize;
 
-use super::Hour;
-use super::day::{DayHour, LossHour};
+use super::hour::{DayHour, Hour, LossHour};
 
 /// Limits of the classes of `-beta ln p`; below the second hardly any loss shows across the days.
 const CLASSES: [f64; 4] = [0.0, 1.8e-3, 2.4e-3, f64::INFINITY];
 
-/// Days added up.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DaySummary {
     /// Drives for which no calibration taught anything.
     pub uncalibrated: usize,
-    /// By condition of the day.
     pub conditions: BTreeMap<&'static str, OfCondition>,
     /// Losses by change of the radius, each class with its limits.
     pub losses: Vec<OfLosses>,
@@ -28,23 +25,19 @@ pub struct DaySummary {
     pub bad_yaw: BTreeMap<String, [usize; 2]>,
 }
 
-/// Drives of a condition.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct OfCondition {
     /// Hours driven on later days.
     pub hours: f64,
-    /// Warnings that were not right.
     pub false_warnings: usize,
     /// Seeds of the drives with one.
     pub seeds: Vec<u64>,
 }
 
-/// Drives with losses.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct OfLosses {
     /// Smallest and largest change of `ln` of the radius.
     pub radius_change: [f64; 2],
-    /// Drives.
     pub drives: usize,
     /// Those in which a warning named one of the tires.
     pub found: usize,
@@ -99,7 +92,6 @@ impl DaySummary {
         })
     }
 
-    /// A few lines for people.
     pub(super) fn text(&self) -> String {
         let mut text = format!("no calibration taught anything: {} drives\n", self.uncalibrated);
         for (label, of) in &self.conditions {

@@ -9,11 +9,11 @@ use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_core::warning::{Alert, Change, Limits, MonitorReport};
 use itpms_sim::scenario::Scenario;
 use itpms_sim::simulation::{SimRow, Simulation};
+use itpms_sim::wheel_speeds::{Condition, YawFault};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 
-use super::day::DayHour;
 use super::{Car, Plan, SoakError};
 
 /// What the monitor says when it cannot know; honest, and no false warning.
@@ -60,7 +60,6 @@ pub struct Said {
     pub wheels: Vec<String>,
     /// Why, in one word; see [`itpms_core::warning::Cause::label`].
     pub cause: String,
-    /// Why, in full.
     pub text: String,
 }
 
@@ -100,8 +99,48 @@ pub struct RadiusHour {
     pub covered: [f64; 3],
 }
 
+/// What is kept of a day beside its hour.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DayHour {
+    /// What the day was: of a mixed plan one of the others.
+    pub condition: Condition,
+    /// `d ln R / d ln p` of its tires.
+    pub radius_per_ln_pressure: f64,
+    /// Distance since the calibration in km.
+    pub since_km: f64,
+    /// Whether a calibration taught anything.
+    pub calibrated: bool,
+    /// Of the yaw rate, where the car has one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub yaw: Option<YawHour>,
+    /// Of the tires that lost air, where some did.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub loss: Option<LossHour>,
+}
+
+/// What became of a yaw rate.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct YawHour {
+    pub fault: YawFault,
+    pub left_out: bool,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LossHour {
+    /// Which tires, in one word.
+    pub kind: String,
+    pub wheels: Vec<String>,
+    /// Change of `ln` of their radius: `-beta ln p`.
+    pub radius_change: f64,
+    /// When a warning named one of them, alone or among others, in s after the loss began.
+    pub found_s: Option<f64>,
+    /// Whether one named just them.
+    pub exact: bool,
+    /// Whether one named a tire that had not lost air.
+    pub wrong: bool,
+}
+
 impl Hour {
-    /// As one line of JSON.
     #[must_use]
     pub fn to_line(&self) -> String {
         // Numbers, texts and lists can always be written.
@@ -115,7 +154,6 @@ impl Hour {
     }
 }
 
-/// Drives one seed with accelerations.
 pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) -> Result<Hour, SoakError> {
     let begun = Instant::now();
     let scenario = scenario(plan)?;
@@ -229,7 +267,6 @@ impl Said {
     }
 }
 
-/// Watches one wheel.
 #[derive(Debug, Clone, Copy)]
 struct Watch {
     limit_kpa: f64,

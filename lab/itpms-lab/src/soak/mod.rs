@@ -37,7 +37,6 @@ pub use summary::Summary;
 /// value while it is set up.
 const STACK_BYTES: usize = 32 << 20;
 
-/// Which car is driven.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Car {
@@ -68,11 +67,9 @@ impl Car {
 /// What is driven: drives of one plan can be added up.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Plan {
-    /// Samples per second.
     pub rate_hz: f64,
     /// Length of a drive in s.
     pub drive_s: f64,
-    /// Which car.
     pub car: Car,
     /// Length in s of a calibration at the beginning of every drive, `None`: never calibrated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -99,10 +96,8 @@ impl Default for Plan {
     }
 }
 
-/// Why there is no drive.
 #[derive(Debug, Error)]
 pub enum SoakError {
-    /// It was asked for.
     #[error("stopped")]
     Stopped,
     /// The operating system gives no threads.

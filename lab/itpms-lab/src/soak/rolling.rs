@@ -20,7 +20,6 @@ const CALIBRATE_S: f64 = 600.0;
 /// By how many K its tires warm up at 90 km/h.
 const WARMS_BY_K: f64 = 20.0;
 
-/// Drives one seed.
 pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) -> Result<Hour, SoakError> {
     let begun = Instant::now();
     let scenario = rolling(plan, seed)?;

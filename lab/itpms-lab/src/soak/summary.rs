@@ -12,7 +12,6 @@ use super::hour::NO_INFORMATION;
 /// Drives added up. JSON as the fields stand here.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Summary {
-    /// Drives.
     pub drives: usize,
     /// Hours driven, stops included.
     pub hours: f64,
@@ -46,7 +45,6 @@ pub struct Summary {
     pub days: Option<DaySummary>,
 }
 
-/// Radius analysis over many drives.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct RadiusSummary {
     /// Share of the time after a calibration in which a loss of a quarter of any single tire would have been found.
@@ -55,7 +53,6 @@ pub struct RadiusSummary {
     pub covered: [f64; 3],
     /// Largest probability of any low tire, and the seed of that drive.
     pub most_probable: f64,
-    /// The seed.
     pub most_probable_seed: u64,
 }
 
@@ -64,9 +61,7 @@ pub struct RadiusSummary {
 pub struct Extreme {
     /// The value; null if there is none.
     pub value: f64,
-    /// Seed of the drive.
     pub seed: u64,
-    /// The wheel.
     pub wheel: &'static str,
 }
 
@@ -111,7 +106,6 @@ impl Summary {
         }
     }
 
-    /// A few lines for people.
     #[must_use]
     pub fn text(&self) -> String {
         let mut text = format!(

@@ -74,7 +74,6 @@ fn explained(x: &[f64], step_s: f64, mode: &Mode) -> f64 {
     matrix.try_inverse().map_or(0.0, |inverse| (right.dot(&(inverse * right)) / all).clamp(0.0, 1.0))
 }
 
-/// One fit.
 fn mode(x: &[f64], step_s: f64, (low, high): (f64, f64), order: usize) -> Option<Mode> {
     let length_s = x.len() as f64 * step_s;
     let high = high.min(0.4 / step_s);

@@ -46,7 +46,6 @@ pub(super) struct Band {
     pub(super) constants: Vec<Vec<f64>>,
 }
 
-/// A corner's motion.
 #[derive(Debug, Clone)]
 pub(super) struct Motion {
     pub(super) step_s: f64,

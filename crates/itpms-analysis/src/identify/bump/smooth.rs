@@ -2,7 +2,6 @@
 
 /// Half-power frequencies in Hz of the low-passes; the bands lie below the first and between one and the next.
 pub(super) const CUTS_HZ: [f64; 4] = [4.0, 8.0, 16.0, 32.0];
-/// Number of bands.
 pub(super) const BANDS: usize = CUTS_HZ.len();
 /// How many standard deviations of the kernel are kept on each side.
 const REACH: f64 = 4.5;

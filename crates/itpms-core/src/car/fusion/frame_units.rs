@@ -79,7 +79,6 @@ pub(super) struct FrameQueue<T: Real> {
 }
 
 impl<T: Real> FrameQueue<T> {
-    /// For samples of this rate.
     pub(super) fn configure(&mut self, sample_rate_hz: f64) {
         self.clear();
         self.unit_s = if sample_rate_hz > FAST_HZ { FAST_UNIT_S } else { UNIT_S };

@@ -18,7 +18,6 @@ const LEFT: f64 = 0.06;
 const NOTICED: f64 = 0.1;
 const BELIEVED: f64 = 0.5;
 
-/// What one corner finds.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::car) struct SingleWheelEstimate<T> {

@@ -33,7 +33,6 @@ pub(crate) struct Entry<T> {
     pub(crate) way: Option<Way>,
     /// Speed in m/s.
     pub(crate) speed_m_s: T,
-    /// The signals.
     pub(crate) signals: [T; KEPT],
     /// True if a sensor was at its limit since the last entry.
     pub(crate) invalid: bool,

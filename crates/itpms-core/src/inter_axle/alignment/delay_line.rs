@@ -30,7 +30,6 @@ pub(crate) struct DelayLine<T: Real> {
     rate_hz: T,
 }
 
-/// What was read back.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Read<T> {
     pub(crate) signals: [T; KEPT],

@@ -56,7 +56,6 @@ pub(crate) struct AxleFrame<T: Real> {
 /// Whose signals of a frame.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Signals<'a, T: Real> {
-    /// As measured.
     Measured,
     /// On the road that both axles agree on, as the instruments have them, times how the axles answer it.
     Common(&'a FrfRatios<T>),

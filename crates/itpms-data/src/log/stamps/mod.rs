@@ -24,7 +24,6 @@ pub(super) const WINDOW_S: f64 = 10.0;
 /// Share of samples that may be left out of a log; beyond, what is left is not this drive.
 pub(super) const TOLERATED_SHARE: f64 = 0.01;
 
-/// Something with a stamp.
 pub(super) trait Stamped: Copy {
     /// The stamp in s, finite.
     fn time_s(&self) -> f64;

@@ -127,7 +127,6 @@ fn core_rms(values: impl Iterator<Item = f64>) -> Option<f64> {
     Some((values.iter().sum::<f64>() / values.len() as f64).sqrt())
 }
 
-/// One sensor's values.
 fn column<'a>(
     rows: impl Iterator<Item = &'a LogRow>,
     corner: Corner,
@@ -162,7 +161,7 @@ pub fn check<'a>(rows: impl Iterator<Item = &'a LogRow> + Clone) -> Result<(), P
     let fastest = speeds().fold(0.0, f64::max);
     if fast as f64 > GARBAGE * speeds().count() as f64 {
         let evidence = format!("the car reaches {fastest:.1} m/s, {:.0} km/h", 3.6 * fastest);
-        return Err(Problem::Units { suspicion: "speed in km/h", expected: "m/s", evidence });
+        return Err(wrong_units("speed in km/h", "m/s", &evidence));
     }
     wheel_speeds_are_a_cars(rows.clone())?;
     let all = pairs(rows.clone());
@@ -173,11 +172,7 @@ pub fn check<'a>(rows: impl Iterator<Item = &'a LogRow> + Clone) -> Result<(), P
                 "{label} body acceleration averages {:.2} and its wheel's {:.2}, gravity in two units",
                 pair.body.mean, pair.wheel.mean
             );
-            return Err(Problem::Units {
-                suspicion: "wheel accelerations in g",
-                expected: "m/s^2",
-                evidence,
-            });
+            return Err(wrong_units("wheel accelerations in g", "m/s^2", &evidence));
         }
         if ONE_G.contains(&pair.body.mean.abs())
             && ONE_G.contains(&pair.wheel.mean.abs())
@@ -187,13 +182,17 @@ pub fn check<'a>(rows: impl Iterator<Item = &'a LogRow> + Clone) -> Result<(), P
                 "{label} body and wheel accelerations average {:.2} and {:.2}, gravity in g would",
                 pair.body.mean, pair.wheel.mean
             );
-            return Err(Problem::Units { suspicion: "accelerations in g", expected: "m/s^2", evidence });
+            return Err(wrong_units("accelerations in g", "m/s^2", &evidence));
         }
     }
     violent(rows.clone())?;
     too_quiet(rows.clone(), &all)?;
     calm_wheels(rows.clone())?;
     truth::check(rows)
+}
+
+pub(super) fn wrong_units(suspicion: &str, expected: &str, evidence: &str) -> Problem {
+    Problem::Units(format!("({suspicion}): {evidence}, expected {expected}"))
 }
 
 /// Faster than cars are is a wheel in km/h, too.
@@ -207,7 +206,7 @@ fn wheel_speeds_are_a_cars<'a>(rows: impl Iterator<Item = &'a LogRow> + Clone) -
         if fast as f64 > GARBAGE * speeds().count() as f64 {
             let fastest = speeds().fold(0.0, f64::max);
             let evidence = format!("{} wheel speed reaches {fastest:.1} m/s", corner.label());
-            return Err(Problem::Units { suspicion: "wheel speeds in km/h", expected: "m/s", evidence });
+            return Err(wrong_units("wheel speeds in km/h", "m/s", &evidence));
         }
     }
     Ok(())
@@ -221,7 +220,11 @@ fn stands_for_missing(values: impl Iterator<Item = f64>, label: &str, part: &str
     values.sort_unstable_by(f64::total_cmp);
     let Some(value) = stand_in(&values) else { return Ok(()) };
     let count = values.iter().filter(|other| **other == value).count();
-    Err(Problem::StandsForMissing { what: format!("{label} {part} acceleration"), value, count, rows })
+    Err(format!(
+        "{label} {part} acceleration is {value} in {count} of the first {rows} rows, far from all others, as where a number stands for no \
+         value; expected NaN or nothing there"
+    )
+    .into())
 }
 
 fn violent<'a>(rows: impl Iterator<Item = &'a LogRow> + Clone) -> Result<(), Problem> {
@@ -233,11 +236,7 @@ fn violent<'a>(rows: impl Iterator<Item = &'a LogRow> + Clone) -> Result<(), Pro
             stands_for_missing(column(rows.clone(), corner, |c| c.body_accel_m_s2), label, "body")?;
             stands_for_missing(column(rows.clone(), corner, |c| c.wheel_accel_m_s2), label, "wheel")?;
             let evidence = format!("{label} body and wheel accelerations are {body:.0} and {wheel:.0} rms");
-            return Err(Problem::Units {
-                suspicion: "accelerations in mg, cm/s^2, mm/s^2 or raw counts",
-                expected: "m/s^2",
-                evidence,
-            });
+            return Err(wrong_units("accelerations in mg, cm/s^2, mm/s^2 or raw counts", "m/s^2", &evidence));
         }
     }
     Ok(())
@@ -295,7 +294,7 @@ fn calm_wheels<'a>(rows: impl Iterator<Item = &'a LogRow> + Clone) -> Result<(),
             } else {
                 "wheel accelerations in g, or body and wheel confused"
             };
-            Err(Problem::Units { suspicion, expected: "m/s^2", evidence })
+            Err(wrong_units(suspicion, "m/s^2", &evidence))
         }
         None => Ok(()),
     }
@@ -333,7 +332,7 @@ fn too_quiet<'a>(rows: impl Iterator<Item = &'a LogRow> + Clone, all: &[Pair]) -
                 pair.body.rms,
                 pair.wheel.rms
             );
-            Err(Problem::Units { suspicion: "accelerations in g", expected: "m/s^2", evidence })
+            Err(wrong_units("accelerations in g", "m/s^2", &evidence))
         }
         _ => Ok(()),
     }

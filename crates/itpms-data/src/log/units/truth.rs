@@ -5,7 +5,7 @@
 
 use itpms_core::model::Corner;
 
-use super::column;
+use super::{column, wrong_units};
 use crate::error::Problem;
 use crate::log::row::LogRow;
 
@@ -27,7 +27,7 @@ pub(super) fn check<'a>(rows: impl Iterator<Item = &'a LogRow> + Clone) -> Resul
             _ => continue,
         };
         let evidence = format!("{}_pressure_kpa has a median of {median:.4}", corner.label());
-        return Err(Problem::Units { suspicion, expected: "kPa", evidence });
+        return Err(wrong_units(suspicion, "kPa", &evidence));
     }
     Ok(())
 }

@@ -8,7 +8,6 @@ use crate::signals::Reading;
 /// A reading that is so much later than the last one, in s, has to be followed by another one.
 const LEAP_S: f64 = 1.0;
 
-/// The readings that wait.
 #[derive(Debug)]
 pub(super) struct Ahead {
     /// Time of the last reading that was passed on; NaN before the first.

@@ -63,7 +63,6 @@ impl Survey {
     }
 }
 
-/// What the survey found.
 #[derive(Debug)]
 pub(super) struct Clock {
     /// The acceleration whose times are the rows'.

@@ -19,7 +19,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use super::{Candidate, Unread};
-use crate::error::{DataError, Problem, likely_unit};
+use crate::error::{DataError, likely_unit};
 use crate::log::{Format, LogFormat, Selection};
 use crate::signals::column_unit;
 #[cfg(feature = "mcap")]
@@ -124,9 +124,7 @@ impl Lister {
         #[cfg(not(feature = "can"))]
         let is_bus_log = false;
         if dbc.is_some() && !is_bus_log {
-            return Err(fail(Problem::NotApplicable(
-                "a DBC file says what the frames of a CAN log mean; this is none",
-            )));
+            return Err(fail("a DBC file says what the frames of a CAN log mean; this is none".into()));
         }
         let source = match format {
             #[cfg(feature = "can")]
@@ -312,7 +310,6 @@ impl ListedSignal {
     }
 }
 
-/// Some of these names.
 #[cfg(feature = "parquet")]
 fn some(names: &[String]) -> String {
     const MOST: usize = 5;

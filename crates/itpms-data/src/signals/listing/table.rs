@@ -33,7 +33,8 @@ impl TableLister {
     pub(super) fn open(path: &Path, rows: &[Selection]) -> Result<Self, Problem> {
         let (file, about) = input::open(path)?;
         let mut lines = Lines::new(file);
-        let nothing = || Problem::NoHeader("the names of the columns".to_owned());
+        let nothing =
+            || Problem::from("the file is empty, expected a header line with the names of the columns");
         let head = TextHead::read(&mut lines)?.ok_or_else(nothing)?;
         let time = super::clock(&head.names, &head.units);
         let ranges = vec![Range::default(); head.names.len()];

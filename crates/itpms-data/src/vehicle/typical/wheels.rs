@@ -73,7 +73,6 @@ fn tire(out: &mut String, table: &str, size: &TireSize) {
     radius_keys(out);
 }
 
-/// Tracks and driven axle.
 pub(super) fn axle_keys(out: &mut String, axles: &AxleWheels) {
     for (key, track_m) in ["track_front_m", "track_rear_m"].into_iter().zip(axles.track_m) {
         let from = if track_m.is_some() { "as given" } else { "typical of cars; measure it to 1 cm" };

@@ -20,7 +20,6 @@ pub(super) struct Message {
     pub(super) payload: Vec<u8>,
 }
 
-/// The outbox.
 #[derive(Debug)]
 pub(super) struct Outbox {
     waiting: VecDeque<Message>,
@@ -84,7 +83,6 @@ impl Outbox {
         self.sent.retain(|(known, _)| *known != Some(number));
     }
 
-    /// The connection is there.
     pub(super) fn connected(&mut self) {
         self.connected = true;
         if self.closed.is_none() {

@@ -21,7 +21,6 @@ use itpms_live::source::{Speed, broker, replay, stdin};
 use super::{access, failure};
 use crate::args::MonitorArgs;
 
-/// An opened source.
 pub(super) struct Source {
     kind: Kind,
     /// Tooth pulses beside a log.
@@ -31,9 +30,7 @@ pub(super) struct Source {
 }
 
 enum Kind {
-    /// A drive log.
     Rows(Box<LogReader>, Speed),
-    /// A CAN log.
     Frames(Box<FrameReader>, Speed),
     Lines,
     Broker(BrokerAddress),
@@ -143,7 +140,6 @@ impl Source {
         }
     }
 
-    /// Starts its thread.
     pub(super) fn start(self, inputs: &Arc<Queue<Input>>, stop: &Arc<AtomicBool>, say: &NoteSink) {
         let (inputs, stop, say) = (Arc::clone(inputs), Arc::clone(stop), Arc::clone(say));
         match self.kind {

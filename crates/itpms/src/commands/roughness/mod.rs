@@ -39,7 +39,6 @@ struct Found {
 const SIDES: [&str; 2] = ["left", "right"];
 
 impl Found {
-    /// What a profile tells.
     fn of_table(about: String, table: RoughnessTable, warnings: Vec<String>) -> Self {
         Self { about, table, anomalies: Default::default(), way: Way::default(), warnings }
     }

@@ -27,7 +27,6 @@ struct Shared {
 }
 
 impl Broker {
-    /// A broker that is there.
     pub(super) fn new() -> io::Result<Self> {
         let listener = TcpListener::bind("127.0.0.1:0")?;
         let mut broker = Self { address: listener.local_addr()?, shared: Arc::default(), door: None };

@@ -30,7 +30,6 @@ struct Outcome {
     found: String,
 }
 
-/// What every campaign is given.
 struct Campaign<'a> {
     subject: &'a Subject,
     effort: f64,

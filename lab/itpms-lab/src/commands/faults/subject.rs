@@ -28,7 +28,6 @@ const DRIVE_S: f64 = 120.0;
 /// Seconds of the older and of the newer calibration.
 const CALIBRATIONS_S: [f64; 2] = [30.0, 60.0];
 
-/// What faults are tried on.
 pub(super) struct Subject {
     pub(super) vehicle: Vehicle,
     pub(super) rows: Vec<LogRow>,

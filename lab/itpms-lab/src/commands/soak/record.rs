@@ -94,7 +94,6 @@ impl Record {
         if self.own { Ok(()) } else { self.begin() }
     }
 
-    /// Keeps an hour.
     pub(super) fn add(&mut self, hour: Hour) -> Result<(), Failure> {
         self.ledger.append(&hour.to_line())?;
         self.hours.insert(hour.seed, hour);

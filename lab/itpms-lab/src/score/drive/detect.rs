@@ -26,7 +26,6 @@ const SPEED_KM_H: [f64; 2] = [20.0, 120.0];
 /// Seconds driven after a warning, to see whether more is reported.
 const AFTER_S: f64 = 20.0;
 
-/// What goes down, and how.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Loss {
     name: &'static str,
@@ -41,7 +40,6 @@ struct Loss {
     rate_hz: f64,
     /// Longest time in s that a warning may take.
     goal_s: f64,
-    /// Drives per seed asked for.
     drives_per_seed: f64,
 }
 
@@ -70,7 +68,6 @@ const ALL_IN_A_MINUTE: Loss = Loss {
 const ALL_IN_AN_HOUR: Loss =
     Loss { name: "all four in an hour", takes_s: [3600.0, 3600.0], drives_per_seed: 0.1, ..ALL_IN_A_MINUTE };
 
-/// What one drive showed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Found {
     plant: Plant,

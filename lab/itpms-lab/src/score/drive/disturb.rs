@@ -28,7 +28,6 @@ const BENDS_S_M_S2: [[f64; 2]; 12] = [
     [34.0, 0.0],
 ];
 
-/// One thing that is changed.
 struct Disturbance {
     name: &'static str,
     change: fn(Drive) -> Drive,

@@ -34,7 +34,6 @@ const COVERED: Column = Column::new("coverage", "cover", 3);
 const COVERED_CHANGE: Column = Column::new("coverage_in_change", "drop", 3);
 const COVERED_HOLDING: Column = Column::new("holding_coverage_in_change", "drop*", 3);
 
-/// One wheel on one drive.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Wheel {
     judged: ErrorSum,
@@ -74,7 +73,6 @@ struct Entry {
     struck_kpa: Option<f64>,
 }
 
-/// The drives to follow.
 #[derive(Default)]
 pub(super) struct Plan {
     entries: Vec<Entry>,

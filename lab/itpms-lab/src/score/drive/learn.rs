@@ -57,7 +57,6 @@ struct Later {
     wrong: bool,
 }
 
-/// What one car showed.
 struct Found {
     /// By parameter, then by corner.
     parameters: Vec<Vec<Learnt>>,
@@ -65,7 +64,6 @@ struct Found {
     later: Vec<Option<Later>>,
 }
 
-/// The cars.
 #[derive(Default)]
 pub(super) struct Plan {
     subjects: Vec<(Subject, usize)>,

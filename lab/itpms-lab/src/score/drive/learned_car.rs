@@ -60,10 +60,8 @@ impl Subject {
     }
 }
 
-/// A drawn car.
 #[derive(Debug, Clone)]
 pub(super) struct DrawnCar {
-    /// What its file says.
     pub(super) file: CarConfig<f64>,
     /// What is simulated, on the road of the learning drive, at placard pressures.
     pub(super) scenario: Scenario,

@@ -44,7 +44,6 @@ use crate::sensors::{equipped, take_row, wheel_speeds_beside};
 /// Length in s of the reset that a row's `reset` stands for.
 const RESET_S: f64 = 10.0;
 
-/// What carries the wheels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Plant {
     /// One rigid body over four wheels.
@@ -94,7 +93,6 @@ struct Drive {
     wheelbase_m: f64,
     /// Whether a rigid car has wheel speeds beside.
     wheel_speeds: bool,
-    /// The wheel that goes down.
     struck: Corner,
     /// All that counts for RMSE and coverage.
     judged: Window,
@@ -179,7 +177,6 @@ impl Drive {
         (!self.setups.is_empty()).then_some(self)
     }
 
-    /// What the estimator is given.
     fn file_config(&self) -> Result<CarConfig<f64>, ScoreError> {
         let mut config = CarConfig { corners: [None; 4], wheelbase_m: Some(self.wheelbase_m) };
         for (corner, _) in self.scenario.corner.iter() {
@@ -188,7 +185,6 @@ impl Drive {
         Ok(config)
     }
 
-    /// What is simulated with a seed.
     fn simulated(&self, seed: u64) -> Scenario {
         let mut scenario = self.scenario.clone();
         if self.wheel_speeds && scenario.car.is_some() {
@@ -279,7 +275,6 @@ impl Plan {
         Ok(Self { errors, detection, real, learn, several })
     }
 
-    /// Drives in all.
     pub(super) fn drives(&self) -> u64 {
         self.errors.drives()
             + self.detection.drives()

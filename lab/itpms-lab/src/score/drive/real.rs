@@ -63,7 +63,6 @@ struct Found {
     early: bool,
 }
 
-/// The drives.
 #[derive(Default)]
 pub(super) struct Plan {
     levels: Vec<(Subject, usize)>,

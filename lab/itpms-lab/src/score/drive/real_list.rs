@@ -15,7 +15,6 @@ use super::Drive;
 #[derive(Debug)]
 pub(super) struct Deviation {
     pub(super) name: &'static str,
-    /// The car of a seed.
     pub(super) change: fn(Drive, u64) -> Drive,
     /// The tire that is flat from the start, if one is.
     pub(super) flat: Option<Corner>,

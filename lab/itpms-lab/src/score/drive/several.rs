@@ -130,7 +130,6 @@ fn side(corner: Corner) -> usize {
     corner.index() % 2
 }
 
-/// What one drive showed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Found {
     /// Seconds from the complete loss until all its tires have been named; infinite if they never were.
@@ -155,7 +154,6 @@ struct Shape {
     over_stated: f64,
 }
 
-/// The drives.
 #[derive(Default)]
 pub(super) struct Plan {
     cases: Vec<(Case, usize)>,

@@ -50,7 +50,6 @@ const DAMPER_DIGRESSION_S_PER_M: [f64; 2] = [0.0, 2.0];
 const REAR_OFFSET_M: [f64; 2] = [-0.02, 0.02];
 const SENSOR_NOISE_M_S2: f64 = 0.05;
 
-/// A drawn car.
 #[derive(Debug, Clone)]
 pub(super) struct OwnCar {
     /// What its owner has written about it.
@@ -62,7 +61,6 @@ pub(super) struct OwnCar {
     pub(super) placard_kpa: f64,
 }
 
-/// Draws evenly.
 pub(super) struct Source(Pcg64);
 
 impl Source {

@@ -28,7 +28,6 @@ const FRONT_SEAT: [f64; 2] = [1.3, -0.36];
 const BACK_SEATS: [[f64; 2]; 2] = [[2.15, 0.36], [2.15, -0.36]];
 const BOOT: [f64; 2] = [3.1, 0.0];
 
-/// A day.
 #[derive(Debug, Clone)]
 pub(super) struct Day {
     class: RoadClass,
@@ -134,7 +133,6 @@ const fn changed(name: &'static str, edit: fn(&mut Deviations)) -> Change {
     Change { name, edit, warm: 1.0, load: None }
 }
 
-/// Nothing.
 pub(super) const SAME: Change = changed("nothing", |_| {});
 
 /// What may be different on a later day, and what is another car.

@@ -56,7 +56,6 @@ impl Plan {
         Self { subjects: vec![(subject, if empty { 0 } else { cars })] }
     }
 
-    /// Cars in all.
     pub(super) fn drives(&self) -> u64 {
         self.subjects.iter().map(|(_, cars)| *cars as u64).sum()
     }

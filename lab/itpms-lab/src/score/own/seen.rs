@@ -28,10 +28,8 @@ pub(super) struct Wheel {
     before: [f64; 2],
 }
 
-/// A drive.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Seen {
-    /// The tire that loses air.
     pub(super) struck: Option<Corner>,
     pub(super) wheels: [Wheel; 4],
     /// Seconds from the complete loss to the warning of that tire.

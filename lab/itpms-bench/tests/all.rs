@@ -1,3 +1,0 @@
-//! All tests of this crate in one program.
-
-mod peers;
