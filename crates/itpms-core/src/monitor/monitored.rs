@@ -93,17 +93,18 @@ impl<T: Real> MonitoredCar<T> {
     /// Takes one sample of the accelerations; gives the estimate after it, its validity and warnings being the monitor's.
     pub fn update(&mut self, sample: &CarSample<T>) -> CarEstimate<T> {
         let at = self.estimator.clock().take(sample.time_s, sample.speed_m_s);
-        if !self.estimator.has_corners() {
-            return self.estimator.update_at(&at, sample);
-        }
-        let (at, screened) = self.monitor.screen(&at, sample);
+        let watched = self.estimator.has_corners();
+        let (at, screened) = if watched { self.monitor.screen(&at, sample) } else { (at, *sample) };
         let suspected = self.monitor.take_rollback_request();
         if !suspected.is_empty() {
             self.estimator.rollback(Corner::ALL.map(|corner| suspected.contains(corner)));
         }
         let mut estimate = self.estimator.update_at(&at, &screened);
-        for corner in self.monitor.judge(&at, &mut estimate).iter() {
-            self.estimator.restart_corner(corner);
+        // Without corners the report is the wheel speeds'.
+        if watched {
+            for corner in self.monitor.judge(&at, &mut estimate).iter() {
+                self.estimator.restart_corner(corner);
+            }
         }
         estimate
     }

@@ -16,7 +16,7 @@ use super::state::SCALE;
 use super::yaw_witness::YawWitness;
 use crate::conditioning::pauses::{LONG_STOP_S, PAUSE_S};
 use crate::diagnosis::Malfunction;
-use crate::memory::Blank;
+use crate::memory::{Blank, Placed};
 use crate::model::{Corner, ParameterError, RadiusDifferences, SEEN, Wheels};
 use crate::real::Real;
 use crate::torsion::TorsionEvidence;
@@ -48,7 +48,7 @@ pub(crate) struct RadiusMonitor<T> {
     phase: Phase<T>,
     /// Usable driving of the calibration so far, in s.
     learned_s: T,
-    calibration: Option<RadiusCalibration<T>>,
+    calibration: Placed<RadiusCalibration<T>>,
     /// The radii at the calibration against those at the pressures that should be, in thousandths.
     radius_1e3: [T; 4],
     filter: Filter<T>,
@@ -103,7 +103,8 @@ impl<T: Real> RadiusMonitor<T> {
         }
         self.phase = Phase::Learning(usable_s.at_least(T::lit(LEAST_CALIBRATION_S)));
         self.learned_s = T::zero();
-        (self.calibration, self.refused_snow) = (None, false);
+        self.calibration.clear();
+        self.refused_snow = false;
         self.load_days(&RadiusDays::BLANK);
         (self.yaw, self.following, self.was_astray) = (YawWitness::BLANK, Following::BLANK, false);
         (self.began_anew, self.loads_may_differ) = (false, false);
@@ -126,11 +127,11 @@ impl<T: Real> RadiusMonitor<T> {
     /// that was enough (10 s of usable driving); if not, nothing was learned.
     pub(crate) fn end_calibration(&mut self) -> bool {
         if !matches!(self.phase, Phase::Learning(_)) {
-            return self.calibration.is_some();
+            return self.calibration.as_ref().is_some();
         }
         if self.learned_s >= T::lit(LEAST_CALIBRATION_S) {
             self.learned();
-            return self.calibration.is_some();
+            return self.calibration.as_ref().is_some();
         }
         self.phase = Phase::Uncalibrated;
         self.report.forget(RadiusState::Uncalibrated);
@@ -144,7 +145,7 @@ impl<T: Real> RadiusMonitor<T> {
         if !self.configured || !calibration.is_sane() {
             return false;
         }
-        self.calibration = Some(*calibration);
+        self.calibration.set(Some(*calibration));
         if calibration.leaves_out_yaw_rate {
             self.yaw.doubt();
         }
@@ -443,7 +444,7 @@ impl<T: Real> RadiusMonitor<T> {
                 *entry = belief.get(state, other);
             }
         }
-        self.calibration = Some(calibration);
+        self.calibration.set(Some(calibration));
         self.load_days(&RadiusDays::since(self.clock_began_unix_s + self.report.time_s));
         self.filter.is_dry();
         self.phase = Phase::Watching;
@@ -462,7 +463,7 @@ impl<T: Real> RadiusMonitor<T> {
 
     /// Numbers ran away: what was learned is kept, the rest begins anew.
     fn restart(&mut self) {
-        match self.calibration {
+        match self.calibration.get() {
             Some(calibration) => self.watch_again(&calibration),
             None => self.filter.begin(&self.config, &self.radius_1e3),
         }

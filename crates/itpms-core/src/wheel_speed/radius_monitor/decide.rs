@@ -22,7 +22,7 @@ impl<T: Real> RadiusMonitor<T> {
     /// Goes on with what the days since the calibration have shown.
     pub(crate) fn load_days(&mut self, days: &RadiusDays<T>) {
         self.days = *days;
-        self.slow_leak = match &self.calibration {
+        self.slow_leak = match self.calibration.as_ref() {
             Some(calibration) => days.verdict(&self.usual(calibration)),
             None => SlowLeak::BLANK,
         };
