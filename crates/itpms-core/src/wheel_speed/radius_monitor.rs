@@ -42,7 +42,7 @@ impl<T> Blank for Phase<T> {
 /// Finds which tires roll on a smaller radius than at the calibration; less than 5 kB in `f32`.
 #[derive(Debug, Clone, Copy, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct RadiusMonitor<T> {
+pub(crate) struct RadiusMonitor<T: Real> {
     config: WheelSpeedConfig<T>,
     configured: bool,
     phase: Phase<T>,
