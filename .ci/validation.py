@@ -23,6 +23,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 DATA, PAGE, README = ROOT / "docs" / "validation.toml", ROOT / "docs" / "validation.md", ROOT / "README.md"
+# What a controller takes, held by `.ci/run firmware`.
+COUNTS = ROOT / "examples" / "firmware" / "counts.txt"
 KINDS = {
     "recorded": ("Real recordings", "Wheel speeds of real cars. Of accelerations no recording at hand has a valid pressure: their accuracy is known from "
                  "simulation alone."),
@@ -141,6 +143,11 @@ def check(data: dict) -> list[str]:
         text, where = filled(sentence["has"], named), sentence["page"]
         if words(text) not in words((ROOT / where).read_text(encoding="utf-8")):
             faults.append(f"{where} lacks: {text}")
+    counts = {line.rpartition(" ")[0]: float(line.rpartition(" ")[2]) for line in COUNTS.read_text().splitlines() if not line.startswith("#")}
+    for claim in (claim for claim in named.values() if "counts" in claim):
+        value = claim.get("times", 1.0) * counts[claim["counts"]]
+        if number(claim["figure"]) != round(value):
+            faults.append(f"{claim['id']}: {claim['figure']}, and {COUNTS.name} has {value:.0f}")
     for run in data["run"]:
         if run["kind"] not in KINDS:
             faults.append(f"{run['title']}: no kind {run['kind']}")

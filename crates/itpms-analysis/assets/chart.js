@@ -184,19 +184,20 @@ const Chart = (() => {
       }) - 1);
     }
     const outputs = items.map((item) => {
-      const li = element("li"), output = element("output");
-      li.append(swatch(item), document.createTextNode(item.label), output);
-      li.setAttribute("role", "button");
-      li.tabIndex = 0;
-      li.title = "Show or hide";
+      const li = element("li"), button = element("button"), output = element("output");
+      button.append(swatch(item), document.createTextNode(item.label), output);
+      button.type = "button";
+      button.title = "Show or hide";
+      button.ariaPressed = "true";
+      li.append(button);
       const flip = () => {
-        const show = li.classList.toggle("off") === false;
+        const show = button.ariaPressed !== "true";
+        button.ariaPressed = String(show);
         item.index.forEach((i) => plot.setSeries(i, { show }));
         bands.forEach((band) => (band.show = plot.series[band.series[0]].show));
         plot.redraw();
       };
-      li.addEventListener("click", flip);
-      li.addEventListener("keydown", (e) => (e.key === "Enter" || e.key === " ") && (e.preventDefault(), flip()));
+      button.addEventListener("click", flip);
       legend.append(li);
       return output;
     });

@@ -34,7 +34,7 @@ pub(super) fn table(data: &ReportData) -> String {
         return "<p class=\"verdict\">Nothing was warned of.</p>".to_owned();
     }
     let mut out = String::from(
-        "<div class=\"scroll\"><table class=\"alerts\"><thead><tr><th scope=\"col\">Wheel</th>\
+        "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Warnings\"><table class=\"alerts\"><thead><tr><th scope=\"col\">Wheel</th>\
          <th scope=\"col\">Warning</th><th scope=\"col\">Reported at</th><th scope=\"col\">Since</th>\
          <th scope=\"col\">Until</th></tr></thead><tbody>\n",
     );

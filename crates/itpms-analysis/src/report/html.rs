@@ -75,7 +75,7 @@ fn contents(data: &ReportData, has: [bool; 3]) -> String {
     for corner in &data.corners {
         link(true, corner.corner.label(), corner_name(corner.corner));
     }
-    link(true, "figures", "Figures");
+    link(!data.corners.is_empty(), "figures", "Figures");
     link(parameters, "parameters", "Parameters");
     link(true, "reading", "How to read this");
     link(true, "provenance", "Where this comes from");
@@ -146,8 +146,8 @@ fn roads_section(data: &ReportData) -> String {
         return String::new();
     }
     format!(
-        "<section id=\"roads\"><h2>Road under the tracks</h2><p class=\"verdict\">Road heights estimated from the accelerations; waves \
-         longer than they show are left out.</p><div class=\"panels\" data-roads></div>{table}</section>\n"
+        "<details class=\"fold\" id=\"roads\"><summary><h2>Road under the tracks</h2></summary><p class=\"verdict\">Road heights estimated \
+         from the accelerations; waves longer than they show are left out.</p><div class=\"panels\" data-roads></div>{table}</details>\n"
     )
 }
 
@@ -208,25 +208,27 @@ fn gauge(corner: &CornerReport, pressure_kpa: f64, sd_kpa: f64) -> String {
     )
 }
 
-/// Each corner's place for its curves; what a single corner has to say is the headline already.
+/// Each corner's place for its curves, folded where there are several; what a single corner has to say is the headline already.
 fn sections(data: &ReportData) -> String {
     let mut out = String::new();
+    let several = data.corners.len() > 1;
     for (index, corner) in data.corners.iter().enumerate() {
-        let status = Status::of(corner);
-        let _ = write!(
-            out,
-            "<section class=\"corner\" id=\"{}\"><h2>{} <span class=\"badge {}\">{}</span></h2>",
-            corner.corner.label(),
+        let (id, status) = (corner.corner.label(), Status::of(corner));
+        let heading = format!(
+            "<h2>{} <span class=\"badge {}\">{}</span></h2>",
             corner_name(corner.corner),
             status.class(),
             Status::badge(corner),
         );
-        if data.corners.len() > 1 {
-            let _ =
-                write!(out, "<p class=\"verdict\">{}.</p>", escape(&sentence(corner, data.pressure_unit)));
-        }
-        let _ = write!(out, "<div class=\"panels\" data-corner=\"{index}\"></div>");
-        if data.corners.len() > 1 {
+        let (begin, end) = if several {
+            let verdict = escape(&sentence(corner, data.pressure_unit));
+            let summary = format!("<summary>{heading}<span class=\"verdict\">{verdict}.</span></summary>");
+            (format!("<details class=\"corner fold\" id=\"{id}\">{summary}"), "</details>")
+        } else {
+            (format!("<section class=\"corner\" id=\"{id}\">{heading}"), "</section>")
+        };
+        let _ = write!(out, "{begin}<div class=\"panels\" data-corner=\"{index}\"></div>");
+        if several {
             let _ = write!(
                 out,
                 "<details class=\"inner\"><summary>Inside the estimator</summary>\
@@ -238,7 +240,7 @@ fn sections(data: &ReportData) -> String {
                 "<p class=\"note\">No road is shown: it takes a known speed above 2.5 m/s and a road estimate.</p>",
             );
         }
-        out.push_str("</section>\n");
+        let _ = writeln!(out, "{end}");
     }
     out
 }
@@ -367,9 +369,15 @@ fn count(n: u64) -> String {
     out
 }
 
-/// One line per figure, one column per corner; lines without any value are left out.
+/// One line per figure, one column per corner; lines without any value are left out. Of wheel speeds alone there are none.
 fn figures(data: &ReportData) -> String {
-    let mut out = String::from("<table class=\"figures\"><thead><tr><th></th>");
+    if data.corners.is_empty() {
+        return String::new();
+    }
+    let mut out = String::from(
+        "<details class=\"fold\" id=\"figures\"><summary><h2>Figures</h2></summary>\
+         <div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Figures\"><table class=\"figures\"><thead><tr><td></td>",
+    );
     for corner in &data.corners {
         let _ = write!(out, "<th scope=\"col\">{}</th>", corner_name(corner.corner));
     }
@@ -386,7 +394,7 @@ fn figures(data: &ReportData) -> String {
         }
         out.push_str("</tr>\n");
     }
-    out.push_str("</tbody></table>");
+    out.push_str("</tbody></table></div></details>\n");
     out
 }
 

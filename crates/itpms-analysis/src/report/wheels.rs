@@ -226,7 +226,7 @@ pub(super) fn section(data: &ReportData) -> String {
     let Some(wheels) = &data.wheel_speeds else { return String::new() };
     let mut out = format!(
         "<section id=\"wheel-speeds\"><h2>Wheel speeds</h2><p class=\"verdict\">By the wheel speeds {}.</p>\
-         <div class=\"panels\" data-wheels=\"lost\"></div><div class=\"scroll\"><table class=\"figures\"><thead><tr><th></th>\
+         <div class=\"panels\" data-wheels=\"lost\"></div><div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Wheel speeds\"><table class=\"figures\"><thead><tr><td></td>\
          <th scope=\"col\">Radius since the calibration</th><th scope=\"col\">Lost of its pressure</th>\
          <th scope=\"col\">Would have shown</th><th scope=\"col\">State</th></tr></thead><tbody>\n",
         escape(&found(&wheels.last))
