@@ -317,7 +317,7 @@ const Chart = (() => {
     ["bad signal", "warn", "cross"], ["diverged", "low", "cross"], ["car does not fit", "warn", "lines"],
   ];
   const WARNING = [["none", "grid", "plain"], ["malfunction", "warn", "cross"], ["low", "low", "lines"]];
-  const STATE = [["fine", "fine", "plain"], ["not known", "quiet", "dots"], ["too high", "extra", "lines"], ["malfunction", "warn", "cross"], ["low", "low", "lines"]];
+  const STATE = [["fine", "fine", "plain"], ["unknown", "quiet", "dots"], ["uncertain", "quiet", "lines"], ["over-inflated", "extra", "lines"], ["malfunction", "warn", "cross"], ["low", "low", "lines"]];
 
   // rows: [name, stretches [from, to, code], table of codes], drawn from top to bottom; `axis`: with a time axis.
   function strip(figure, rows, axis) {

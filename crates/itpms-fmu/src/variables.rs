@@ -261,7 +261,14 @@ const CORNER: [Row<OfCorner>; 24] = {
         (OfCorner::Road, Output, Real, "road_m", "m", "Height of the road under the wheel, without drift."),
         (OfCorner::RoadSd, Output, Real, "road_sd_m", "m", "Its standard deviation."),
         (OfCorner::Valid, Output, Boolean, "is_valid", "", "Whether the pressure may be shown."),
-        (OfCorner::State, Output, Integer, "state", "", "0 unknown, 1 fine, 2 low, 3 over, 4 malfunction."),
+        (
+            OfCorner::State,
+            Output,
+            Integer,
+            "state",
+            "",
+            "0 unknown, 1 fine, 2 low, 3 over, 4 malfunction, 5 uncertain.",
+        ),
         (OfCorner::Warning, Output, Integer, "warning", "", "0 none, 1 low, 2 malfunction."),
     ]
 };

@@ -119,7 +119,7 @@ pub fn found(radii: &RadiusReport<f64>) -> String {
             format!("the {} {verb} since the calibration", names(wheels))
         }
         RadiusState::OneOf(wheels) if wheels.iter().count() == 4 => {
-            "one of the tires differs from the others since the calibration; which, is not known".to_owned()
+            "one of the tires differs from the others since the calibration; which one, is unknown".to_owned()
         }
         RadiusState::OneOf(wheels) => {
             let either: Vec<String> = wheels.iter().map(|c| corner_name(c).to_lowercase()).collect();
@@ -238,8 +238,8 @@ pub(super) fn section(data: &ReportData) -> String {
         let state = match last.and_then(|last| last[corner.index()]) {
             Some(WheelState::Low) => "low",
             Some(WheelState::Fine) => "as the others",
-            _ if !known || !wheel.informed() => "not known",
-            _ if wheel.low_probability > 0.5 => "in doubt",
+            _ if !known || !wheel.informed() => "unknown",
+            _ if wheel.low_probability > 0.5 => "uncertain",
             _ => "as the others",
         };
         let _ = writeln!(

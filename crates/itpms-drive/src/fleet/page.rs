@@ -69,13 +69,14 @@ pub(super) fn headline(cars: &[CarStanding<'_>]) -> String {
             format!("{n} of {all} {}", if n == 1 { one } else { more })
         }
     };
-    match (count(State::Low), count(State::Malfunction), count(State::Over), count(State::Unknown)) {
+    let unsure = count(State::Uncertain) + count(State::Unknown);
+    match (count(State::Low), count(State::Malfunction), count(State::Over), unsure) {
         (0, 0, 0, 0) => match cars.len() {
             1 => "The car is fine".to_owned(),
             _ => format!("All {all} are fine"),
         },
-        (0, 0, 0, n) => say(n, "is not known well enough", "are not known well enough"),
-        (0, 0, n, _) => say(n, "has a tire with too much pressure", "have a tire with too much pressure"),
+        (0, 0, 0, n) => say(n, "is unknown or uncertain", "are unknown or uncertain"),
+        (0, 0, n, _) => say(n, "has an over-inflated tire", "have an over-inflated tire"),
         (0, n, ..) => say(n, "has a sensor fault", "have a sensor fault"),
         (n, ..) => say(n, "has a low tire", "have a low tire"),
     }
@@ -132,8 +133,9 @@ fn word(state: State) -> &'static str {
     match state {
         State::Low => "Low",
         State::Malfunction => "Malfunction",
-        State::Over => "Too high",
-        State::Unknown => "Not known",
+        State::Over => "Over-inflated",
+        State::Uncertain => "Uncertain",
+        State::Unknown => "Unknown",
         State::Fine => "Fine",
     }
 }
@@ -222,7 +224,7 @@ fn wheel_cell(drive: &DriveRecord, name: &str, unit: PressureUnit) -> String {
         );
     }
     let Some(last) = wheel.last else {
-        return format!("<td class=\"wheel {class}\" data-label=\"{short}\">not known</td>");
+        return format!("<td class=\"wheel {class}\" data-label=\"{short}\">unknown</td>");
     };
     let percent = 100.0 * last.pressure_kpa / wheel.placard_kpa;
     format!(
@@ -327,7 +329,7 @@ fn lowest_words(drive: &DriveRecord, unit: PressureUnit) -> String {
             let [now, placard] = [last.pressure_kpa, wheel.placard_kpa].map(|kpa| unit.number(kpa, 0));
             format!("{} {now} of {placard}\u{a0}{unit}", wheel.wheel.to_uppercase())
         }
-        None => lost_words(drive).unwrap_or_else(|| "not known".to_owned()),
+        None => lost_words(drive).unwrap_or_else(|| "unknown".to_owned()),
     }
 }
 
