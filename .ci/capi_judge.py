@@ -25,8 +25,7 @@ def differences(a: dict, b: dict, least_rows: int) -> tuple[list[float], int]:
                 if (x == x) != (y == y):
                     raise SystemExit(f"{time} s {column}: {x} and {y}")
                 found.append(abs(x - y) if x == x else 0.0)
-            # `estimate` has a word more for what is not known.
-            x, y = (row[time][f"{corner}_state"].replace("uncertain", "unknown") for row in (a, b))
+            x, y = (row[time][f"{corner}_state"] for row in (a, b))
             states += x != y
     if len(found) < 8 * least_rows:
         raise SystemExit(f"{len(found)} cells in common, expected {8 * least_rows} or more")

@@ -20,7 +20,7 @@ from pathlib import Path
 PROGRAMS, FOLDER = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve()
 ROOT = Path(__file__).resolve().parent.parent
 RUN = ["README.md", "docs/vehicle.md", "docs/reset.md", "docs/commands.md", "docs/measurements.md", "docs/introduction.md",
-    "examples/README.md", "examples/wheel-speeds/README.md"]
+    "docs/field-kit.md", "examples/README.md", "examples/wheel-speeds/README.md"]
 READ = sorted({*RUN, *(str(p.relative_to(ROOT)) for p in (ROOT / "docs").rglob("*.md")), "examples/identify/README.md"})
 NOT_RUN = {
     "cargo run --release -- demo": "takes a build; the step demo runs it",
@@ -98,6 +98,9 @@ def given(page, folder):
         bus_drive(folder, "drive.log")
         head, rows = (folder / "drive.csv").read_text().split("\n", 1)
         (folder / "other.csv").write_text(f"{head.replace('time_s', 'Time [s]').replace('speed_m_s', 'VehicleSpeed [m/s]', 1)}\n{rows}")
+    elif page == "docs/field-kit.md":
+        scenario = ROOT / "crates" / "itpms" / "tests" / "data" / "field.toml"
+        itpms(folder, "lab", "simulate", scenario, "-o", "drive.csv", "--no-truth")
     elif page == "docs/introduction.md":
         itpms(folder, "lab", "simulate", "drive-puncture", "--seed", 1, "-o", "drive.csv")
         (folder / "target").mkdir()

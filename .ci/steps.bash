@@ -27,8 +27,11 @@ lint() { cargo clippy --workspace --all-targets --all-features --locked -- -D wa
 # With clippy's features: what it has checked is checked.
 docs() { RUSTDOCFLAGS="-D warnings" cargo doc --workspace --all-features --no-deps --locked; }
 
-# Links, equation numbers and symbols of the derivations.
-pages() { python3 .ci/book.py; }
+# Links, equation numbers and symbols of the derivations; that the validation page and README have the figures of docs/validation.toml.
+pages() {
+    python3 .ci/book.py
+    python3 .ci/validation.py
+}
 
 # The documentation as a book. Building mdbook takes minutes, so it is used where it is or where it can be had quickly.
 book() {
@@ -470,6 +473,36 @@ dashboard() {
     example itpms-live made_up_car
     cd "$tests"
     CHROMIUM="$(command -v "$browser")" ITPMS="$built/release/itpms" ITPMS_MADE_UP="$built/release/examples/made_up_car" npm test
+}
+
+# The pages that are written, and the live one, in a browser at the width of a phone and of a desk, light and dark: nothing serious by
+# axe-core, all reached by Tab, silent, as wide as their window. Pictures to look at are left in ci-browser of the target folder.
+browser() {
+    command -v node >/dev/null && command -v npm >/dev/null || skip "node and npm are not installed"
+    local found built tests made monitor address="" i
+    found="$(find_browser)" || install_package chromium
+    found="$(find_browser)" || skip "no Chromium here and none to be had"
+    timeout 60 "$found" --headless --no-sandbox --disable-gpu --no-first-run --dump-dom 'data:text/html,<p>hello' 2>/dev/null |
+        grep -q hello || skip "$found does not run here"
+    built="$(realpath -m "$target_dir")" tests="$built/ci-browser" made="$built/ci-browser/pages"
+    rm -rf "$tests" && mkdir -p "$made"
+    cp crates/itpms-live/dashboard/e2e/*.json .ci/pages.mjs "$tests"
+    (cd "$tests" && timeout 180 npm ci --ignore-scripts --no-audit --no-fund) || skip "the test packages cannot be fetched"
+    cargo build --release --locked
+    .ci/pages-make "$built/release/itpms" "$made"
+    "$built/release/itpms" monitor --replay "$made/demo/drive.csv" --speed 4 --vehicle "$made/demo/car.toml" --http 127.0.0.1:0 \
+        </dev/null >"$tests/monitor.txt" 2>&1 &
+    monitor=$!
+    for ((i = 0; i < 50; i++)); do
+        address="$(grep -om1 'http://[0-9.:]*/' "$tests/monitor.txt" || true)"
+        [[ -z "$address" ]] || break
+        sleep 0.2
+    done
+    [[ -n "$address" ]] || { cat "$tests/monitor.txt"; kill "$monitor"; exit 1; }
+    cd "$tests"
+    CHROMIUM="$(command -v "$found")" node pages.mjs pictures pages/demo/report.html pages/{wheels,plot,check}.html \
+        pages/{fleet,study}/index.html pages/certify.html "$address" || { kill "$monitor"; exit 1; }
+    kill "$monitor"
 }
 
 find_browser() {

@@ -15,7 +15,7 @@
 #define LONGEST_LINE 4096
 
 static const char *const labels[4] = { "fl", "fr", "rl", "rr" };
-static const char *const states[5] = { "unknown", "fine", "low", "over", "malfunction" };
+static const char *const states[6] = { "unknown", "fine", "low", "over", "malfunction", "uncertain" };
 
 /* Memory of the car: doubles are aligned for whatever it holds. */
 static double memory[ITPMS_CAR_MAX_SIZE / sizeof(double)];

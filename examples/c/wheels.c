@@ -11,7 +11,7 @@
 #include "itpms.h"
 #include "vehicle_file.h"
 
-static const char *const states[3] = { "unknown", "fine", "low" };
+static const char *const states[6] = { "unknown", "fine", "low", "over", "malfunction", "uncertain" };
 
 static double memory[ITPMS_WHEELS_MAX_SIZE / sizeof(double)];
 

@@ -184,19 +184,20 @@ const Chart = (() => {
       }) - 1);
     }
     const outputs = items.map((item) => {
-      const li = element("li"), output = element("output");
-      li.append(swatch(item), document.createTextNode(item.label), output);
-      li.setAttribute("role", "button");
-      li.tabIndex = 0;
-      li.title = "Show or hide";
+      const li = element("li"), button = element("button"), output = element("output");
+      button.append(swatch(item), document.createTextNode(item.label), output);
+      button.type = "button";
+      button.title = "Show or hide";
+      button.ariaPressed = "true";
+      li.append(button);
       const flip = () => {
-        const show = li.classList.toggle("off") === false;
+        const show = button.ariaPressed !== "true";
+        button.ariaPressed = String(show);
         item.index.forEach((i) => plot.setSeries(i, { show }));
         bands.forEach((band) => (band.show = plot.series[band.series[0]].show));
         plot.redraw();
       };
-      li.addEventListener("click", flip);
-      li.addEventListener("keydown", (e) => (e.key === "Enter" || e.key === " ") && (e.preventDefault(), flip()));
+      button.addEventListener("click", flip);
       legend.append(li);
       return output;
     });
@@ -316,7 +317,7 @@ const Chart = (() => {
     ["bad signal", "warn", "cross"], ["diverged", "low", "cross"], ["car does not fit", "warn", "lines"],
   ];
   const WARNING = [["none", "grid", "plain"], ["malfunction", "warn", "cross"], ["low", "low", "lines"]];
-  const STATE = [["fine", "fine", "plain"], ["not known", "quiet", "dots"], ["too high", "extra", "lines"], ["malfunction", "warn", "cross"], ["low", "low", "lines"]];
+  const STATE = [["fine", "fine", "plain"], ["unknown", "quiet", "dots"], ["uncertain", "quiet", "lines"], ["over-inflated", "extra", "lines"], ["malfunction", "warn", "cross"], ["low", "low", "lines"]];
 
   // rows: [name, stretches [from, to, code], table of codes], drawn from top to bottom; `axis`: with a time axis.
   function strip(figure, rows, axis) {

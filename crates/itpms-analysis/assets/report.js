@@ -306,6 +306,35 @@
     }
   }
 
+  // ---- what is folded ------------------------------------------------------------------------------------------
+  // A link to a folded part opens it, the button opens or closes all, and paper has all.
+  const folds = [...document.querySelectorAll("details.fold")], unfold = document.getElementById("unfold");
+  const reveal = (hash) => {
+    const fold = document.getElementById(hash.slice(1))?.closest("details.fold");
+    if (fold) fold.open = true;
+    return fold;
+  };
+  document.querySelectorAll("a[href^='#']").forEach((link) => link.addEventListener("click", () => reveal(link.hash)));
+  addEventListener("hashchange", () => reveal(location.hash)?.scrollIntoView());
+  const named = () => {
+    const open = folds.every((fold) => fold.open);
+    unfold.textContent = open ? "Close all" : "Open all";
+    unfold.ariaPressed = String(open);
+  };
+  unfold.hidden = !folds.length;
+  unfold.addEventListener("click", () => {
+    const open = unfold.ariaPressed !== "true";
+    folds.forEach((fold) => (fold.open = open));
+    named();
+  });
+  folds.forEach((fold) => fold.addEventListener("toggle", named));
+  let before = [];
+  addEventListener("beforeprint", () => {
+    before = folds.map((fold) => fold.open);
+    folds.forEach((fold) => (fold.open = true));
+  });
+  addEventListener("afterprint", () => folds.forEach((fold, i) => (fold.open = before[i])));
+
   timeline(document.getElementById("timeline"));
   document.querySelectorAll("[data-wheels]").forEach(wheels);
   overview(document.getElementById("overview"));
@@ -317,4 +346,5 @@
     road(host, corner);
   });
   document.querySelectorAll("[data-inner]").forEach((host) => inner(host, data.corners[+host.dataset.inner]));
+  reveal(location.hash)?.scrollIntoView();
 })(Chart);

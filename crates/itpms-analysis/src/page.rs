@@ -3,7 +3,7 @@
 //! Called by every page that the programs write. The hashes of the policy are those of what stands in the template's `<script>` and
 //! `<style>` elements; what comes into the page from outside, through any other place, is never hashed and so never runs.
 
-use crate::plot::escape;
+use crate::plot::{escape, night_style};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use sha2::{Digest as _, Sha256};
@@ -30,7 +30,7 @@ const HEAD: &str = include_str!("../assets/head.html");
 /// empty; what is filled in is not searched for further places.
 #[must_use]
 pub fn page(body: &str, parts: &[(&str, String)]) -> String {
-    let base_style = [("base_style", BASE_STYLE.to_owned() + &percent_style())];
+    let base_style = [("base_style", BASE_STYLE.to_owned() + &percent_style() + &night_style())];
     under_policy(&[HEAD, body].concat(), &[parts, &base_style].concat())
 }
 

@@ -292,7 +292,7 @@ fn what_the_monitor_said_is_a_table_and_a_time_line() {
         assert_eq!(json["alerts"][0]["wheels"][0], "fl");
         let states = json["corners"][0]["state"].as_array().unwrap();
         let last = states.last().unwrap();
-        assert!(last[2] == 4 && (last[1].as_f64().unwrap() - 59.99).abs() < 0.2, "{states:?}");
+        assert!(last[2] == 5 && (last[1].as_f64().unwrap() - 59.99).abs() < 0.2, "{states:?}");
         assert_balanced(&page);
     }
 }
@@ -314,13 +314,14 @@ fn a_wheel_that_is_not_known_says_so_and_why() {
     let why: Vec<_> = data.corners.iter().map(|corner| corner.doubt()).collect();
     assert_eq!(why[0], None);
     let page = render_report(&data).unwrap();
-    assert_eq!(page.matches("\"badge unknown\">Not known<").count(), 6);
-    assert_eq!(page.matches(">not known</text>").count(), 3);
+    assert_eq!(page.matches("\"badge unknown\">Unknown<").count(), 4);
+    assert_eq!(page.matches("\"badge unknown\">Uncertain<").count(), 2);
+    assert_eq!((page.matches(">unknown</text>").count(), page.matches(">uncertain</text>").count()), (2, 1));
     for why in why.iter().flatten() {
         assert!(page.contains(&format!("<span>{why}</span>")), "{why}");
     }
     assert!(page.contains(
-        "Front right is at 240\u{a0}±\u{a0}4\u{a0}kPa: not known, too uncertain to rule out a loss."
+        "Front right is at 240\u{a0}±\u{a0}4\u{a0}kPa: uncertain, too uncertain to rule out a loss."
     ));
     assert_balanced(&page);
 }

@@ -527,7 +527,7 @@ enum itpms_state
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
   /*
-   Not known; `itpms_doubt` says why not.
+   Unknown; `itpms_doubt` says why.
    */
   ITPMS_STATE_UNKNOWN = 0,
   /*
@@ -546,6 +546,10 @@ enum itpms_state
    A sensor of this corner is not to be trusted.
    */
   ITPMS_STATE_MALFUNCTION = 4,
+  /*
+   There is a pressure, but it could be low as well as not.
+   */
+  ITPMS_STATE_UNCERTAIN = 5,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L

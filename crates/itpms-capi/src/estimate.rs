@@ -28,7 +28,7 @@ pub enum itpms_validity {
 #[repr(u32)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum itpms_state {
-    /// Not known; `itpms_doubt` says why not.
+    /// Unknown; `itpms_doubt` says why.
     Unknown = 0,
     /// Known to be neither low nor overfull.
     Fine = 1,
@@ -38,6 +38,8 @@ pub enum itpms_state {
     Over = 3,
     /// A sensor of this corner is not to be trusted.
     Malfunction = 4,
+    /// There is a pressure, but it could be low as well as not.
+    Uncertain = 5,
 }
 
 /// Why a wheel's state is unknown.
@@ -285,5 +287,7 @@ pub(crate) fn state(state: Option<WheelState>) -> (itpms_state, itpms_doubt) {
         Doubt::Misfit => itpms_doubt::Misfit,
         Doubt::Standing => itpms_doubt::Standing,
     };
-    (itpms_state::Unknown, doubt)
+    let state =
+        if matches!(doubt, itpms_doubt::Uncertain) { itpms_state::Uncertain } else { itpms_state::Unknown };
+    (state, doubt)
 }

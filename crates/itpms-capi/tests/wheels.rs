@@ -9,7 +9,7 @@ use itpms_capi::*;
 use itpms_core::Real as _;
 use itpms_core::model::Corner;
 use itpms_core::monitor::MonitoredWheels;
-use itpms_core::warning::WheelState;
+use itpms_core::warning::{Doubt, WheelState};
 use itpms_core::wheel_speed::{DrivenAxle, RadiusState, WheelSpeedConfig, WheelSpeedSample};
 use itpms_sim::scenario::Scenario;
 use itpms_sim::simulation::Simulation;
@@ -52,6 +52,7 @@ fn core() -> MonitoredWheels<itpms_real> {
 
 fn state(wheels: &MonitoredWheels<itpms_real>, corner: Corner) -> itpms_state {
     match wheels.state_of(corner) {
+        WheelState::Unknown(Doubt::Uncertain) => itpms_state::Uncertain,
         WheelState::Unknown(_) => itpms_state::Unknown,
         WheelState::Fine => itpms_state::Fine,
         WheelState::Low => itpms_state::Low,

@@ -266,8 +266,8 @@ pub(crate) fn of(job: &Job<'_>, log: &LogReader, drive: &Drive) -> Vec<String> {
     }
     for (corner, misfit) in drive.misfits() {
         let what = match misfit {
-            Misfit::PartlyUnexplained => "its standard deviation is the wider for it",
-            Misfit::Hop if calibrated => "its standard deviation is the wider for it",
+            Misfit::PartlyUnexplained => "its standard deviation is larger for that",
+            Misfit::Hop if calibrated => "its standard deviation is larger for that",
             _ => "its pressure is not valid",
         };
         concerns.push(format!("corner {}: {misfit}; {what}", corner.label()));

@@ -12,6 +12,7 @@
 //! | [`reference`](mod@reference) | what a calibration drive taught, from and for other drives |
 //! | [`learn`](mod@learn) | a vehicle file from drives at known pressures |
 //! | [`check`](mod@check) | a vehicle file held against a drive |
+//! | [`field`] | the field kit: an owner's log with known pressures, judged and packed |
 //! | [`summary`] | what is known at the end, as JSON |
 //! | `suspension` | dampers and load of a drive, beside its pressures |
 //! | [`files`] | the sink of the command line: files, complete or not there |
@@ -32,6 +33,7 @@ pub mod check;
 pub mod concerns;
 pub mod drive;
 pub mod error;
+pub mod field;
 pub mod files;
 pub mod fleet;
 mod job;
@@ -59,6 +61,7 @@ pub use check::{CheckedVehicle, check};
 pub use concerns::common_corners;
 pub use drive::{Drive, Estimates, QuarterCars};
 pub use error::DriveError;
+pub use field::{FieldCheck, FieldNotes, check_field};
 pub use files::{FilePaths, Files};
 pub use itpms_paper::EstimatorKind;
 pub use learn::{KnownDrive, LearnedVehicle, learn, learn_with};

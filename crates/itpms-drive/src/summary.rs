@@ -87,7 +87,7 @@ pub fn torsion_line(done: &Done, unit: PressureUnit) -> Option<String> {
             let [change, sd] = [change_kpa, change_sd_kpa].map(|kpa| unit.number(*kpa, 0));
             format!("{} {change} {unit} (sd {sd})", corner.label())
         }
-        None => format!("{} not known", corner.label()),
+        None => format!("{} unknown", corner.label()),
     };
     let wheels: Vec<String> = Corner::ALL.iter().zip(done.torsion.as_ref()?).map(of).collect();
     Some(format!("by the tooth pulses since the calibration {}", wheels.join(", ")))
@@ -245,7 +245,7 @@ fn corner_line(corner: &CornerReport, end_s: f64, unit: PressureUnit) -> String 
     }
     // A pressure alone looks as good as that of a wheel that is known to be fine.
     if let Some(why) = corner.doubt() {
-        line += &format!("; not known: {why}");
+        line += &format!("; {}: {why}", state_label(corner.state));
     }
     // Before anything is known there is nothing to be right or wrong about.
     if let Some(truth) = figures.truth.as_ref().filter(|_| figures.last.is_some()) {

@@ -5,7 +5,7 @@ use std::thread;
 
 use itpms_core::conditioning::SAMPLE_RATES_HZ;
 use itpms_core::model::{CarEstimate, Corner, CornerConfig, PressureMap, QuarterCar, Warning};
-use itpms_core::warning::{Cause, MonitorReport, WheelState};
+use itpms_core::warning::{Cause, Doubt, MonitorReport, WheelState};
 use itpms_data::log::{LogCorner, LogMotion};
 use itpms_data::out::WheelSpeedUse;
 use itpms_data::reference::crc64;
@@ -348,6 +348,7 @@ impl Model {
 
 fn state(state: WheelState) -> f64 {
     match state {
+        WheelState::Unknown(Doubt::Uncertain) => 5.0,
         WheelState::Unknown(_) => 0.0,
         WheelState::Fine => 1.0,
         WheelState::Low => 2.0,

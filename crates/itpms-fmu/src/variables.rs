@@ -131,7 +131,7 @@ table! {
     Road Output Real "road_m" "m" "Height of the road under the wheel, without drift.";
     RoadSd Output Real "road_sd_m" "m" "Its standard deviation.";
     Valid Output Boolean "is_valid" "" "Whether the pressure may be shown.";
-    State Output Integer "state" "" "0 unknown, 1 fine, 2 low, 3 over, 4 malfunction.";
+    State Output Integer "state" "" "0 unknown, 1 fine, 2 low, 3 over, 4 malfunction, 5 uncertain.";
     Warning Output Integer "warning" "" "0 none, 1 low, 2 malfunction.";
 }
 

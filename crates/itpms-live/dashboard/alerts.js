@@ -1,6 +1,6 @@
 // What was warned of: what stands on top, what is over below; each new warning is spoken once.
 
-import { CORNERS, NAMES, UNIT, badge, element, kind, list, lower, moment, number, put } from "./words.js";
+import { CORNERS, NAMES, UNIT, badge, element, kind, list, lower, moment, number, put, why } from "./words.js";
 
 const MOST = 50;
 const KINDS = {
@@ -8,7 +8,7 @@ const KINDS = {
   "fast-leak": ["low", "Fast leak"],
   "all-low": ["low", "All low"],
   "common-shift": ["unknown", "Shifted together"],
-  "over-inflated": ["over", "Too high"],
+  "over-inflated": ["over", "Over-inflated"],
   flat: ["low", "Flat, on its rim"],
   differs: ["low", "Differs from the others"],
   "slow-leak": ["low", "Slow leak"],
@@ -34,7 +34,7 @@ export function wheelsOf(alert) {
 function reason(alert) {
   const n = (value) => (value == null ? "–" : value.toFixed(0));
   const [said, should] = [`${number(alert.pressure_kpa, 0)} ± ${number(alert.sd_kpa, 0)} ${UNIT} when reported`, `should be ${number(alert.reference_kpa, 0)}`];
-  const at = `${said}, limit ${number(alert.limit_kpa, 0)}, ${should}`;
+  const at = `${said}, limit ${number(alert.limit_kpa, 0)} (${n(100 * alert.limit_kpa / alert.reference_kpa)} % of ${number(alert.reference_kpa, 0)})`;
   switch (alert.kind) {
     case "under-inflated":
     case "over-inflated":
@@ -42,7 +42,8 @@ function reason(alert) {
     case "flat":
       return `as hard as ${at}`;
     case "fast-leak":
-      return `fell by up to ${number(alert.rate_kpa_per_min, 0)} ${UNIT}/min (over half a minute); ${said}, ${should}`;
+      // No more than it lacks.
+      return `lost up to ${number(Math.min(0.5 * alert.rate_kpa_per_min, Math.max(0, alert.reference_kpa - alert.pressure_kpa)), 0)} ${UNIT} within half a minute; ${said}, ${should}`;
     case "all-low":
       return `at ${n(100 * alert.mean_share)} ± ${n(100 * alert.sd_share)} % of their reference on average`;
     case "common-shift":
@@ -122,8 +123,9 @@ export class Alerts {
   }
   // Without any warning it says how much that is worth.
   silence(snapshot, state) {
-    const wheels = snapshot?.wheels ?? [], unknown = wheels.filter((wheel) => kind(wheel) === "unknown");
-    const caveat = unknown.length ? ` That is no all-clear: ${list(unknown.map((w) => `${lower(NAMES[w.corner])} is ${lower(badge(w)) === "not known" ? "not known" : "not known (" + lower(badge(w)) + ")"}`))}.` : "";
+    const wheels = snapshot?.wheels ?? [], unknown = wheels.filter((wheel) => ["unknown", "uncertain"].includes(kind(wheel)));
+    const said = (wheel) => `${lower(NAMES[wheel.corner])} is ${lower(badge(wheel))}${why(wheel) ? ` (${why(wheel)})` : ""}`;
+    const caveat = unknown.length ? ` That is no all-clear: ${list(unknown.map(said))}.` : "";
     const text = state !== "live" ? "No warning was active when the last data came. The present state is unknown." : `No active warning.${caveat}`;
     put(none, wheels.length ? text : "No data yet: no warning is possible.");
   }

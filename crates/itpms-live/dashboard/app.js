@@ -138,7 +138,7 @@ function drawTable() {
     const row = element("tr"), head = element("th", "", i === time_s.length - 1 ? "newest" : span(time_s.at(-1) - time_s[i]));
     head.scope = "row";
     row.append(head, ...corners.map((corner) => {
-      const { pressure_kpa: p, pressure_sd_kpa: sd, state } = wheels[corner], word = (STATES[state[i]]?.word ?? "Not known").toLowerCase();
+      const { pressure_kpa: p, pressure_sd_kpa: sd, state } = wheels[corner], word = (STATES[state[i]]?.word ?? "Unknown").toLowerCase();
       return element("td", "", p[i] == null ? word : `${number(p[i], 0)} ± ${number(sd[i], 0)} ${UNIT}, ${word}`);
     }));
     rows.push(row);

@@ -15,7 +15,7 @@ export function drawCar(snapshot, state) {
     const tire = tires[corner], wheel = snapshot?.wheels.find((w) => w.corner === corner);
     const is = wheel ? kind(wheel) : "absent";
     attribute(tire.group, "class", "tire " + is);
-    attribute(tire.sign, "href", wheel ? "#sign-" + is : "#sign-none");
+    attribute(tire.sign, "href", wheel ? "#sign-" + (is === "uncertain" ? "unknown" : is) : "#sign-none");
     // There is room for whole numbers; the cards have the rest.
     put(tire.number, !wheel ? "" : rolls(wheel) ? pressure(wheel) : isShown(wheel) ? number(wheel.pressure_kpa, 0) : "–");
     put(tire.spread, !wheel ? "no data" : rolls(wheel) ? (wheel.lost_share == null ? "" : "lost") : isShown(wheel) ? `± ${number(wheel.pressure_sd_kpa, 0)} ${UNIT}` : UNIT);

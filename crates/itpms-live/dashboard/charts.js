@@ -116,7 +116,7 @@ export class Pressures {
       const { box, at, holder } = figure(host, NAMES[corner], "history-" + corner);
       const cursor = (i) => {
         const u = this.corners.find((c) => c.corner === corner).u, p = i == null ? null : u.data[3][i];
-        const value = p == null ? "not known" : `${exact(p, 1)} ± ${exact((u.data[1][i] - p) / 1.96, 1)} ${UNIT}`;
+        const value = p == null ? "unknown" : `${exact(p, 1)} ± ${exact((u.data[1][i] - p) / 1.96, 1)} ${UNIT}`;
         at.textContent = i == null ? "" : `${value} · ${placed(u, i, this.newest)}`;
       };
       const u = plot(holder, {
@@ -174,7 +174,7 @@ export class Pressures {
       ctx.fill();
     }
     if (u.data[0].length && u.data[3].every((v) => v == null)) {
-      word(u, ctx, dpr, "not known", left + width / 2, top + height / 2, "soft", "center");
+      word(u, ctx, dpr, "unknown", left + width / 2, top + height / 2, "soft", "center");
     }
   }
 }
@@ -191,7 +191,7 @@ function line(ctx, dpr, color, pattern, from, to) {
 }
 
 // ---- states over time ---------------------------------------------------------------------------------------------------
-const LOOKS = { fine: ["fine", "plain"], unknown: ["quiet", "dots"], over: ["extra", "lines"], malfunction: ["warn", "cross"], low: ["low", "lines"] };
+const LOOKS = { fine: ["fine", "plain"], uncertain: ["quiet", "lines"], unknown: ["quiet", "dots"], over: ["extra", "lines"], malfunction: ["warn", "cross"], low: ["low", "lines"] };
 
 // Stretches of one state: [from, to, state].
 function runs(time_s, states) {
@@ -240,7 +240,7 @@ export class States {
         if (b < u.bbox.left) continue;
         const [color, pattern] = LOOKS[state] ?? LOOKS.unknown;
         fillPattern(ctx, dpr, a, y, Math.max(b - a, dpr), h, ink(color), pattern);
-        const left = Math.max(a, u.bbox.left), name = STATES[state] ? STATES[state].word.toLowerCase() : "not known";
+        const left = Math.max(a, u.bbox.left), name = STATES[state] ? STATES[state].word.toLowerCase() : "unknown";
         ctx.font = FONT.replace("12px", 12 * dpr + "px");
         const width = ctx.measureText(name).width + 12 * dpr;
         if (Math.min(b, right) - left > width) {

@@ -43,7 +43,7 @@ const made_of = (kind, key, make) => {
   return made[kind].get(key);
 };
 
-const SENSOR = { fine: ["fine", "Fine"], suspect: ["unknown", "In doubt"], malfunction: ["malfunction", "Malfunction"] };
+const SENSOR = { fine: ["fine", "Fine"], suspect: ["unknown", "Suspect"], malfunction: ["malfunction", "Malfunction"] };
 const KIND = { socketcan: "CAN interface", stdin: "standard input", replay: "replay of a log", mqtt: "MQTT" };
 
 export function drawHealth(snapshot, state) {

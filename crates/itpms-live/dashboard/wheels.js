@@ -1,6 +1,6 @@
 // A card per wheel: state, pressure with its standard deviation, what it should be, and how much is being learned.
 
-import { NAMES, UNIT, attribute, badge, element, isShown, kind, number, pressure, put, rolls, shows, span, spread, LEVELS, STATES } from "./words.js";
+import { NAMES, UNIT, attribute, badge, element, isShown, kind, number, pressure, put, rolls, shows, span, spread, why, LEVELS, STATES } from "./words.js";
 
 const host = document.getElementById("cards");
 const cards = new Map();
@@ -16,11 +16,11 @@ function card(corner) {
   const fill = element("i", "gauge-fill"), band = element("i", "gauge-band"), aim = element("i", "gauge-mark");
   gauge.setAttribute("aria-hidden", "true");
   gauge.append(fill, band, aim);
-  const should = element("span"), learned = element("span"), rests = element("span");
-  foot.append(should, learned, rests);
+  const doubt = element("span"), should = element("span"), learned = element("span"), rests = element("span");
+  foot.append(doubt, should, learned, rests);
   article.append(name, mark, number, gauge, foot);
   host.append(article);
-  return { article, mark, value, sd, gauge, fill, band, should, learned, rests };
+  return { article, mark, value, sd, gauge, fill, band, doubt, should, learned, rests };
 }
 
 const percent = (share) => (100 * Math.min(1, Math.max(0, share))).toFixed(1) + "%";
@@ -36,6 +36,7 @@ export function drawWheels(snapshot, state) {
     put(c.mark, old && is !== "unknown" ? STATES[is].was : badge(wheel));
     put(c.value, pressure(wheel));
     put(c.sd, spread(wheel));
+    put(c.doubt, old ? "" : why(wheel));
     // The mark for what it should be stands at four fifths.
     const full = (wheel.reference_kpa ?? wheel.placard_kpa) / 0.8;
     c.fill.style.width = shown ? percent(wheel.pressure_kpa / full) : "0";

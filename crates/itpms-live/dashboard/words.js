@@ -7,8 +7,9 @@ export const NAMES = { fl: "Front left", fr: "Front right", rl: "Rear left", rr:
 export const STATES = {
   low: { word: "Low", short: "LOW", was: "was low" },
   malfunction: { word: "Malfunction", short: "FAULT", was: "was faulty" },
-  over: { word: "Too high", short: "HIGH", was: "was high" },
-  unknown: { word: "Not known", short: "not known", was: "not known" },
+  over: { word: "Over-inflated", short: "OVER", was: "was over-inflated" },
+  uncertain: { word: "Uncertain", short: "uncertain", was: "was uncertain" },
+  unknown: { word: "Unknown", short: "unknown", was: "unknown" },
   fine: { word: "Fine", short: "fine", was: "was fine" },
 };
 
@@ -20,22 +21,24 @@ export const LEVELS = {
   "other-tires": "known against the other tires only",
 };
 
+// Why a state is unknown or uncertain.
 const DOUBTS = {
-  starting: ["Starting", "starting"],
-  "no-information": ["No information", "no info"],
-  uncertain: ["Uncertain", "uncertain"],
-  misfit: ["Car does not fit", "misfit"],
-  suspicion: ["Sensor in doubt", "in doubt"],
-  standing: ["Car stands", "stands"],
+  starting: "still learning",
+  "no-information": "nothing to learn from",
+  uncertain: "it could be low as well as not",
+  misfit: "the car does not fit its vehicle file",
+  suspicion: "a sensor is suspected",
+  standing: "the car stands",
 };
+export const why = (wheel) => DOUBTS[wheel.doubt] ?? "";
 
 // Why the speed is not known.
 export const speedDoubt = (snapshot) => (snapshot.speed_doubt === "contradicted" ? "speed not known: the signal is zero while the wheels roll" : "speed not known");
 
 // A wheel's state in one word for a badge, and in a shorter one for beside a tire.
-export const badge = (wheel) => (wheel.state === "unknown" && DOUBTS[wheel.doubt]?.[0]) || STATES[wheel.state]?.word || wheel.state;
-export const short = (wheel) => (wheel.state === "unknown" && DOUBTS[wheel.doubt]?.[1]) || STATES[wheel.state]?.short || wheel.state;
-// A state this page does not know is not known.
+export const badge = (wheel) => STATES[wheel.state]?.word || wheel.state;
+export const short = (wheel) => STATES[wheel.state]?.short || wheel.state;
+// A state that this page does not know is unknown.
 export const kind = (wheel) => (wheel && STATES[wheel.state] ? wheel.state : "unknown");
 
 // The unit in which pressures are shown; they come in kPa.
@@ -107,14 +110,15 @@ export function verdict(snapshot, old) {
   const of = (state) => wheels.filter((wheel) => kind(wheel) === state);
   const names = (some) => list(some.map((wheel, i) => (i ? lower(NAMES[wheel.corner]) : NAMES[wheel.corner])));
   const are = (some) => (some.length > 1 ? "are" : "is");
-  const low = of("low"), over = of("over"), broken = of("malfunction"), unknown = of("unknown"), fine = of("fine");
+  const low = of("low"), over = of("over"), broken = of("malfunction"), unknown = of("unknown"), uncertain = of("uncertain"), fine = of("fine");
   if (low.length === 1) return `${names(low)} is low` + (isShown(low[0]) || rolls(low[0]) ? `: ${reading(low[0])}` : "");
   if (low.length && low.length === wheels.length) return `All ${low.length} tires are low`;
   if (low.length) return `${names(low)} are low`;
   if (broken.length) return `${names(broken)}: the sensors allow no statement`;
-  if (over.length) return `${names(over)} ${are(over)} too high` + (over.length === 1 && isShown(over[0]) ? `: ${reading(over[0])}` : "");
+  if (over.length) return `${names(over)} ${are(over)} over-inflated` + (over.length === 1 && isShown(over[0]) ? `: ${reading(over[0])}` : "");
   if (unknown.length === wheels.length) return "Nothing is known of the tires yet";
-  if (unknown.length) return `${names(unknown)} ${are(unknown)} not known, ${fine.length === 1 ? "one is" : fine.length + " are"} fine`;
+  const unsure = [[uncertain, "uncertain"], [unknown, "unknown"]].filter(([some]) => some.length).map(([some, word]) => `${names(some)} ${are(some)} ${word}`);
+  if (unsure.length) return unsure.join("; ") + (fine.length ? `, ${fine.length === 1 ? "one is" : fine.length + " are"} fine` : "");
   if (snapshot.all_fine || old) return wheels.length > 1 ? `All ${wheels.length} tires are fine` : `${names(fine)} is fine`;
   return `${wheels.length} tires were fine when last seen`;
 }

@@ -10,6 +10,7 @@ mod convert;
 mod demo;
 mod estimate;
 mod events;
+mod field;
 mod fleet;
 mod hostile_files;
 mod identify;

@@ -255,7 +255,7 @@ fn a_wheel_that_is_not_known_does_not_look_like_one_that_is_fine() {
     for (vehicle, not_known) in [("known.toml", false), ("typical.toml", true)] {
         let outcome = lines(vehicle);
         let line = outcome.success().lines().find(|line| line.starts_with("fr ")).unwrap();
-        assert_eq!(line.contains("; not known: too uncertain to rule out a loss"), not_known, "{line}");
+        assert_eq!(line.contains("; uncertain: too uncertain to rule out a loss"), not_known, "{line}");
     }
 }
 

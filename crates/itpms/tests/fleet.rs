@@ -244,7 +244,7 @@ fn a_car_none_of_whose_drives_could_be_estimated_is_unknown() {
     bench.write("logs/charlie-3.csv", "time_s\n");
     let said =
         bench.run("--quiet fleet logs/alpha/drive1.csv logs/charlie-3.csv --vehicle-dir cars --out out");
-    let line = "charlie: not known, its only drive could not be estimated";
+    let line = "charlie: unknown, its only drive could not be estimated";
     assert!(said.success().lines().any(|said| said == line), "{said:?}");
     let page = bench.read("out/index.html");
     assert!(page.contains("<tr><th scope=\"row\">charlie</th>"));

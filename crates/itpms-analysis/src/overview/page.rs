@@ -88,7 +88,7 @@ impl Found {
             }
         }
         format!(
-            "<div class=\"scroll\"><table class=\"numbers\"><thead><tr><th class=\"words\">signal</th><th class=\"words\">unit</th><th>values</th><th>missing</th>\
+            "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Signals\"><table class=\"numbers\"><thead><tr><th class=\"words\">signal</th><th class=\"words\">unit</th><th>values</th><th>missing</th>\
              <th>mean</th><th>standard<br>deviation</th><th>lowest</th><th>highest</th><th>smallest<br>step</th></tr></thead>\
              <tbody>{rows}</tbody></table></div>\n"
         )

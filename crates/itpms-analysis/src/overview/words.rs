@@ -25,8 +25,22 @@ impl Found {
         for corner in &self.corners {
             out.extend(corner.doubts());
         }
+        out.extend(self.pairs());
         out.extend(self.gravity());
         out
+    }
+
+    /// What is to be said of body and wheel together, once for all corners of which it is the same.
+    fn pairs(&self) -> Vec<String> {
+        let mut said: Vec<(String, String)> = Vec::new();
+        for corner in &self.corners {
+            let Some(text) = corner.pair() else { continue };
+            match said.iter_mut().find(|(_, before)| *before == text) {
+                Some((labels, _)) => *labels = format!("{labels} {}", corner.label),
+                None => said.push((corner.label.to_owned(), text)),
+            }
+        }
+        said.into_iter().map(|(labels, text)| format!("{labels}: {text}")).collect()
     }
 
     /// The sensors that show gravity, in one sentence.
@@ -55,12 +69,10 @@ impl Found {
 
 impl FoundCorner {
     fn doubts(&self) -> Vec<String> {
-        let mut out: Vec<String> = [("body", &self.body), ("wheel", &self.wheel)]
+        [("body", &self.body), ("wheel", &self.wheel)]
             .into_iter()
             .flat_map(|(name, statistics)| signal(&format!("{}, {name}", self.label), statistics))
-            .collect();
-        out.extend(self.pair().map(|text| format!("{}: {text}", self.label)));
-        out
+            .collect()
     }
 
     /// Of body and wheel together.
@@ -190,6 +202,21 @@ mod tests {
             }),
             "moves in steps of 0.16",
         );
+    }
+
+    #[test]
+    fn what_is_the_same_of_several_corners_is_said_once() {
+        let exchanged = || {
+            minute(0.2, |_, signals| {
+                std::mem::swap(&mut signals.body_accel_m_s2, &mut signals.wheel_accel_m_s2)
+            })
+        };
+        let mut found = exchanged();
+        let mut other = exchanged().corners.remove(0);
+        other.label = "rl";
+        found.corners.push(other);
+        let doubts = found.doubts();
+        assert!(doubts.len() == 1 && doubts[0].starts_with("fr rl: the body moves more"), "{doubts:?}");
     }
 
     #[test]

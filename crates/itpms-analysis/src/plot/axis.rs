@@ -5,6 +5,9 @@ use super::ticks::{Ticks, linear, logarithmic};
 /// No axis goes further: a range has to be a number itself, with its margin. What lies beyond is cut off.
 const FARTHEST: f64 = 1e300;
 
+/// Share of its values that an axis covers at least.
+const LEAST_SHARE: f64 = 1e-9;
+
 /// How values lie along it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Scale {
@@ -64,7 +67,9 @@ impl Axis {
             let all = data.chain(self.hold.iter().copied()).filter(usable).map(within);
             let (low, high) =
                 all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
-            match (low < high, low.is_finite()) {
+            // What differs by its last digits alone is one value: its ticks would need more digits than a number has.
+            let apart = high - low > LEAST_SHARE * low.abs().max(high.abs());
+            match (apart, low.is_finite()) {
                 (true, _) if logarithmic => (low / 1.3, high * 1.3),
                 (true, _) => (low - margin * (high - low), high + margin * (high - low)),
                 (false, true) if logarithmic => (low / 2.0, low * 2.0),
@@ -120,6 +125,9 @@ mod tests {
         let axis = Axis::linear("x", "").holding(-1.0).settled([f64::NAN, 0.0, 1.0].into_iter(), 0.0);
         assert_eq!((axis.low, axis.high), (-1.0, 1.0));
         let nothing = Axis::linear("x", "").settled(std::iter::empty(), 0.0);
+        // A constant that was computed twice.
+        let constant = Axis::linear("x", "").settled([241.3, 241.3 + 3e-13].into_iter(), 0.0);
+        assert!(constant.high - constant.low > 0.5, "{constant:?}");
         assert!(nothing.low < nothing.high);
         let log = Axis::logarithmic("x", "").settled([0.0, 1.0, 10.0].into_iter(), 0.0);
         assert!(log.low > 0.0 && log.low < 1.0 && log.high > 10.0);

@@ -38,6 +38,7 @@ mod ticks;
 
 pub use axis::Axis;
 pub use figure::Figure;
+pub(crate) use ink::night_style;
 pub use ink::{Ink, Stroke};
 pub use panel::Panel;
 pub use svg::escape;

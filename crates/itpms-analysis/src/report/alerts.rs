@@ -34,7 +34,7 @@ pub(super) fn table(data: &ReportData) -> String {
         return "<p class=\"verdict\">Nothing was warned of.</p>".to_owned();
     }
     let mut out = String::from(
-        "<div class=\"scroll\"><table class=\"alerts\"><thead><tr><th scope=\"col\">Wheel</th>\
+        "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Warnings\"><table class=\"alerts\"><thead><tr><th scope=\"col\">Wheel</th>\
          <th scope=\"col\">Warning</th><th scope=\"col\">Reported at</th><th scope=\"col\">Since</th>\
          <th scope=\"col\">Until</th></tr></thead><tbody>\n",
     );
@@ -67,11 +67,12 @@ fn line(span: &AlertSpan, unit: PressureUnit) -> Line {
         Cause::UnderInflated(r) => ("low", "Low", at(r, unit)),
         Cause::FastLeak { reading, rate_kpa_per_min } => {
             // It is the loss that counts, whatever the level.
-            let [rate, pressure, sd, reference] =
-                [*rate_kpa_per_min, reading.pressure_kpa, reading.sd_kpa, reading.reference_kpa]
+            let lost_kpa = reading.lost_within_half_a_minute_kpa(*rate_kpa_per_min);
+            let [lost, pressure, sd, reference] =
+                [lost_kpa, reading.pressure_kpa, reading.sd_kpa, reading.reference_kpa]
                     .map(|kpa| unit.number(kpa, 0));
             let at = format!("{pressure} ± {sd} {unit} then, should be {reference}");
-            ("low", "Fast leak", format!("fell by up to {rate} {unit}/min (over half a minute); {at}"))
+            ("low", "Fast leak", format!("lost up to {lost} {unit} within half a minute; {at}"))
         }
         Cause::AllLow { mean_share, sd_share, .. } => {
             let [mean, sd] = [mean_share, sd_share].map(|share| 100.0 * share);
@@ -84,7 +85,7 @@ fn line(span: &AlertSpan, unit: PressureUnit) -> Line {
             );
             ("unknown", "Shifted together", why)
         }
-        Cause::OverInflated(r) => ("over", "Too high", at(r, unit)),
+        Cause::OverInflated(r) => ("over", "Over-inflated", at(r, unit)),
         Cause::Flat(r) => ("low", "Flat, on its rim", format!("as hard as {}", at(r, unit))),
         Cause::Differs { lost_share, lost_sd_share, is_known: true, .. } => {
             let [lost, sd] = [lost_share, lost_sd_share].map(|share| 100.0 * share);
@@ -97,7 +98,7 @@ fn line(span: &AlertSpan, unit: PressureUnit) -> Line {
             ("low", what, why)
         }
         Cause::Differs { is_known: false, .. } => {
-            let why = "one of the tires differs from the others since the calibration, by the wheel speeds; which, is not known";
+            let why = "one of the tires differs from the others since the calibration, by the wheel speeds; which one, is unknown";
             ("low", "One differs", why.to_owned())
         }
         Cause::SlowLeak(leak) => ("low", "Slow leak", leak.to_string()),
@@ -112,7 +113,8 @@ fn line(span: &AlertSpan, unit: PressureUnit) -> Line {
 fn at(r: &Reading<f64>, unit: PressureUnit) -> String {
     let [pressure, sd, limit, reference] =
         [r.pressure_kpa, r.sd_kpa, r.limit_kpa, r.reference_kpa].map(|kpa| unit.number(kpa, 0));
-    format!("{pressure} ± {sd} {unit} then, limit {limit}, should be {reference}, {}", r.basis.words())
+    let share = 100.0 * r.limit_kpa / r.reference_kpa;
+    format!("{pressure} ± {sd} {unit} then, limit {limit} ({share:.0} % of {reference}), {}", r.basis.words())
 }
 
 /// The estimator's own word for a corner, stretch by stretch.

@@ -101,7 +101,7 @@ fn sign(status: Status) -> &'static str {
             "<path class=\"sign\" d=\"M0 -14 L14 0 L0 14 L-14 0 Z\"/><path class=\"mark\" d=\"M-4 -4 L4 4 M4 -4 L-4 4\"/>"
         }
         Status::Over => "<path class=\"sign\" d=\"M0 -14 L12 0 H6 V12 H-6 V0 H-12 Z\"/>",
-        Status::Unknown => {
+        Status::Uncertain | Status::Unknown => {
             "<rect class=\"sign\" x=\"-11\" y=\"-11\" width=\"22\" height=\"22\" rx=\"4\"/>\
              <path class=\"mark\" d=\"M-3.6 -3.4 Q-3.2 -7 0.4 -7 Q4 -6.6 3.6 -3.2 Q3.2 -1 0 0.6 V2.4 M0 6 V6.2\"/>"
         }

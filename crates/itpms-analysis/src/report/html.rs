@@ -6,14 +6,17 @@
 use std::fmt::Write as _;
 use std::io;
 
-use itpms_core::model::{Corner, Level, PressureUnit, Warning};
+use itpms_core::model::{Corner, PressureUnit};
 use itpms_files::Date;
 
 use super::car::Tire;
 use super::cold::cold_words;
+use super::figures_table::{count, some};
 use super::title::title;
-use super::words::{Status, clock, corner_name, level, reading, sentence};
-use super::{CornerReport, ReportData, alerts, car, json, parameters, roads, wheel_cards, wheels};
+use super::words::{Status, clock, corner_name, reading, sentence};
+use super::{
+    CornerReport, ReportData, alerts, car, figures_table, json, parameters, roads, wheel_cards, wheels,
+};
 use crate::page::{PATTERN_SCRIPT, whole_percent};
 use crate::plot::escape;
 
@@ -44,7 +47,7 @@ pub(super) fn page(data: &ReportData) -> io::Result<String> {
         ("arrangement", if data.corners.len() == 1 { "alone" } else { "around" }.into()),
         ("alerts", alerts::table(data)),
         ("roads", roads),
-        ("figures", figures(data)),
+        ("figures", figures_table::section(data)),
         ("corners", sections(data)),
         ("wheels", wheels),
         ("parameters", parameters),
@@ -74,7 +77,7 @@ fn contents(data: &ReportData, has: [bool; 3]) -> String {
     for corner in &data.corners {
         link(true, corner.corner.label(), corner_name(corner.corner));
     }
-    link(true, "figures", "Figures");
+    link(!data.corners.is_empty(), "figures", "Figures");
     link(parameters, "parameters", "Parameters");
     link(true, "reading", "How to read this");
     link(true, "provenance", "Where this comes from");
@@ -145,8 +148,8 @@ fn roads_section(data: &ReportData) -> String {
         return String::new();
     }
     format!(
-        "<section id=\"roads\"><h2>Road under the tracks</h2><p class=\"verdict\">Road heights estimated from the accelerations; waves \
-         longer than they show are left out.</p><div class=\"panels\" data-roads></div>{table}</section>\n"
+        "<details class=\"fold\" id=\"roads\"><summary><h2>Road under the tracks</h2></summary><p class=\"verdict\">Road heights estimated \
+         from the accelerations; waves longer than they show are left out.</p><div class=\"panels\" data-roads></div>{table}</details>\n"
     )
 }
 
@@ -207,25 +210,27 @@ fn gauge(corner: &CornerReport, pressure_kpa: f64, sd_kpa: f64) -> String {
     )
 }
 
-/// Each corner's place for its curves; what a single corner has to say is the headline already.
+/// Each corner's place for its curves, folded where there are several; what a single corner has to say is the headline already.
 fn sections(data: &ReportData) -> String {
     let mut out = String::new();
+    let several = data.corners.len() > 1;
     for (index, corner) in data.corners.iter().enumerate() {
-        let status = Status::of(corner);
-        let _ = write!(
-            out,
-            "<section class=\"corner\" id=\"{}\"><h2>{} <span class=\"badge {}\">{}</span></h2>",
-            corner.corner.label(),
+        let (id, status) = (corner.corner.label(), Status::of(corner));
+        let heading = format!(
+            "<h2>{} <span class=\"badge {}\">{}</span></h2>",
             corner_name(corner.corner),
             status.class(),
             Status::badge(corner),
         );
-        if data.corners.len() > 1 {
-            let _ =
-                write!(out, "<p class=\"verdict\">{}.</p>", escape(&sentence(corner, data.pressure_unit)));
-        }
-        let _ = write!(out, "<div class=\"panels\" data-corner=\"{index}\"></div>");
-        if data.corners.len() > 1 {
+        let (begin, end) = if several {
+            let verdict = escape(&sentence(corner, data.pressure_unit));
+            let summary = format!("<summary>{heading}<span class=\"verdict\">{verdict}.</span></summary>");
+            (format!("<details class=\"corner fold\" id=\"{id}\">{summary}"), "</details>")
+        } else {
+            (format!("<section class=\"corner\" id=\"{id}\">{heading}"), "</section>")
+        };
+        let _ = write!(out, "{begin}<div class=\"panels\" data-corner=\"{index}\"></div>");
+        if several {
             let _ = write!(
                 out,
                 "<details class=\"inner\"><summary>Inside the estimator</summary>\
@@ -237,155 +242,8 @@ fn sections(data: &ReportData) -> String {
                 "<p class=\"note\">No road is shown: it takes a known speed above 2.5 m/s and a road estimate.</p>",
             );
         }
-        out.push_str("</section>\n");
+        let _ = writeln!(out, "{end}");
     }
-    out
-}
-
-/// A figure's name, its explanation, and its value for a corner (empty: unknown).
-type Row = (&'static str, &'static str, fn(&CornerReport, PressureUnit) -> String);
-
-fn some(value: Option<f64>, text: impl Fn(f64) -> String) -> String {
-    value.filter(|v| v.is_finite()).map_or(String::new(), text)
-}
-
-fn pressure(kpa: f64, unit: PressureUnit) -> String {
-    format!("{} {unit}", unit.number(kpa, 1))
-}
-
-const FIGURES: [Row; 22] = [
-    ("Pressure at the end", "last valid estimate, ± one standard deviation", |c, unit| {
-        c.figures.last.as_ref().map_or(String::new(), |last| reading(last, unit))
-    }),
-    ("Level from", "what the pressure's level rests on", |c, _| {
-        c.figures.grounds.map_or(String::new(), |g| match g.level {
-            Level::VehicleFile => "vehicle file".into(),
-            Level::Calibration => "calibration".into(),
-            Level::StoredCalibration => "calibration of an earlier drive".into(),
-            Level::OtherTires => "the other tires".into(),
-        })
-    }),
-    ("Change known to", "standard deviation of what it has changed by within minutes", |c, unit| {
-        some(c.figures.grounds.map(|g| g.change_sd_kpa), |v| format!("± {}", pressure(v, unit)))
-    }),
-    (
-        "Against its axle",
-        "standard deviation of the difference from the other tire of the axle",
-        |c, unit| {
-            some(c.figures.grounds.and_then(|g| g.axle_difference_sd_kpa), |v| {
-                format!("± {}", pressure(v, unit))
-            })
-        },
-    ),
-    ("Lowest pressure", "where the upper end of the 95 % interval is lowest", |c, unit| {
-        c.figures
-            .lowest
-            .as_ref()
-            .map_or(String::new(), |r| format!("{} at {}", reading(r, unit), clock(r.time_s)))
-    }),
-    ("Tire sensor", "what the tire's own sensor last sent; it may be wrong itself", |c, unit| {
-        c.tire_sensor.map_or(String::new(), |sensor| {
-            let since = some(sensor.contradicts_since_s, |t| {
-                format!("; contradicts the estimate since {}", clock(t))
-            });
-            format!("{} at {}{since}", pressure(sensor.pressure_kpa, unit), clock(sensor.time_s))
-        })
-    }),
-    ("Placard pressure", "what the tire should have", |c, unit| pressure(c.placard_kpa, unit)),
-    ("Warning", "at the end of the drive", |c, _| {
-        let since = some(c.figures.low_since_s, |t| format!(", first warned of at {}", clock(t)));
-        match c.figures.warning {
-            Warning::Low => format!("low{since}"),
-            Warning::Malfunction => "malfunction".into(),
-            Warning::None if since.is_empty() => "none".into(),
-            Warning::None => format!("none; low{since}"),
-        }
-    }),
-    ("Valid", "share of the samples with a valid estimate", |c, _| percent(c.figures.share_valid)),
-    ("RMSE", "root mean squared error against the truth, after the settling time", |c, unit| {
-        some(c.figures.truth.map(|t| t.rmse_kpa), |v| pressure(v, unit))
-    }),
-    ("Bias", "mean of estimate less truth", |c, unit| {
-        some(c.figures.truth.map(|t| t.bias_kpa), |v| format!("{:+} {unit}", unit.number(v, 1)))
-    }),
-    ("Coverage", "share of the truth inside the 95 % interval; 95 % is right", |c, _| {
-        some(c.figures.truth.map(|t| t.coverage), percent)
-    }),
-    ("Compared", "samples with a truth, and the settling time before them", |c, _| {
-        c.figures.truth.map_or(String::new(), |t| format!("{} after {}", count(t.samples), clock(t.settle_s)))
-    }),
-    ("Bound at the end", "Cramer-Rao bound of one corner as a standard deviation", |c, unit| {
-        some(c.curves.bound_sd_kpa.last().copied(), |v| pressure(v, unit))
-    }),
-    (
-        "Innovations",
-        "mean normalised innovation squared; about 1 if the noise is as assumed, which says nothing of masses and tire stiffness",
-        |c, _| some(Some(c.figures.mean_nis), |v| format!("{v:.2}")),
-    ),
-    ("Innovations in band", "share of the averaged innovations inside their 95 % band", |c, _| {
-        some(c.curves.nis_check.map(|check| check.share_inside), percent)
-    }),
-    ("Road class", "ISO 8608 class and level Gd(0.1 cycle/m)", |c, _| {
-        let fit = c.road.as_ref().and_then(|r| r.fit);
-        fit.map_or(String::new(), |f| format!("{} ({})", f.class.label(), level(f.law.gd_n0_m3)))
-    }),
-    ("Road slope", "waviness w of the displacement spectrum", |c, _| {
-        some(c.road.as_ref().and_then(|r| r.fit).map(|f| f.law.waviness), |v| format!("{v:.2}"))
-    }),
-    ("True road class", "the same of the true road", |c, _| {
-        let fit = c.road.as_ref().and_then(|r| r.truth_fit);
-        fit.map_or(String::new(), |f| {
-            format!("{} ({}), slope {:.2}", f.class.label(), level(f.law.gd_n0_m3), f.law.waviness)
-        })
-    }),
-    ("Roughness (IRI)", "of the estimated road, without the waves too long to be felt", |c, _| {
-        some(c.road.as_ref().and_then(|r| r.iri_m_per_km), |v| format!("{v:.2} m/km"))
-    }),
-    ("True roughness (IRI)", "of the true road, all wavelengths", |c, _| {
-        some(c.road.as_ref().and_then(|r| r.truth_iri_m_per_km), |v| format!("{v:.2} m/km"))
-    }),
-    ("Road error", "rms error over the rms of the true road, where the estimate holds", |c, _| {
-        some(c.road.as_ref().and_then(|r| r.relative_error), percent)
-    }),
-];
-
-fn percent(share: f64) -> String {
-    format!("{:.1} %", 100.0 * share)
-}
-
-/// Thin spaces between thousands.
-fn count(n: u64) -> String {
-    let digits = n.to_string();
-    let mut out = String::new();
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) {
-            out.push('\u{2009}');
-        }
-        out.push(digit);
-    }
-    out
-}
-
-/// One line per figure, one column per corner; lines without any value are left out.
-fn figures(data: &ReportData) -> String {
-    let mut out = String::from("<table class=\"figures\"><thead><tr><th></th>");
-    for corner in &data.corners {
-        let _ = write!(out, "<th scope=\"col\">{}</th>", corner_name(corner.corner));
-    }
-    out.push_str("</tr></thead><tbody>\n");
-    for (name, meaning, value) in FIGURES {
-        let values: Vec<String> =
-            data.corners.iter().map(|corner| value(corner, data.pressure_unit)).collect();
-        if values.iter().all(String::is_empty) {
-            continue;
-        }
-        let _ = write!(out, "<tr><th scope=\"row\">{name}<small>{meaning}</small></th>");
-        for value in values {
-            let _ = write!(out, "<td>{}</td>", if value.is_empty() { "–" } else { &value });
-        }
-        out.push_str("</tr>\n");
-    }
-    out.push_str("</tbody></table>");
     out
 }
 
@@ -450,13 +308,6 @@ mod tests {
     }
 
     #[test]
-    fn thousands_are_grouped() {
-        assert_eq!(count(7), "7");
-        assert_eq!(count(20_000), "20\u{2009}000");
-        assert_eq!(count(1_234_567), "1\u{2009}234\u{2009}567");
-    }
-
-    #[test]
     fn a_log_whose_times_count_from_1970_has_a_date() {
         // `date -u -d @1795195053`.
         assert!(date(1_795_195_053.25).starts_with("2026-11-20 17:17:33"));
@@ -469,7 +320,7 @@ mod tests {
     #[test]
     fn the_strips_have_a_word_for_every_code() {
         // As many as the collector's codes of validity and warning, and the watch's of states: one that is missing stops the script.
-        for (table, codes) in [("VALIDITY", 6), ("WARNING", 3), ("STATE", 5)] {
+        for (table, codes) in [("VALIDITY", 6), ("WARNING", 3), ("STATE", 6)] {
             let (_, rest) = CHART_SCRIPT.split_once(&format!("const {table} = [")).unwrap();
             let (entries, _) = rest.split_once("];\n").unwrap();
             assert_eq!(entries.matches('[').count(), codes, "{table}");

@@ -10,6 +10,7 @@ mod cold;
 mod collector;
 mod digits;
 mod figures;
+mod figures_table;
 mod html;
 mod json;
 mod parameters;

@@ -141,9 +141,9 @@ pub(super) fn section(data: &ReportData) -> String {
             .map_or("–", |(_, source)| source.as_str())
     };
     let mut out = String::from(
-        "<section id=\"parameters\"><h2>The vehicle's parameters</h2><p class=\"verdict\">What the estimate takes for the car, \
+        "<details class=\"fold\" id=\"parameters\"><summary><h2>The vehicle's parameters</h2></summary><p class=\"verdict\">What the estimate takes for the car, \
          ± one standard deviation, and what of the result rests on it.</p>\
-         <div class=\"scroll\"><table class=\"figures\"><thead><tr><th></th>",
+         <div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Parameters\"><table class=\"figures\"><thead><tr><td></td>",
     );
     for corner in &data.corners {
         let _ = write!(out, "<th scope=\"col\">{}</th>", corner_name(corner.corner));
@@ -162,7 +162,7 @@ pub(super) fn section(data: &ReportData) -> String {
             parameter.worth(first, data.pressure_unit)
         );
     }
-    out.push_str("</tbody></table></div></section>\n");
+    out.push_str("</tbody></table></div></details>\n");
     out
 }
 

@@ -21,7 +21,7 @@ pub(super) fn table(data: &ReportData) -> String {
     }
     let truth = roads.iter().any(|(_, road)| road.truth_iri_m_per_km.is_some());
     let mut out = String::from(
-        "<div class=\"scroll\"><table class=\"roads\"><thead><tr><th scope=\"col\">Track</th><th scope=\"col\">Wheel</th>\
+        "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Roads\"><table class=\"roads\"><thead><tr><th scope=\"col\">Track</th><th scope=\"col\">Wheel</th>\
          <th scope=\"col\">IRI m/km</th>",
     );
     if truth {

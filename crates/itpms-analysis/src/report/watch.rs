@@ -3,7 +3,7 @@
 //! Called by the report's collector. Knows nothing of how a state came about.
 
 use itpms_core::model::Corner;
-use itpms_core::warning::{Alert, Change, MonitorReport, WheelState};
+use itpms_core::warning::{Alert, Change, Doubt, MonitorReport, WheelState};
 
 use super::track::Track;
 
@@ -25,8 +25,8 @@ pub struct AlertSpan {
 /// What the monitor reported during a drive.
 #[derive(Debug, Clone, Default)]
 pub struct WatchReport {
-    /// Each wheel's stretches `(from s, to s, code)`, in the order of [`Corner::ALL`]: 0 fine, 1 unknown, 2 over,
-    /// 3 malfunction, 4 low.
+    /// Each wheel's stretches `(from s, to s, code)`, in the order of [`Corner::ALL`]: 0 fine, 1 unknown, 2 uncertain,
+    /// 3 over, 4 malfunction, 5 low.
     pub states: [Vec<(f64, f64, f64)>; 4],
     /// Each wheel's state at the end.
     pub last: [Option<WheelState>; 4],
@@ -108,9 +108,10 @@ impl WatchCollector {
 fn code(state: WheelState) -> f64 {
     match state {
         WheelState::Fine => 0.0,
+        WheelState::Unknown(Doubt::Uncertain) => 2.0,
         WheelState::Unknown(_) => 1.0,
-        WheelState::Over => 2.0,
-        WheelState::Malfunction => 3.0,
-        WheelState::Low => 4.0,
+        WheelState::Over => 3.0,
+        WheelState::Malfunction => 4.0,
+        WheelState::Low => 5.0,
     }
 }

@@ -34,6 +34,7 @@ fn status(state: Option<WheelState>) -> Status {
         Some(WheelState::Malfunction) => Status::Malfunction,
         Some(WheelState::Over) => Status::Over,
         Some(WheelState::Fine) => Status::Fine,
+        Some(WheelState::Unknown(Doubt::Uncertain)) => Status::Uncertain,
         Some(WheelState::Unknown(_)) | None => Status::Unknown,
     }
 }

@@ -118,7 +118,7 @@ pub fn found(radii: &RadiusReport<f64>) -> String {
             format!("the {} {verb} since the calibration", names(wheels))
         }
         RadiusState::OneOf(wheels) if wheels.iter().count() == 4 => {
-            "one of the tires differs from the others since the calibration; which, is not known".to_owned()
+            "one of the tires differs from the others since the calibration; which one, is unknown".to_owned()
         }
         RadiusState::OneOf(wheels) => {
             let either: Vec<String> = wheels.iter().map(|c| corner_name(c).to_lowercase()).collect();
@@ -225,7 +225,7 @@ pub(super) fn section(data: &ReportData) -> String {
     let Some(wheels) = &data.wheel_speeds else { return String::new() };
     let mut out = format!(
         "<section id=\"wheel-speeds\"><h2>Wheel speeds</h2><p class=\"verdict\">By the wheel speeds {}.</p>\
-         <div class=\"panels\" data-wheels=\"lost\"></div><div class=\"scroll\"><table class=\"figures\"><thead><tr><th></th>\
+         <div class=\"panels\" data-wheels=\"lost\"></div><div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Wheel speeds\"><table class=\"figures\"><thead><tr><td></td>\
          <th scope=\"col\">Radius since the calibration</th><th scope=\"col\">Lost of its pressure</th>\
          <th scope=\"col\">Would have shown</th><th scope=\"col\">State</th></tr></thead><tbody>\n",
         escape(&found(&wheels.last))
@@ -237,8 +237,8 @@ pub(super) fn section(data: &ReportData) -> String {
         let state = match last.and_then(|last| last[corner.index()]) {
             Some(WheelState::Low) => "low",
             Some(WheelState::Fine) => "as the others",
-            _ if !known || !wheel.informed() => "not known",
-            _ if wheel.low_probability > 0.5 => "in doubt",
+            _ if !known || !wheel.informed() => "unknown",
+            _ if wheel.low_probability > 0.5 => "uncertain",
             _ => "as the others",
         };
         let _ = writeln!(

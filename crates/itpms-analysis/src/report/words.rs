@@ -13,6 +13,7 @@ pub(super) enum Status {
     Low,
     Malfunction,
     Over,
+    Uncertain,
     Unknown,
     Fine,
 }
@@ -26,6 +27,8 @@ impl Status {
             Self::Malfunction
         } else if corner.state == Some(WheelState::Over) {
             Self::Over
+        } else if f.last.is_some() && corner.state == Some(WheelState::Unknown(Doubt::Uncertain)) {
+            Self::Uncertain
         } else if f.last.is_none() || matches!(corner.state, Some(WheelState::Unknown(_))) {
             Self::Unknown
         } else {
@@ -37,8 +40,9 @@ impl Status {
         match self {
             Self::Low => "Low",
             Self::Malfunction => "Malfunction",
-            Self::Over => "Too high",
-            Self::Unknown => "Not known",
+            Self::Over => "Over-inflated",
+            Self::Uncertain => "Uncertain",
+            Self::Unknown => "Unknown",
             Self::Fine => "Fine",
         }
     }
@@ -59,7 +63,7 @@ impl Status {
             Self::Low => "low",
             Self::Malfunction => "malfunction",
             Self::Over => "over",
-            Self::Unknown => "unknown",
+            Self::Uncertain | Self::Unknown => "unknown",
             Self::Fine => "fine",
         }
     }
@@ -79,22 +83,23 @@ impl Status {
         match self {
             Self::Low => "LOW",
             Self::Malfunction => "FAULT",
-            Self::Over => "HIGH",
-            Self::Unknown => "not known",
+            Self::Over => "OVER",
+            Self::Uncertain => "uncertain",
+            Self::Unknown => "unknown",
             Self::Fine => "fine",
         }
     }
 }
 
 impl CornerReport {
-    /// Why the wheel was not known at the end, if the monitor reported that it was not: words that follow on `not known: `.
+    /// Why the wheel was not known at the end, if the monitor reported that it was not: words that follow on its state and a colon.
     #[must_use]
     pub fn doubt(&self) -> Option<&'static str> {
         match self.state? {
             WheelState::Unknown(doubt) => Some(match doubt {
                 Doubt::Uncertain => "too uncertain to rule out a loss",
                 Doubt::Starting => "still learning",
-                Doubt::Suspicion => "a sensor is in doubt",
+                Doubt::Suspicion => "a sensor is suspected",
                 Doubt::Misfit => "the car does not fit its vehicle file",
                 Doubt::NoInformation => "nothing to learn from",
                 Doubt::Standing => "the car stands; what was known when it stopped may have changed",
@@ -175,20 +180,21 @@ pub(super) fn sentence(corner: &CornerReport, unit: PressureUnit) -> String {
             }
         }
         Status::Over => match &f.last {
-            Some(last) => format!("{name} is at {}: too high", reading(last)),
-            None => format!("{name}: too high"),
+            Some(last) => format!("{name} is at {}: over-inflated", reading(last)),
+            None => format!("{name}: over-inflated"),
+        },
+        Status::Uncertain => match (&f.last, corner.doubt()) {
+            (Some(last), Some(why)) => format!("{name} is at {}: uncertain, {why}", reading(last)),
+            _ => format!("{name}: uncertain"),
         },
         Status::Unknown => match (&f.last, corner.state, corner.doubt()) {
-            (Some(last), Some(WheelState::Unknown(Doubt::Uncertain)), Some(why)) => {
-                format!("{name} is at {}: not known, {why}", reading(last))
-            }
             (Some(last), _, why) => {
                 let why = why.map_or(String::new(), |why| format!(" ({why})"));
                 let at = clock(last.time_s);
-                format!("{name} is not known at the end{why}; it was {} at {at}", reading(last))
+                format!("{name} is unknown at the end{why}; it was {} at {at}", reading(last))
             }
             (None, Some(WheelState::Unknown(Doubt::Misfit | Doubt::Suspicion)), Some(why)) => {
-                format!("{name} is not known: {why}")
+                format!("{name} is unknown: {why}")
             }
             (None, ..) => format!("{name}: not enough was seen for a pressure"),
         },

@@ -180,11 +180,11 @@ impl CornerCheck {
                 format!("{name} does not show in this drive and is not judged")
             } else if apart((ratio, error), sd) {
                 format!(
-                    "{name} reads {ratio:.2} ± {error:.2} of the file's: set {key} to {:.0}",
+                    "{name} is {ratio:.2} ± {error:.2} times the file's: set {key} to {:.0}",
                     ratio * value
                 )
             } else {
-                format!("{name} reads {ratio:.2} ± {error:.2} of the file's, {}", allowed(ratio, sd))
+                format!("{name} is {ratio:.2} ± {error:.2} times the file's: agrees {}", allowed(ratio, sd))
             }
         };
         let damping =
@@ -227,11 +227,11 @@ fn apart((ratio, error): (f64, f64), sd: f64) -> bool {
 fn allowed(ratio: f64, sd: f64) -> String {
     let (off, percent) = ((ratio - 1.0).abs(), 100.0 * sd);
     if off <= sd {
-        format!("within its stated ±{percent:.0} %")
+        format!("within the ±{percent:.0} % that the file states")
     } else if off <= APART * sd {
-        format!("within twice its stated ±{percent:.0} %")
+        format!("within twice the ±{percent:.0} % that the file states")
     } else {
-        format!("within what this error and its stated ±{percent:.0} % allow")
+        format!("within this drive's error and the ±{percent:.0} % that the file states")
     }
 }
 
@@ -357,7 +357,9 @@ mod tests {
         assert!((damping.0 - 1.0).abs() < 0.1, "{damping:?}");
         // The file knows the damper to 10 %.
         assert!(
-            check.sentence().contains("of the file's, within its stated ±10 %; spring reads"),
+            check
+                .sentence()
+                .contains("times the file's: agrees within the ±10 % that the file states; spring is"),
             "{}",
             check.sentence()
         );
@@ -373,9 +375,10 @@ mod tests {
         let spectra = driven(1_500.0, 22_000.0, 0.02);
         let wide = |sd: f64, file: f64| Suspension { damping_relative_sd: sd, ..suspension(file, 22_000.0) };
         // Dampers of three quarters of the file's, which knows them to 30 %; of two thirds, to 20 %.
-        for (sd, file, words) in
-            [(0.3, 2_000.0, "within its stated ±30 %"), (0.2, 2_250.0, "within twice its stated ±20 %")]
-        {
+        for (sd, file, words) in [
+            (0.3, 2_000.0, "within the ±30 % that the file states"),
+            (0.2, 2_250.0, "within twice the ±20 % that the file states"),
+        ] {
             let check = CornerCheck::of("fl", &spectra, wide(sd, file));
             assert!(!check.asks_for_change(), "{}", check.sentence());
             assert!(check.sentence().contains(words), "{}", check.sentence());

@@ -234,12 +234,19 @@ impl<T> Alert<T> {
 }
 
 impl<T: Real> Reading<T> {
+    /// What a tire lost at most within half a minute, in kPa, by the largest rate of its fast leak: no more than it lacks of its reference.
+    pub fn lost_within_half_a_minute_kpa(&self, rate_kpa_per_min: T) -> T {
+        let lacks = (self.reference_kpa - self.pressure_kpa).at_least(T::ZERO);
+        (rate_kpa_per_min * T::lit(0.5)).at_most(lacks)
+    }
+
     fn write(&self, f: &mut fmt::Formatter<'_>, unit: PressureUnit) -> fmt::Result {
         let [pressure, sd, limit, reference] =
             [self.pressure_kpa, self.sd_kpa, self.limit_kpa, self.reference_kpa]
                 .map(|kpa| unit.number(kpa.to_f64(), 0));
         let basis = self.basis.words();
-        write!(f, "{pressure} {unit} (sd {sd}), limit {limit} of {reference}, {basis}")
+        let share = 100.0 * (self.limit_kpa / self.reference_kpa).to_f64();
+        write!(f, "{pressure} {unit} (sd {sd}), limit {limit} ({share:.0} % of {reference}), {basis}")
     }
 }
 
@@ -280,11 +287,12 @@ impl<T: Real> fmt::Display for AlertIn<'_, T> {
                 reading.write(f, unit)?;
             }
             Cause::FastLeak { reading, rate_kpa_per_min } => {
-                let [rate, pressure, sd, reference] =
-                    [rate_kpa_per_min, &reading.pressure_kpa, &reading.sd_kpa, &reading.reference_kpa]
+                let lost_kpa = reading.lost_within_half_a_minute_kpa(*rate_kpa_per_min);
+                let [lost, pressure, sd, reference] =
+                    [lost_kpa, reading.pressure_kpa, reading.sd_kpa, reading.reference_kpa]
                         .map(|kpa| unit.number(kpa.to_f64(), 0));
                 // It is the loss that counts, whatever the level.
-                write!(f, "{wheels} fast leak: fell by up to {rate} {unit}/min (over half a minute), ")?;
+                write!(f, "{wheels} fast leak: lost up to {lost} {unit} within half a minute, ")?;
                 write!(f, "now {pressure} {unit} (sd {sd}) of {reference}")?;
             }
             Cause::AllLow { mean_share, sd_share, .. } => {

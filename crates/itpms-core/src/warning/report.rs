@@ -72,10 +72,12 @@ pub enum Doubt {
 }
 
 impl WheelState {
-    /// One word: `unknown`, `fine`, `low`, `over` or `malfunction`.
+    /// One word, the same in tables, JSON, frames and on pages: `unknown`, `uncertain` where there is a pressure that could be low as well as
+    /// not, `fine`, `low`, `over` or `malfunction`.
     #[must_use]
     pub fn label(self) -> &'static str {
         match self {
+            WheelState::Unknown(Doubt::Uncertain) => "uncertain",
             WheelState::Unknown(_) => "unknown",
             WheelState::Fine => "fine",
             WheelState::Low => "low",

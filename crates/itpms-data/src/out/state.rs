@@ -1,6 +1,6 @@
 //! What is known of a wheel in one word, the same in every file and on every face of the program.
 
-use itpms_core::warning::{Doubt, WheelState};
+use itpms_core::warning::WheelState;
 
 /// The monitor's states, in the order of [`Corner::ALL`](itpms_core::model::Corner::ALL); `None` where no monitor runs.
 pub type States = [Option<WheelState>; 4];
@@ -8,16 +8,13 @@ pub type States = [Option<WheelState>; 4];
 /// `fine`, `low`, `over`, `malfunction`, `uncertain` where there is a pressure that could be low as well as not, or else `unknown`.
 #[must_use]
 pub fn state_label(state: Option<WheelState>) -> &'static str {
-    match state {
-        None => "unknown",
-        Some(WheelState::Unknown(Doubt::Uncertain)) => "uncertain",
-        Some(state) => state.label(),
-    }
+    state.map_or("unknown", WheelState::label)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use itpms_core::warning::Doubt;
 
     #[test]
     fn what_could_be_low_is_not_what_was_never_seen() {

@@ -14,7 +14,7 @@
 //! | `tables` | `fleet.csv`, `fleet.parquet`, `failed.csv` |
 //! | [`standing`] | how each car stands after its last drive |
 //! | [`wheels`] | what a drive showed of each wheel |
-//! | `page`, `histogram` | `index.html` |
+//! | `page`, `names`, `histogram` | `index.html` |
 //!
 //! Calibration drives come first, because they need no others; what each taught of its car is stored, and every later
 //! drive of that car starts with it. So all drives of a stage are independent of each other. The same files give the same
@@ -27,6 +27,7 @@ mod dampers;
 pub mod days;
 pub mod found;
 mod histogram;
+mod names;
 mod one;
 mod page;
 pub mod record;

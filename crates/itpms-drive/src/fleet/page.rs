@@ -1,4 +1,4 @@
-//! The page about the whole fleet: complete in itself, readable without a script and on a phone.
+//! The page about the whole fleet: complete in itself, readable without a script, which sorts and filters, and on a phone.
 //!
 //! Every text that comes from outside goes through [`escape`].
 
@@ -11,6 +11,7 @@ use itpms_data::out::AtomicFile;
 
 use super::found::natural;
 use super::histogram::histogram;
+use super::names::Names;
 use super::record::{DriveRecord, Loss, WheelRecord};
 use super::standing::{CarStanding, State, lowest, share};
 use super::{Failed, Outcome, Plan};
@@ -19,6 +20,7 @@ use crate::provenance::today;
 
 const TEMPLATE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
+const SCRIPT: &str = include_str!("page.js");
 /// Cars, drives and failures that are listed; the tables have all.
 const LISTED: usize = 500;
 /// Points of a car's line over its drives.
@@ -34,17 +36,18 @@ pub(super) fn write(plan: &Plan, outcome: &Outcome) -> Result<(), DriveError> {
 fn page(plan: &Plan, outcome: &Outcome) -> String {
     let cars = CarStanding::of_all(&outcome.drives, &outcome.failed);
     let headline = escape(&headline(&cars));
-    let unit = plan.settings.pressure_unit;
-    let parts: [(&str, String); 9] = [
+    let (unit, names) = (plan.settings.pressure_unit, Names::of(&outcome.drives));
+    let parts: [(&str, String); 10] = [
         ("title", headline.clone()),
         ("headline", headline),
         ("style", STYLE.into()),
         ("subline", subline(outcome, &cars)),
         ("cards", cards(&cars)),
-        ("cars", cars_table(&cars, &outcome.failed, unit)),
+        ("cars", cars_table(&cars, &outcome.failed, &names, unit)),
         ("figures", figures(&outcome.drives, &cars, unit)),
-        ("drives", drives_table(&outcome.drives, unit) + &failed_table(outcome)),
+        ("drives", drives_table(&outcome.drives, &names, unit) + &failed_table(outcome)),
         ("provenance", provenance(plan)),
+        ("script", SCRIPT.into()),
     ];
     itpms_analysis::page::page(TEMPLATE, &parts)
 }
@@ -66,13 +69,14 @@ pub(super) fn headline(cars: &[CarStanding<'_>]) -> String {
             format!("{n} of {all} {}", if n == 1 { one } else { more })
         }
     };
-    match (count(State::Low), count(State::Malfunction), count(State::Over), count(State::Unknown)) {
+    let unsure = count(State::Uncertain) + count(State::Unknown);
+    match (count(State::Low), count(State::Malfunction), count(State::Over), unsure) {
         (0, 0, 0, 0) => match cars.len() {
             1 => "The car is fine".to_owned(),
             _ => format!("All {all} are fine"),
         },
-        (0, 0, 0, n) => say(n, "is not known well enough", "are not known well enough"),
-        (0, 0, n, _) => say(n, "has a tire with too much pressure", "have a tire with too much pressure"),
+        (0, 0, 0, n) => say(n, "is unknown or uncertain", "are unknown or uncertain"),
+        (0, 0, n, _) => say(n, "has an over-inflated tire", "have an over-inflated tire"),
         (0, n, ..) => say(n, "has a sensor fault", "have a sensor fault"),
         (n, ..) => say(n, "has a low tire", "have a low tire"),
     }
@@ -129,8 +133,9 @@ fn word(state: State) -> &'static str {
     match state {
         State::Low => "Low",
         State::Malfunction => "Malfunction",
-        State::Over => "Too high",
-        State::Unknown => "Not known",
+        State::Over => "Over-inflated",
+        State::Uncertain => "Uncertain",
+        State::Unknown => "Unknown",
         State::Fine => "Fine",
     }
 }
@@ -159,9 +164,9 @@ fn warned(last: &DriveRecord, drives: &[&DriveRecord]) -> String {
 }
 
 /// The cars, the worst first, each with its wheels at the end of its last drive that could be estimated.
-fn cars_table(cars: &[CarStanding<'_>], failed: &[Failed], unit: PressureUnit) -> String {
+fn cars_table(cars: &[CarStanding<'_>], failed: &[Failed], names: &Names<'_>, unit: PressureUnit) -> String {
     let mut out = String::from(
-        "<div class=\"scroll\"><table class=\"cars\"><thead><tr><th scope=\"col\">Car</th><th scope=\"col\">State</th>\
+        "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Cars\"><table class=\"cars\"><thead><tr><th scope=\"col\">Car</th><th scope=\"col\">State</th>\
          <th scope=\"col\">Front left</th><th scope=\"col\">Front right</th><th scope=\"col\">Rear left</th>\
          <th scope=\"col\">Rear right</th><th scope=\"col\">Over its drives</th><th scope=\"col\">Last drive</th></tr></thead><tbody>\n",
     );
@@ -173,14 +178,16 @@ fn cars_table(cars: &[CarStanding<'_>], failed: &[Failed], unit: PressureUnit) -
         let wheels: String = ["fl", "fr", "rl", "rr"].map(|name| wheel_cell(last, name, unit)).concat();
         let _ = writeln!(
             out,
-            "<tr><th scope=\"row\">{name}<small>{vehicle}</small></th><td>{badge}{warned}</td>{wheels}<td class=\"line\">{line}</td>\
+            "<tr><th scope=\"row\">{name}<small>{vehicle}</small></th><td data-sort=\"{rank}\">{badge}{warned}</td>{wheels}<td class=\"line\" data-sort=\"{lowest}\">{line}</td>\
              <td class=\"last\">{link}<small>{count}</small>{later}</td></tr>",
             name = escape(car.car),
             vehicle = if last.vehicle == car.car { String::new() } else { escape(&last.vehicle) },
+            rank = car.state as u8,
+            lowest = key(lowest(Some(last))),
             badge = badge(car.state),
             warned = warned(last, &car.drives),
             line = line(&car.drives),
-            link = link(last),
+            link = names.link(last),
             count = counted(car.drives.len(), "drive"),
             later = later_failures(car, last, failed),
         );
@@ -217,7 +224,7 @@ fn wheel_cell(drive: &DriveRecord, name: &str, unit: PressureUnit) -> String {
         );
     }
     let Some(last) = wheel.last else {
-        return format!("<td class=\"wheel {class}\" data-label=\"{short}\">not known</td>");
+        return format!("<td class=\"wheel {class}\" data-label=\"{short}\">unknown</td>");
     };
     let percent = 100.0 * last.pressure_kpa / wheel.placard_kpa;
     format!(
@@ -266,30 +273,13 @@ fn line(drives: &[&DriveRecord]) -> String {
     )
 }
 
-/// The drive's name, leading to its report where there is one.
-fn link(drive: &DriveRecord) -> String {
-    let short = drive.file.rsplit(['/', '\\']).next().unwrap_or(&drive.file);
-    match &drive.report {
-        Some(report) => format!("<a href=\"{}\">{}</a>", address(report), escape(short)),
-        None => format!("<span title=\"{}\">{}</span>", escape(&drive.file), escape(short)),
-    }
-}
-
-/// A path as the address of a link.
-fn address(path: &str) -> String {
-    let mut out = String::with_capacity(path.len());
-    for byte in path.bytes() {
-        if byte.is_ascii_alphanumeric() || b"-_.~/".contains(&byte) {
-            out.push(char::from(byte));
-        } else {
-            let _ = write!(out, "%{byte:02X}");
-        }
-    }
-    out
+/// What a cell is sorted by; nothing where it is not known.
+fn key(value: f64) -> String {
+    if value.is_finite() { format!("{value:.4}") } else { String::new() }
 }
 
 /// The drives, the worst first.
-fn drives_table(drives: &[DriveRecord], unit: PressureUnit) -> String {
+fn drives_table(drives: &[DriveRecord], names: &Names<'_>, unit: PressureUnit) -> String {
     let mut order: Vec<&DriveRecord> = drives.iter().collect();
     order.sort_by(|a, b| {
         let urgency = State::of_drive(a).cmp(&State::of_drive(b));
@@ -297,7 +287,7 @@ fn drives_table(drives: &[DriveRecord], unit: PressureUnit) -> String {
         urgency.then(warned).then(lowest(Some(a)).total_cmp(&lowest(Some(b))))
     });
     let mut out = String::from(
-        "<div class=\"scroll\"><table class=\"drives\"><thead><tr><th scope=\"col\">Drive</th><th scope=\"col\">Car</th>\
+        "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Drives\"><table class=\"drives\"><thead><tr><th scope=\"col\">Drive</th><th scope=\"col\">Car</th>\
          <th scope=\"col\">State</th><th scope=\"col\">Lowest tire at the end</th><th scope=\"col\">Valid</th><th scope=\"col\">IRI, m/km</th>\
          <th scope=\"col\">Distance</th><th scope=\"col\">Time</th></tr></thead><tbody>\n",
     );
@@ -308,17 +298,21 @@ fn drives_table(drives: &[DriveRecord], unit: PressureUnit) -> String {
             format!("<small>{}</small>", escape(&drive.alerts.join("; ")))
         };
         let km = drive.distance_m.map_or("–".to_owned(), |m| format!("{}\u{a0}km", few(m / 1000.0)));
+        let valid = 100.0 * mean(drive.wheels.iter().map(|wheel| Some(wheel.share_valid))).unwrap_or(0.0);
         let _ = writeln!(
             out,
-            "<tr><th scope=\"row\">{}{warnings}</th><td data-label=\"car\">{}</td><td>{}</td><td class=\"lowest\" data-label=\"lowest\">{}</td><td class=\"n\" data-label=\"valid\">{:.0} %</td>\
-             <td class=\"n\" data-label=\"IRI\">{}</td><td class=\"n\">{km}</td><td class=\"n\">{}</td></tr>",
-            link(drive),
+            "<tr><th scope=\"row\">{}{warnings}</th><td data-label=\"car\">{}</td><td data-sort=\"{}\">{}</td><td class=\"lowest\" data-label=\"lowest\" data-sort=\"{}\">{}</td><td class=\"n\" data-label=\"valid\" data-sort=\"{valid:.3}\">{valid:.0} %</td>\
+             <td class=\"n\" data-label=\"IRI\">{}</td><td class=\"n\" data-sort=\"{}\">{km}</td><td class=\"n\" data-sort=\"{:.0}\">{}</td></tr>",
+            names.link(drive),
             escape(&drive.car),
+            State::of_drive(drive) as u8,
             badge(State::of_drive(drive)),
+            key(lowest(Some(drive))),
             lowest_words(drive, unit),
-            100.0 * mean(drive.wheels.iter().map(|wheel| Some(wheel.share_valid))).unwrap_or(0.0),
             mean(drive.wheels.iter().map(|wheel| wheel.iri_m_per_km))
                 .map_or("–".to_owned(), |iri| format!("{iri:.2}")),
+            key(drive.distance_m.unwrap_or(f64::NAN)),
+            drive.duration_s,
             duration(drive.duration_s),
         );
     }
@@ -335,7 +329,7 @@ fn lowest_words(drive: &DriveRecord, unit: PressureUnit) -> String {
             let [now, placard] = [last.pressure_kpa, wheel.placard_kpa].map(|kpa| unit.number(kpa, 0));
             format!("{} {now} of {placard}\u{a0}{unit}", wheel.wheel.to_uppercase())
         }
-        None => lost_words(drive).unwrap_or_else(|| "not known".to_owned()),
+        None => lost_words(drive).unwrap_or_else(|| "unknown".to_owned()),
     }
 }
 
@@ -380,7 +374,7 @@ fn failed_table(outcome: &Outcome) -> String {
         return String::new();
     }
     let mut out = String::from(
-        "<h2 id=\"failed\">Files that could not be estimated</h2><div class=\"scroll\"><table class=\"failed\"><tbody>\n",
+        "<h2 id=\"failed\">Files that could not be estimated</h2><div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Files that could not be estimated\"><table class=\"failed\"><tbody>\n",
     );
     for failed in outcome.failed.iter().take(LISTED) {
         let file = failed.file.to_string_lossy();
@@ -454,14 +448,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn addresses_lead_to_any_file_name() {
-        assert_eq!(address("reports/a b/100%#1.csv.html"), "reports/a%20b/100%25%231.csv.html");
-        assert_eq!(address("reports/ü.html"), "reports/%C3%BC.html");
-    }
-
-    #[test]
     fn the_template_names_every_part() {
-        for name in ["headline", "subline", "cards", "cars", "figures", "drives", "provenance"] {
+        assert!(!SCRIPT.to_lowercase().contains("</script"));
+        for name in ["headline", "subline", "cards", "cars", "figures", "drives", "provenance", "script"] {
             assert!(TEMPLATE.contains(&format!("{{{{{name}}}}}")), "{name}");
         }
     }

@@ -14,6 +14,8 @@ pub enum State {
     Malfunction,
     /// A tire has too much pressure.
     Over,
+    /// There is a pressure that could be low as well as not.
+    Uncertain,
     /// Not enough is known.
     Unknown,
     /// Nothing is wrong.
@@ -22,7 +24,8 @@ pub enum State {
 
 impl State {
     /// All, the most urgent first.
-    pub const ALL: [Self; 5] = [Self::Low, Self::Malfunction, Self::Over, Self::Unknown, Self::Fine];
+    pub const ALL: [Self; 6] =
+        [Self::Low, Self::Malfunction, Self::Over, Self::Uncertain, Self::Unknown, Self::Fine];
 
     /// One word.
     #[must_use]
@@ -31,6 +34,7 @@ impl State {
             Self::Low => "low",
             Self::Malfunction => "malfunction",
             Self::Over => "over",
+            Self::Uncertain => "uncertain",
             Self::Unknown => "unknown",
             Self::Fine => "fine",
         }
@@ -45,6 +49,8 @@ impl State {
             Self::Malfunction
         } else if wheel.state == "over" {
             Self::Over
+        } else if wheel.last.is_some() && wheel.state == "uncertain" {
+            Self::Uncertain
         } else if wheel.last.is_none() && wheel.state != "fine"
             || matches!(wheel.state.as_str(), "unknown" | "uncertain")
         {

@@ -9,7 +9,7 @@ use super::shared::Shared;
 use crate::snapshot::{Snapshot, Wheel};
 
 /// The words of [`Wheel::state`].
-const STATES: [&str; 5] = ["unknown", "fine", "low", "over", "malfunction"];
+const STATES: [&str; 6] = ["unknown", "uncertain", "fine", "low", "over", "malfunction"];
 
 /// Everything, family by family.
 pub(super) fn text(shared: &Shared) -> String {

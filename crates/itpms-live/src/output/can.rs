@@ -23,7 +23,7 @@ pub const DBC: &str = include_str!("itpms.dbc");
 
 const STATUS: &str = "ITPMS_Status";
 const DEVIATIONS: &str = "ITPMS_Deviations";
-const STATES: [&str; 5] = ["unknown", "fine", "low", "over", "malfunction"];
+const STATES: [&str; 6] = ["unknown", "fine", "low", "over", "malfunction", "uncertain"];
 const WARNINGS: [&str; 3] = ["none", "low", "malfunction"];
 const LEVELS: [&str; 2] = ["file", "calibration"];
 const CORNERS: [&str; 4] = ["fl", "fr", "rl", "rr"];

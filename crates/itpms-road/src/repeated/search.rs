@@ -144,9 +144,9 @@ impl<T: Real> PeriodSearch<T> {
         };
         let correlations: [T; LAGS] = core::array::from_fn(|i| self.correlation(i));
         let mut best = T::lit(REPEATS);
-        for i in 1..LAGS - 1 {
+        for (i, &correlation) in correlations.iter().enumerate().take(LAGS - 1).skip(1) {
             if usable(i + SHORTEST) {
-                best = best.max(correlations[i]);
+                best = best.max(correlation);
             }
         }
         (1..LAGS - 1).find_map(|i| {

@@ -7,6 +7,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser as _};
 use itpms_core::model::Corner;
 use itpms_data::vehicle::Driven;
 use itpms_data::vehicle::typical::{CarClass, FrontRear, TireSize};
+use itpms_drive::field::KnownFrom;
 
 use super::{LogArgs, VEHICLE, positive};
 
@@ -170,10 +171,15 @@ impl std::str::FromStr for KnownPressures {
 
 /// Compare how the body answers each wheel in a drive with what the vehicle file says of spring and damper.
 ///
-/// A sentence per corner: what fits, what does not, and what to change; one per axle: whether its dampers are alike. Needs half a minute of rough enough road; neither
-/// road nor tire nor unsprung mass enter.
+/// A sentence per corner: what fits, what does not, and what to change; one per axle: whether its dampers are alike. Needs half a minute of
+/// rough enough road; neither road nor tire nor unsprung mass enter. With --field: whether a log of twenty minutes with three known
+/// pressures is good enough to be handed on, and the archive to hand on (docs/field-kit.md).
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example: itpms vehicle check drive.csv --vehicle car.toml --report check.html")]
+#[command(after_help = "Examples:
+  itpms vehicle check drive.csv --vehicle car.toml --report check.html
+  itpms vehicle check drive.csv --vehicle car.toml --field --pressure-kpa 240 --pressure-kpa 480:fl=200 --pressure-kpa 900:fl=160 -o car.zip
+
+Exit code with --field: 0 good enough, 1 not.")]
 pub(crate) struct CheckArgs {
     /// The drive log: .csv, .parquet, .mf4, .dat, .mcap, or a CAN log (.log, .asc, .blf, .trc, .mf4) with --dbc.
     pub(crate) log: PathBuf,
@@ -181,8 +187,20 @@ pub(crate) struct CheckArgs {
     #[arg(long, value_name = "V.toml", env = VEHICLE, hide_env_values = true)]
     pub(crate) vehicle: PathBuf,
     /// Where a page with a picture per corner goes: .html, complete in itself.
-    #[arg(long, value_name = "HTML")]
+    #[arg(long, value_name = "HTML", conflicts_with = "field")]
     pub(crate) report: Option<PathBuf>,
+    /// Whether the log is good enough for the field kit: sensors, rate, length, stops, clipping, known pressures.
+    #[arg(long)]
+    pub(crate) field: bool,
+    /// What the gauge read, from so many seconds since the log's first row on: 240, then 480:fl=200. Tires that are not named keep theirs.
+    #[arg(long, value_name = "[FROM_S:]KPA|fl=KPA,...", requires = "field")]
+    pub(crate) pressure_kpa: Vec<KnownFrom>,
+    /// For the archive: sensors, where they are mounted, road, weather.
+    #[arg(long, value_name = "TEXT", requires = "field")]
+    pub(crate) note: Option<String>,
+    /// Where the archive goes if the log is good enough: without position, altitude and identification number.
+    #[arg(short, long, value_name = "PACK.zip", requires = "field")]
+    pub(crate) output: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) reading: LogArgs,
     /// Print JSON.

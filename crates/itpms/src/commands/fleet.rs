@@ -135,7 +135,7 @@ fn car_line(car: &CarStanding<'_>, unit: PressureUnit) -> String {
     let Some(last) = car.last() else {
         let drives = if car.failed == 1 { "its only drive" } else { "none of its drives" };
         let could = if car.failed == 1 { "could not" } else { "could" };
-        return format!("{}: not known, {drives} {could} be estimated", car.car);
+        return format!("{}: unknown, {drives} {could} be estimated", car.car);
     };
     let wheels = last.wheels.iter().filter(|wheel| State::of_wheel(wheel) == car.state);
     let words: Vec<String> = wheels
@@ -144,11 +144,10 @@ fn car_line(car: &CarStanding<'_>, unit: PressureUnit) -> String {
                 let [now, placard] = [at.pressure_kpa, wheel.placard_kpa].map(|kpa| unit.number(kpa, 1));
                 format!("{} {now} of {placard} {unit}", wheel.wheel)
             }
-            None => format!("{} not known", wheel.wheel),
+            None => format!("{} unknown", wheel.wheel),
         })
         .collect();
-    let state = if car.state == State::Unknown { "not known" } else { car.state.label() };
-    format!("{}: {state} in {}: {}", car.car, last.file, words.join(", "))
+    format!("{}: {} in {}: {}", car.car, car.state.label(), last.file, words.join(", "))
 }
 
 fn as_json(args: &FleetArgs, outcome: &Outcome, cars: &[CarStanding<'_>]) -> serde_json::Value {

@@ -19,7 +19,7 @@ impl Certificate {
              driving through the whole range of speeds until the tell-tale comes on or the time is over. Then five minutes without the key, after which the \
              tell-tale has to be lit again, and a drive with everything put right, on which it has to go out. Nothing else may be \
              reported at any time. Times are cumulative driving time, minutes and seconds; of what was also reported, time since the reset.</p>\n\
-             <div class=\"scroll\"><table><thead><tr><th>regulation</th><th>clause</th><th>test</th><th>kPa</th><th>warned</th><th>limit</th>\
+             <div class=\"scroll\" tabindex=\"0\"><table><thead><tr><th>regulation</th><th>clause</th><th>test</th><th>kPa</th><th>warned</th><th>limit</th>\
              <th>wheels named</th><th>lit again</th><th>out after</th><th>also reported, at</th><th>verdict</th></tr></thead><tbody>{rows}</tbody></table></div>\n\
              <h2>Pressures</h2><div class=\"figures\">{figures}</div>\n",
             summary = escape(self.summary().trim_end()),

@@ -42,7 +42,7 @@ impl Observability {
             .collect();
         format!(
             "<h3>Two accelerations leave the stiffness free</h3>{}\
-             <div class=\"scroll\"><table><thead><tr><th>tire</th><th>its road differs by, mm rms</th><th>body acceleration differs by</th>\
+             <div class=\"scroll\" tabindex=\"0\"><table><thead><tr><th>tire</th><th>its road differs by, mm rms</th><th>body acceleration differs by</th>\
              <th>wheel acceleration differs by</th></tr></thead><tbody>{rows}</tbody></table></div>",
             self.proof_words()
         )
@@ -78,7 +78,7 @@ impl Observability {
             .collect();
         format!(
             "<h3>Rank with the road as unknown input</h3>{}\
-             <div class=\"scroll\"><table><thead><tr><th>case</th><th>rank</th><th>missing</th><th>of these drift</th><th>stiffness</th></tr></thead>\
+             <div class=\"scroll\" tabindex=\"0\"><table><thead><tr><th>case</th><th>rank</th><th>missing</th><th>of these drift</th><th>stiffness</th></tr></thead>\
              <tbody>{rows}</tbody></table></div>",
             self.rank_words()
         )
@@ -113,7 +113,7 @@ impl Observability {
             .collect();
         format!(
             "<h3>What each source of information allows to know</h3>{}\
-             <div class=\"scroll\"><table class=\"numbers\"><thead><tr><th rowspan=\"3\">sources</th><th colspan=\"6\">car known</th><th colspan=\"6\">car uncertain</th></tr>\
+             <div class=\"scroll\" tabindex=\"0\"><table class=\"numbers\"><thead><tr><th rowspan=\"3\">sources</th><th colspan=\"6\">car known</th><th colspan=\"6\">car uncertain</th></tr>\
              <tr><th colspan=\"3\">constant</th><th colspan=\"3\">after a loss</th><th colspan=\"3\">constant</th><th colspan=\"3\">after a loss</th></tr>\
              <tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>{}",
             self.conditions_words(),

@@ -86,7 +86,7 @@ pub struct WheelHour {
 /// How near radius analysis came to a warning after its calibration.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct RadiusHour {
-    /// Time in s in which differences were known, and in which a loss of a quarter of any single tire would have been found.
+    /// Time in s in which differences were known, and in which a loss of 30 % of any single tire would have been found.
     pub known_s: f64,
     /// The latter.
     pub informed_s: f64,

@@ -47,7 +47,7 @@ pub struct Summary {
 
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct RadiusSummary {
-    /// Share of the time after a calibration in which a loss of a quarter of any single tire would have been found.
+    /// Share of the time after a calibration in which a loss of 30 % of any single tire would have been found.
     pub informed: f64,
     /// Shares of it in which the true change of each ratio of radii was within its 95 % interval.
     pub covered: [f64; 3],
@@ -157,7 +157,7 @@ impl RadiusSummary {
     fn text(&self) -> String {
         let [front, rear, axles] = self.covered.map(|share| 100.0 * share);
         format!(
-            "after the calibration: a quarter lost by any one tire would have been found {:.1} % of the time\n\
+            "after the calibration: a loss of 30 % of any one tire would have been found {:.1} % of the time\n\
              true change of the radii inside the 95 % interval: front {front:.1} %, rear {rear:.1} %, front over rear {axles:.1} %\n\
              largest probability of a low tire: {:.3} (seed {})\n",
             100.0 * self.informed,

@@ -1,6 +1,7 @@
 //! `itpms vehicle`: a vehicle file of typical values, what a file says, and whether a drive agrees.
 
 mod check;
+mod field;
 mod learn;
 mod show;
 
@@ -15,6 +16,7 @@ pub(crate) fn run(part: &VehiclePart, screen: &Screen, interrupt: &Interrupt) ->
         VehiclePart::Init(args) => init(args, screen),
         VehiclePart::Learn(args) => learn::run(args, screen, interrupt),
         VehiclePart::Show(args) => show::run(args, screen),
+        VehiclePart::Check(args) if args.field => field::run(args, screen, interrupt),
         VehiclePart::Check(args) => check::run(args, screen, interrupt),
     }
 }
