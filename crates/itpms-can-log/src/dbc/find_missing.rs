@@ -62,7 +62,7 @@ fn is_stated(signal: &Signal) -> bool {
     signal.min < signal.max
 }
 
-/// The ends of the raw numbers, signed or not, that lie beyond the stated range by more than its rounding.
+/// The ends of the raw numbers, by either way to read a sign, that lie beyond the stated range by more than its rounding.
 fn ends(signal: &Signal) -> Vec<u64> {
     let (bits, mask) = (signal.layout.bits(), signal.layout.mask());
     if bits < 2 || !is_stated(signal) || matches!(signal.kind, Kind::Float32 | Kind::Float64) {
@@ -70,12 +70,15 @@ fn ends(signal: &Signal) -> Vec<u64> {
     }
     let sign = mask ^ (mask >> 1);
     let zero = Some(0).filter(|_| signal.kind == Kind::Unsigned);
+    // Where raw numbers without a sign stand for values of both signs, those of the middle are the smallest values and no ends.
+    let has_middle = zero.is_some() && signal.physical(0) * signal.physical(mask) < 0.0;
+    let signed_ends = [sign, sign - 1].into_iter().filter(|_| !has_middle);
     let margin = 0.5 * signal.factor.abs();
     let beyond = |raw: &u64| {
         let value = signal.physical(*raw);
         value < signal.min - margin || value > signal.max + margin
     };
-    [mask, sign, sign - 1].into_iter().chain(zero).filter(beyond).collect()
+    [mask].into_iter().chain(signed_ends).chain(zero).filter(beyond).collect()
 }
 
 #[cfg(test)]
@@ -136,6 +139,9 @@ mod tests {
         // Signed minus one in a number that is unsigned, and the other way round.
         assert_eq!(why(1, "0|16@1+ (0.01,0) [0|300]", "", &[0x8000, 0x7FFF, 0xFFFF]), [END, END, END]);
         assert_eq!(why(1, "0|16@1- (0.01,0) [0|300]", "", &[0xFFFF]), [END]);
+        // A yaw rate of 0.3 deg/s to the right, which the range of a careless file leaves out.
+        let centered = "1|10@0+ (0.244,-125) [0|250]";
+        assert_eq!(why(1, centered, "", &[0x1FF, 0x200, 0, 0x3FF]), [None, None, END, None]);
         let labelled = "VAL_ 1 S 4095 \"SNA\" ;";
         assert_eq!(why(1, unsigned, labelled, &[0xFFF]), [STATED]);
     }
