@@ -16,7 +16,7 @@ const SURE_FOR_S: f64 = 4.0;
 const PASSES_S: f64 = 30.0;
 /// The same of anything on a slippery road, on which wheels slip as the place has it; and for how long a road is slippery, in s, after it was
 /// seen to be.
-const SLIPPERY_S: f64 = 300.0;
+const SLIPPERY_S: f64 = 120.0;
 const SLIPPERY_FOR_S: f64 = 300.0;
 
 /// Loss that would have shown where a tire is called fine, as a share of its pressure.
