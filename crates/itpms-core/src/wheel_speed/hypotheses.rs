@@ -63,7 +63,7 @@ impl<T: Real> Decision<T> {
             }
             best = best.at_least(*log);
         }
-        let mut decision = Self { ..crate::memory::Blank::BLANK };
+        let mut decision = Self::BLANK;
         let mut unexplained = (unexplained - best).exp_fast();
         let mut total = unexplained;
         for (log, ..) in &mut all {
