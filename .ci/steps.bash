@@ -12,6 +12,9 @@ format() {
     done
 }
 
+# No house above its ceiling of lines, and the core with no more numbers to choose than it had.
+counts() { python3 .ci/count_houses.py --check; }
+
 # The README's test command in two, without the examples, which clippy compiles. The workspace together switches on all features of the
 # core, so all its tests are among these.
 tests() {
@@ -103,7 +106,7 @@ features() {
 # What deny.toml says of licences and sources, without cargo-deny.
 licences() { python3 .ci/licences.py; }
 
-# The README's first command, and what it promises to leave behind.
+# The README's first command, but with all features, which are compiled already, and the files that it promises to leave behind.
 demo() {
     cargo build --release --locked
     local out="$target_dir/ci-demo"
