@@ -4,13 +4,12 @@
 use std::f64::consts::TAU;
 
 use itpms_core::model::Corner;
+use itpms_fourier::Complex;
 use itpms_sim::road::{Actuator, BenchRoad, Road, Side, Surface};
 use itpms_sim::scenario::{CornerSpec, Scenario};
 use itpms_sim::sensor::SensorSpec;
 use itpms_sim::simulation::{CornerRow, Simulation};
 use itpms_sim::time_profile::{Pressure, Speed};
-use realfft::RealFftPlanner;
-use realfft::num_complex::Complex;
 
 /// Samples of a segment: 0.66 s at 500 Hz.
 const SEGMENT: usize = 330;
@@ -37,7 +36,7 @@ fn drive(scenario: &Scenario, seed: u64) -> Vec<CornerRow> {
 
 /// One-sided amplitudes of a record's harmonics, from the mean on.
 fn harmonics(x: &[f64]) -> Vec<Complex<f64>> {
-    let forward = RealFftPlanner::<f64>::new().plan_fft_forward(x.len());
+    let forward = itpms_fourier::forward(x.len());
     let (mut x, mut bins) = (x.to_vec(), forward.make_output_vec());
     let n = x.len() as f64;
     forward.process(&mut x, &mut bins).unwrap();

@@ -8,7 +8,6 @@ use itpms_sim::road::{
     Amplitude, Iso8608, Line, Pothole, ProfileSpec, REFERENCE_CYCLES_PER_M, Road, RoadClass, RoadSpec,
     Roughness, Segment, Segments, Side, Step, Surface, Tracks, coherence,
 };
-use realfft::RealFftPlanner;
 
 const SPACING_M: f64 = 0.01;
 
@@ -19,7 +18,7 @@ fn heights(spec: &RoadSpec, side: Side, seed: u64, from_m: f64, count: usize) ->
 
 /// One-sided Welch spectrum in m³: Hann windows of `n` points, half overlapped, means taken out.
 fn welch(x: &[f64], n: usize) -> Vec<f64> {
-    let forward = RealFftPlanner::<f64>::new().plan_fft_forward(n);
+    let forward = itpms_fourier::forward(n);
     let window: Vec<f64> = (0..n).map(|i| 0.5 - 0.5 * (TAU * i as f64 / n as f64).cos()).collect();
     let power: f64 = window.iter().map(|w| w * w).sum();
     let (mut sum, mut count) = (vec![0.0; n / 2], 0.0);

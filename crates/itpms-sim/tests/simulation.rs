@@ -9,7 +9,6 @@ use itpms_sim::scenario::{CornerSpec, Scenario};
 use itpms_sim::sensor::SensorSpec;
 use itpms_sim::simulation::{CornerRow, SimRow, Simulation};
 use itpms_sim::time_profile::{Pressure, Speed};
-use realfft::RealFftPlanner;
 
 fn paper_drop() -> Scenario {
     Scenario::builtin("paper-drop").unwrap()
@@ -161,7 +160,7 @@ fn power_transfer(f: f64, k_t: f64) -> [f64; 2] {
 fn spectra(rows: &[SimRow], rate_hz: f64, n: usize) -> [Vec<f64>; 2] {
     [0, 1].map(|sensor| {
         let signal = |r: &SimRow| if sensor == 0 { fl(r).body_accel_m_s2 } else { fl(r).wheel_accel_m_s2 };
-        let forward = RealFftPlanner::<f64>::new().plan_fft_forward(n);
+        let forward = itpms_fourier::forward(n);
         let window: Vec<f64> = (0..n).map(|i| 0.5 - 0.5 * (TAU * i as f64 / n as f64).cos()).collect();
         let power: f64 = window.iter().map(|w| w * w).sum();
         let (mut sum, mut count) = (vec![0.0; n / 2], 0.0);

@@ -246,18 +246,16 @@ pub fn fit_power_law(psd: &Psd, low_per_m: f64, high_per_m: f64) -> Result<RoadF
 mod tests {
     use super::*;
     use crate::spectrum::welch;
+    use itpms_fourier::Complex;
     use rand::SeedableRng;
     use rand_distr::{Distribution, StandardNormal};
     use rand_pcg::Pcg64;
-    use realfft::RealFftPlanner;
-    use realfft::num_complex::Complex;
 
     /// A Gaussian road of `n` samples `spacing` metres apart: each Fourier coefficient complex normal with
     /// variance `Gd(n) N / (2 spacing)`, so that the one-sided density is `Gd`.
     fn gaussian_road(law: PowerLaw, n: usize, spacing: f64, seed: u64) -> Vec<f64> {
         let mut rng = Pcg64::seed_from_u64(seed);
-        let mut planner = RealFftPlanner::<f64>::new();
-        let inverse = planner.plan_fft_inverse(n);
+        let inverse = itpms_fourier::inverse(n);
         let mut bins = inverse.make_input_vec();
         for (i, bin) in bins.iter_mut().enumerate().take(n / 2).skip(1) {
             let sd = (law.density_m3(i as f64 / (n as f64 * spacing)) * n as f64 / spacing / 4.0).sqrt();

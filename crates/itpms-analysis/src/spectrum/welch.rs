@@ -5,8 +5,8 @@
 use std::fmt;
 use std::sync::Arc;
 
-use realfft::num_complex::Complex;
-use realfft::{RealFftPlanner, RealToComplex};
+use itpms_fourier::Complex;
+use itpms_fourier::RealToComplex;
 use thiserror::Error;
 
 /// Settings no spectrum can be computed with.
@@ -79,7 +79,7 @@ impl Welch {
         if !(spacing > 0.0 && spacing.is_finite()) {
             return Err(WelchError::Spacing(spacing));
         }
-        let fft = RealFftPlanner::<f64>::new().plan_fft_forward(segment);
+        let fft = itpms_fourier::forward(segment);
         // The periodic Hann window: shifted by half its length it sums to a constant.
         let turn = std::f64::consts::TAU / segment as f64;
         let window = (0..segment).map(|i| 0.5 - 0.5 * (turn * i as f64).cos()).collect();

@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 
 use itpms_core::model::{BodyFit, Misfit};
-use realfft::num_complex::Complex;
+use itpms_fourier::Complex;
 
 use super::cross::{Bin, CrossSpectra, FEWEST_SEGMENTS, INCOHERENT};
 

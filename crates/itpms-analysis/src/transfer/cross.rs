@@ -4,8 +4,8 @@
 use std::fmt;
 use std::sync::Arc;
 
-use realfft::num_complex::Complex;
-use realfft::{RealFftPlanner, RealToComplex};
+use itpms_fourier::Complex;
+use itpms_fourier::RealToComplex;
 
 /// Length in s of a segment: bins of half a Hertz tell a hop from its neighbors, and a minute has a hundred segments.
 const SEGMENT_S: f64 = 2.0;
@@ -68,7 +68,7 @@ impl CrossSpectra {
         let turn = std::f64::consts::TAU / length as f64;
         let bins = length / 2 + 1;
         Self {
-            fft: RealFftPlanner::<f64>::new().plan_fft_forward(length),
+            fft: itpms_fourier::forward(length),
             window: (0..length).map(|i| 0.5 - 0.5 * (turn * i as f64).cos()).collect(),
             step_s,
             wheel: Vec::with_capacity(length),

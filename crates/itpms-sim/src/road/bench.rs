@@ -4,7 +4,7 @@
 //! actuator's answer to a repeated segment is computed harmonic by harmonic, in its steady state: it is periodic
 //! exactly, and there is no start to wait out.
 
-use realfft::num_complex::Complex;
+use itpms_fourier::Complex;
 use serde::{Deserialize, Serialize};
 
 use super::iso8608::{Amplitude, Iso8608, Roughness};

@@ -3,7 +3,7 @@
 //! Called by the surfaces. The period is a test bed's (3.7 m, 0.66 s at 20 km/h), so its waves are the period's
 //! harmonics and nothing between them. A period is a whole number of the grid's nodes, so that it repeats exactly.
 
-use realfft::num_complex::Complex;
+use itpms_fourier::Complex;
 
 use super::Side;
 use super::iso8608::Iso8608;

@@ -8,19 +8,16 @@ use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
+use itpms_fourier::Complex;
+use itpms_fourier::ComplexToReal;
 use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
-use realfft::num_complex::Complex;
-use realfft::{ComplexToReal, RealFftPlanner};
 
 use super::iso8608::{Amplitude, Iso8608};
 use super::lateral::{Line, Source};
 use crate::streams::generator;
 
 thread_local! {
-    /// Twiddle factors of a block's size take longer to compute than its transform; they depend on nothing else.
-    static PLANNER: RefCell<RealFftPlanner<f64>> = RefCell::new(RealFftPlanner::new());
-
     /// Fades by their length: blocks come in a handful of sizes.
     static FADES: RefCell<Vec<Arc<Vec<f64>>>> = const { RefCell::new(Vec::new()) };
 
@@ -70,7 +67,7 @@ impl Series {
         // A harmonic x = 2 Re(c e^{i..}) has variance 2 E|c|² = Gd(n) Δn, so each part of c has variance Gd Δn / 4.
         let first = 0.5 * (iso.psd_m3(bin_cycles_per_m) * bin_cycles_per_m).sqrt();
         let deviations = (1..nodes / 2).map(|k| first * (k as f64).powf(-0.5 * iso.slope)).collect();
-        let transform = PLANNER.with_borrow_mut(|p| p.plan_fft_inverse(nodes));
+        let transform = itpms_fourier::inverse(nodes);
         Self { deviations, amplitude: iso.amplitude, response: Vec::new(), bin_cycles_per_m, transform }
     }
 
@@ -265,7 +262,7 @@ mod tests {
             let iso = Iso8608 { amplitude, ..Iso8608::new(RoadClass::A, 2.14) };
             let (nodes, spacing) = (16384, 0.005);
             let mut heights = draw(&Series::new(&iso, nodes, spacing), &iso, 7);
-            let forward = RealFftPlanner::new().plan_fft_forward(nodes);
+            let forward = itpms_fourier::forward(nodes);
             let mut bins = forward.make_output_vec();
             forward.process(&mut heights, &mut bins).unwrap();
             let dn = 1.0 / (nodes as f64 * spacing);

@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use realfft::num_complex::Complex;
+use itpms_fourier::Complex;
 
 use super::iso8608::Iso8608;
 use super::lateral::Line;
