@@ -236,28 +236,48 @@ impl<T: Real> Transition<T> {
         self.step_s *= T::lit(2.0);
     }
 
-    /// `Phi m`; most of `Phi` is zero.
+    /// `Phi m`.
     pub(crate) fn apply(&self, m: &Matrix<T>) -> Matrix<T> {
-        let mut out = Matrix::zeros();
-        for (mut to, from) in out.column_iter_mut().zip(m.column_iter()) {
-            to.copy_from(&self.state(&from.into_owned(), T::zero()));
+        self.apply_from_right(&m.transpose()).transpose()
+    }
+
+    /// `m Phi^T`; most of `Phi` is zero. Whole columns are added up, which the processor does by several entries at once.
+    fn apply_from_right(&self, m: &Matrix<T>) -> Matrix<T> {
+        let from = &m.data.0;
+        let mut out = *m;
+        for i in 0..DYNAMIC {
+            out.data.0[i] = self.driven(i, from);
+        }
+        let kept = self.phi[(ROAD_VELOCITY, ROAD_VELOCITY)];
+        out.data.0[ROAD_VELOCITY].iter_mut().for_each(|value| *value *= kept);
+        for i in [ROAD, ROAD_INTEGRAL] {
+            let mut sum = [T::zero(); STATES];
+            for k in [ROAD_VELOCITY, ROAD, ROAD_INTEGRAL] {
+                add_multiple(&mut sum, self.phi[(i, k)], &from[k]);
+            }
+            out.data.0[i] = sum;
         }
         out
     }
 
-    /// `Phi m` for the core states.
-    pub(crate) fn apply_core(&self, m: &CoreMatrix<T>) -> CoreMatrix<T> {
-        let mut out = *m;
-        for j in 0..CORE {
-            for i in 0..DYNAMIC {
-                let mut sum = T::zero();
-                for k in 0..DRIVING {
-                    sum += self.phi[(i, k)] * m[(k, j)];
-                }
-                out[(i, j)] = sum;
-            }
-            out[(ROAD_VELOCITY, j)] = self.phi[(ROAD_VELOCITY, ROAD_VELOCITY)] * m[(ROAD_VELOCITY, j)];
+    /// What becomes of the `i`-th dynamic state, in `N` rows at once.
+    #[inline(always)]
+    fn driven<const N: usize, const FROM: usize>(&self, i: usize, columns: &[[T; N]; FROM]) -> [T; N] {
+        let mut sum = [T::zero(); N];
+        for (k, column) in columns.iter().enumerate().take(DRIVING) {
+            add_multiple(&mut sum, self.phi[(i, k)], column);
         }
+        sum
+    }
+
+    /// `m Phi^T` for the core states.
+    pub(crate) fn apply_to_core_from_right(&self, m: &CoreMatrix<T>) -> CoreMatrix<T> {
+        let mut out = *m;
+        for i in 0..DYNAMIC {
+            out.data.0[i] = self.driven(i, &m.data.0);
+        }
+        let kept = self.phi[(ROAD_VELOCITY, ROAD_VELOCITY)];
+        out.data.0[ROAD_VELOCITY].iter_mut().for_each(|value| *value *= kept);
         out
     }
 
@@ -289,10 +309,10 @@ impl<T: Real> Transition<T> {
         self.phi.fixed_view::<2, 2>(ROAD, ROAD).into_owned()
     }
 
-    /// `Phi P Phi^T + Q`.
+    /// `Phi P Phi^T + Q` of a symmetric `P`.
     pub(crate) fn covariance(&self, p: &Matrix<T>) -> Matrix<T> {
-        let left = self.apply(p).transpose();
-        let mut out = self.apply(&left) + self.q;
+        let left = self.apply_from_right(p).transpose();
+        let mut out = self.apply_from_right(&left) + self.q;
         symmetrise(&mut out);
         out
     }
@@ -307,6 +327,26 @@ impl<T: Real> Transition<T> {
 /// move the wheel between two samples in ways that an anti-aliased sensor proves were not there.
 pub(crate) fn road_bandwidth<T: Real>(interval_s: T) -> T {
     T::two_pi() * T::lit(0.1) / interval_s
+}
+
+/// `sum + factor * column`, of a length that the compiler knows.
+#[inline(always)]
+pub(crate) fn add_multiple<T: Real, const N: usize>(sum: &mut [T; N], factor: T, column: &[T; N]) {
+    for (sum, &value) in sum.iter_mut().zip(column) {
+        *sum += factor * value;
+    }
+}
+
+/// `m row`, the columns of `m` added up; those with a factor of zero are left out.
+#[inline(always)]
+pub(crate) fn combine<T: Real, const N: usize>(columns: &[[T; N]], row: &CoreState<T>) -> [T; N] {
+    let mut sum = [T::zero(); N];
+    for (column, &factor) in columns.iter().zip(row.iter()) {
+        if factor != T::zero() {
+            add_multiple(&mut sum, factor, column);
+        }
+    }
+    sum
 }
 
 /// `a m` for an `a` that is mostly zero.
@@ -379,7 +419,8 @@ mod tests {
         assert!((made.apply(&m) - made.phi * m).amax() < 1e-12);
         let core = m.fixed_view::<CORE, CORE>(0, 0).into_owned();
         let dense = made.phi.fixed_view::<CORE, CORE>(0, 0) * core;
-        assert!((made.apply_core(&core) - dense).amax() < 1e-12);
+        let from_right = made.apply_to_core_from_right(&core.transpose());
+        assert!((from_right.transpose() - dense).amax() < 1e-12);
         let p = m * m.transpose();
         assert!((made.covariance(&p) - (made.phi * p * made.phi.transpose() + made.q)).amax() < 1e-12);
         // A measured body acceleration acts like the opposite offset.

@@ -3,7 +3,9 @@
 //!
 //! Called by [`crate::filter`]. Knows nothing of time stamps, missing values or levels.
 
-use crate::model::{CORE, CoreState, Matrix, Model, State, Transition, state, symmetrise};
+use crate::model::{
+    CORE, CoreState, Matrix, Model, STATES, State, Transition, add_multiple, combine, state, symmetrise,
+};
 use itpms_core::Real;
 use nalgebra::{Matrix2, Vector2};
 
@@ -106,27 +108,37 @@ impl<T: Real> Recursion<T> {
     /// Scalar measurement update in Joseph form: `P <- (I - K h) P (I - K h)^T + K R K^T` (eq. 12), which holds for
     /// any gain. The core's is Kalman's; the height's is the tire deflection's (eq. 11).
     pub(crate) fn correct(&mut self, row: CoreState<T>, measured: T, noise: T) -> Correction<T> {
-        let cross: State<T> = self.p.fixed_columns::<CORE>(0) * row;
-        let variance = row.dot(&cross.fixed_rows::<CORE>(0)) + noise;
-        let innovation = measured - row.dot(&self.x.fixed_rows::<CORE>(0));
-        let mut gain = cross / variance;
+        let cross = combine(&self.p.data.0, &row);
+        let variance = dot(&row, &cross) + noise;
+        let innovation = measured - dot(&row, &self.x.data.0[0]);
+        let mut gain = cross.map(|cross| cross / variance);
         let expected = [gain[state::ROAD], gain[state::ROAD_INTEGRAL]];
         gain[state::ROAD] = gain[state::TIRE];
         gain[state::ROAD_INTEGRAL] = T::zero();
         let differs = Vector2::new(expected[0] - gain[state::ROAD], expected[1]);
         self.twin.correct(&differs, innovation, variance);
-        self.x += gain * innovation;
-        let left = self.p - gain * cross.transpose();
-        let rest: State<T> = left.fixed_columns::<CORE>(0) * row;
-        self.p = left - (rest - gain * noise) * gain.transpose();
+        add_multiple(&mut self.x.data.0[0], innovation, &gain);
+        // `P - K (P h)^T`, and of that what is left of `P h`, a column at a time.
+        for (column, cross) in self.p.data.0.iter_mut().zip(cross) {
+            add_multiple(column, -cross, &gain);
+        }
+        let mut rest = combine(&self.p.data.0, &row);
+        add_multiple(&mut rest, -noise, &gain);
+        for (column, gain) in self.p.data.0.iter_mut().zip(gain) {
+            add_multiple(column, -gain, &rest);
+        }
         symmetrise(&mut self.p);
-        Correction { row, gain: gain.fixed_rows::<CORE>(0).into_owned(), innovation, variance }
+        Correction { row, gain: CoreState::from_fn(|i, _| gain[i]), innovation, variance }
     }
 
-    /// Finite, with variances that are.
+    /// Finite, with positive variances.
     pub(crate) fn is_sound(&self) -> bool {
-        let finite = self.x.iter().chain(self.p.iter()).all(|v| v.is_finite());
-        finite && self.p.diagonal().iter().all(|&v| v > T::zero())
+        // Zero times what is not finite is no number.
+        let mut zeros = [T::zero(); STATES];
+        for column in self.p.data.0.iter().chain(&self.x.data.0) {
+            add_multiple(&mut zeros, T::zero(), column);
+        }
+        zeros.iter().all(|&zero| zero == T::zero()) && (0..STATES).all(|i| self.p[(i, i)] > T::zero())
     }
 
     pub(crate) fn mean(&self) -> &State<T> {
@@ -152,6 +164,12 @@ impl<T: Real> Recursion<T> {
     pub(crate) fn road_covariance(&self) -> CoreState<T> {
         self.p.fixed_view::<CORE, 1>(0, state::ROAD).into_owned()
     }
+}
+
+/// `h x` of a measurement's row and a state, or a column of the covariance.
+#[inline(always)]
+fn dot<T: Real>(row: &CoreState<T>, x: &[T; STATES]) -> T {
+    row.iter().zip(x).fold(T::zero(), |sum, (&row, &x)| sum + row * x)
 }
 
 /// The covariance of a car that has been driving unobserved for long, with unknown sensor offsets.

@@ -4,7 +4,7 @@
 //! [`crate::recorder`]; knows nothing of rows, time or delays.
 
 use crate::filter::RoadFilter;
-use crate::model::{CoreMatrix, CoreState, Transition};
+use crate::model::{CoreMatrix, CoreState, Transition, add_multiple, combine};
 use crate::recursion::Correction;
 use itpms_core::Real;
 
@@ -22,7 +22,7 @@ pub struct Segment<T: Real> {
     /// The expectation less the filter's output, m, and the expectation's variance, m².
     offset_m: T,
     road_variance_m2: T,
-    /// From an error of the state at the snapshot to the error at the segment's end (eq. 15).
+    /// From an error of the state at the snapshot to the error at the segment's end (eq. 15), transposed.
     propagation: CoreMatrix<T>,
     /// What the segment's innovations say about the snapshot (eq. 16).
     score: CoreState<T>,
@@ -71,23 +71,28 @@ impl<T: Real> Segment<T> {
         corrections: &[Option<Correction<T>>; 2],
     ) {
         self.propagation = match transition {
-            Some(transition) => transition.apply_core(&self.propagation),
+            Some(transition) => transition.apply_to_core_from_right(&self.propagation),
             // Nothing later says anything about what was before a restart.
             None => CoreMatrix::zeros(),
         };
         for c in corrections.iter().flatten() {
-            let seen = self.propagation.tr_mul(&c.row);
-            self.score += seen * (c.innovation / c.variance);
-            self.information += seen * (seen / c.variance).transpose();
-            self.propagation -= c.gain * seen.transpose();
+            let seen = combine(&self.propagation.data.0, &c.row);
+            add_multiple(&mut self.score.data.0[0], c.innovation / c.variance, &seen);
+            for (column, &from) in self.information.data.0.iter_mut().zip(&seen) {
+                add_multiple(column, from / c.variance, &seen);
+            }
+            for (column, &gain) in self.propagation.data.0.iter_mut().zip(&c.gain.data.0[0]) {
+                add_multiple(column, -gain, &seen);
+            }
         }
     }
 
     /// Takes what all later segments say, adds what this one says, and draws the conclusion for its snapshot.
     pub(crate) fn conclude(&mut self, later: &Later<T>) -> Later<T> {
         let all = Later {
-            score: self.score + self.propagation.tr_mul(&later.score),
-            information: self.information + self.propagation.tr_mul(&(later.information * self.propagation)),
+            score: self.score + self.propagation * later.score,
+            information: self.information
+                + self.propagation * (later.information * self.propagation.transpose()),
         };
         let c = &self.road_covariance;
         self.correction_m = self.offset_m + c.dot(&all.score);

@@ -118,15 +118,16 @@ impl<T: Real> PeriodSearch<T> {
     fn compare(&mut self, value: T) {
         let (keep, square) = (self.keep, value * value);
         let looked_back = (self.filled.min(LONGEST) + 1).saturating_sub(SHORTEST);
-        // The newest stored value is one step old. A sum at a time, which the processor does by several lags at once.
-        let past = self.past.as_slice().iter().skip(self.newest + SHORTEST - 1).take(looked_back);
-        for (cross, &old) in self.cross.iter_mut().zip(past.clone()) {
+        // The newest stored value is one step old. A sum at a time over slices, which the processor does by several lags at once.
+        let from = self.newest + SHORTEST - 1;
+        let past = self.past.as_slice().get(from..from + looked_back).unwrap_or(&[]);
+        for (cross, &old) in self.cross.as_mut_slice().iter_mut().zip(past) {
             *cross = keep * *cross + value * old;
         }
-        for (then, &old) in self.then.iter_mut().zip(past) {
+        for (then, &old) in self.then.as_mut_slice().iter_mut().zip(past) {
             *then = keep * *then + old * old;
         }
-        for now in self.now.iter_mut().take(looked_back) {
+        for (now, _) in self.now.as_mut_slice().iter_mut().zip(past) {
             *now = keep * *now + square;
         }
     }
