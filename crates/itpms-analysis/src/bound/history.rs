@@ -146,10 +146,11 @@ impl<const N: usize> Known<N> {
     }
 }
 
-/// The running bound. Cheap: the information per second is read from a table.
+/// The running bound. Cheap: the information per second is read from a table, of which a drive fills the part that its pressures reach.
 #[derive(Debug, Clone)]
 pub struct BoundRecursion {
-    table: Vec<Matrix3<f64>>,
+    fisher: Fisher,
+    table: [Option<Matrix3<f64>>; TABLE_POINTS],
     known: Known<3>,
     pressure_kpa: f64,
 }
@@ -161,8 +162,8 @@ impl BoundRecursion {
         prior: BoundPrior,
         prior_sd_kpa: f64,
     ) -> Self {
-        let table = (0..TABLE_POINTS).map(|i| fisher.per_second(i as f64 * TABLE_STEP_KPA)).collect();
-        Self { table, known: Known::new(knowledge, prior, prior_sd_kpa), pressure_kpa: f64::NAN }
+        let known = Known::new(knowledge, prior, prior_sd_kpa);
+        Self { fisher: fisher.clone(), table: [None; TABLE_POINTS], known, pressure_kpa: f64::NAN }
     }
 
     /// The bound now, as an sd in kPa.
@@ -184,7 +185,19 @@ impl BoundRecursion {
             self.known.predict(dt_s, &[rate_kpa_per_s]);
             return;
         }
-        self.known.drive(dt_s, &[rate_kpa_per_s], &between(&self.table, self.pressure_kpa));
+        let information = self.per_second(self.pressure_kpa);
+        self.known.drive(dt_s, &[rate_kpa_per_s], &information);
+    }
+
+    /// Information per second, on the line between two points of the table.
+    fn per_second(&mut self, pressure_kpa: f64) -> Matrix3<f64> {
+        let place = (pressure_kpa / TABLE_STEP_KPA).clamp(0.0, (TABLE_POINTS - 1) as f64);
+        let below = (place as usize).min(TABLE_POINTS - 2);
+        let [from, to] = [below, below + 1].map(|point| {
+            *self.table[point].get_or_insert_with(|| self.fisher.per_second(point as f64 * TABLE_STEP_KPA))
+        });
+        let share = place - below as f64;
+        from * (1.0 - share) + to * share
     }
 
     /// Stands for `dt_s` seconds: the pressure may creep, nothing is learned.
@@ -193,13 +206,6 @@ impl BoundRecursion {
             self.known.predict(dt_s, &[0.0]);
         }
     }
-}
-
-fn between(table: &[Matrix3<f64>], pressure_kpa: f64) -> Matrix3<f64> {
-    let place = (pressure_kpa / TABLE_STEP_KPA).clamp(0.0, (TABLE_POINTS - 1) as f64);
-    let below = (place as usize).min(TABLE_POINTS - 2);
-    let share = place - below as f64;
-    table[below] * (1.0 - share) + table[below + 1] * share
 }
 
 #[cfg(test)]
