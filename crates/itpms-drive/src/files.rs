@@ -19,7 +19,7 @@ use crate::drive::Estimates;
 use crate::error::DriveError;
 use crate::reference::Saving;
 use crate::road::LateRow;
-use crate::run::{Done, Sink};
+use crate::run::{Done, Heights, Sink};
 use crate::settings::Settings;
 
 /// Which files are wanted.
@@ -41,14 +41,14 @@ pub struct FilePaths {
 }
 
 impl FilePaths {
-    /// Whether any of them needs the smoothed road.
+    /// The heights of the road that they need.
     #[must_use]
-    pub fn want_road(&self) -> bool {
+    pub fn heights(&self) -> Heights {
         #[cfg(feature = "mcap")]
         let mcap = self.mcap.is_some();
         #[cfg(not(feature = "mcap"))]
         let mcap = false;
-        self.road.is_some() || self.report.is_some() || mcap
+        if self.road.is_some() || self.report.is_some() || mcap { Heights::Smoothed } else { Heights::None }
     }
 }
 

@@ -6,6 +6,18 @@ use itpms_data::log::LogOptions;
 
 use crate::settings::Settings;
 
+/// Which heights of the road under each wheel are computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Heights {
+    /// None.
+    #[default]
+    None,
+    /// Those that are known with each row: for a roughness.
+    Causal,
+    /// Those that are known half a minute later: for a road record or a report.
+    Smoothed,
+}
+
 /// What is to be done with a log.
 #[derive(Debug, Clone, Copy)]
 pub struct Job<'a> {
@@ -17,8 +29,8 @@ pub struct Job<'a> {
     pub settings: &'a Settings,
     /// How the log was opened.
     pub reading: &'a LogOptions,
-    /// Whether the road is smoothed, for a road record or a report.
-    pub road: bool,
+    /// Which heights of the road are computed.
+    pub road: Heights,
     /// Whether a report is drawn: what only a report shows is not computed without one.
     pub report: bool,
 }

@@ -69,7 +69,7 @@ pub use learn_radius::{LearnedRadius, learn_radius};
 pub use pipeline::estimate_in_pipeline;
 pub use reference::Taught;
 pub use road::{LateRow, RoadTrack};
-pub use run::{Done, Job, Sink, Watch, estimate};
+pub use run::{Done, Heights, Job, Sink, Watch, estimate};
 pub use settings::Settings;
 pub use summary::{corner_lines, summary_json, torsion_line, wheel_speed_lines};
 pub use suspension::{left_right_lines, suspension_lines};

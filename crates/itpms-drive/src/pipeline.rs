@@ -11,7 +11,7 @@ use itpms_data::{LogReader, LogRow};
 
 use crate::drive::{Drive, Estimates, QuarterCars};
 use crate::error::DriveError;
-use crate::job::Job;
+use crate::job::{Heights, Job};
 use crate::pulses::Pulses;
 use crate::run::{Done, ROWS_PER_LOOK, Record, Sink, Watch, begin, conclude};
 
@@ -109,7 +109,8 @@ fn work(
             let report = (report.time_s != reported_s).then(|| Box::new(*report));
             reported_s = report.as_ref().map_or(reported_s, |report| report.time_s);
             let radii = drive.radii().map(Box::new);
-            steps.push(Step { row, estimates, report, radii, cars: job.road.then(|| drive.quarter_cars()) });
+            let cars = (job.road == Heights::Smoothed).then(|| drive.quarter_cars());
+            steps.push(Step { row, estimates, report, radii, cars });
         }
         if to_record.send(steps).is_err() {
             return Ok(());
@@ -243,7 +244,7 @@ mod tests {
             corners: &corners,
             settings: &settings,
             reading: &reading,
-            road: true,
+            road: Heights::Smoothed,
             report: true,
         };
         let mut sink = Kept { refuses, ..Kept::default() };

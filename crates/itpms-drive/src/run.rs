@@ -15,7 +15,7 @@ use crate::alerts::{Alerts, Events, Listed};
 use crate::concerns;
 use crate::drive::{Drive, Estimates, QuarterCars};
 use crate::error::DriveError;
-pub use crate::job::Job;
+pub use crate::job::{Heights, Job};
 use crate::plausibility::Plausibility;
 use crate::provenance::provenance;
 use crate::pulses::Pulses;
@@ -137,7 +137,7 @@ pub fn estimate(
         count += 1;
         pulses.up_to(row.time_s, &mut drive)?;
         let estimate = drive.update(&mut row);
-        let cars = job.road.then(|| drive.quarter_cars());
+        let cars = (job.road == Heights::Smoothed).then(|| drive.quarter_cars());
         let radii = drive.radii();
         record.take(&row, &estimate.corners, drive.report(), radii.as_ref(), cars.as_ref(), sink)?;
     }
@@ -150,12 +150,16 @@ pub(crate) fn begin(log: &LogReader, job: &Job<'_>) -> Result<(Drive, Record), D
     let wheel_speeds = wheel_speed_use(log.columns(), job.vehicle, job.corners).unwrap_or_default();
     let mut drive = Drive::new(job.settings, job.vehicle, job.corners, wheel_speeds, rate_hz)?;
     drive.clock_began(log.start_ns() as f64 * 1e-9);
-    // Wheel speeds show no road.
-    let road = job.road && !job.corners.is_empty();
-    if job.report && !road && !job.corners.is_empty() {
-        drive = drive.with_road(job.vehicle, job.corners, rate_hz)?;
-    }
-    let track = road.then(|| RoadTrack::new(job.vehicle, job.corners, rate_hz)).transpose()?;
+    let track = match job.road {
+        // Wheel speeds show no road.
+        _ if job.corners.is_empty() => None,
+        Heights::None => None,
+        Heights::Causal => {
+            drive = drive.with_road(job.vehicle, job.corners, rate_hz)?;
+            None
+        }
+        Heights::Smoothed => Some(RoadTrack::new(job.vehicle, job.corners, rate_hz)?),
+    };
     let axis = TimeAxis::of(job.vehicle);
     let before = reference::read(job.settings, job.vehicle)?.and_then(|(_, stored)| stored.suspension);
     let suspension = SuspensionWatch::new(job.vehicle, job.corners, log.survey().sample_period_s, before);
@@ -313,10 +317,11 @@ fn collector(job: &Job<'_>) -> ReportCollector {
             configs[corner.index()] = None;
         }
     }
-    let mut options = ReportOptions { pressure_unit: job.settings.pressure_unit, ..ReportOptions::default() };
-    if !job.report {
-        options.bound_band_hz = None;
-    }
+    let options = ReportOptions {
+        pressure_unit: job.settings.pressure_unit,
+        curves: job.report,
+        ..ReportOptions::default()
+    };
     ReportCollector::new(&configs, options)
 }
 

@@ -11,8 +11,8 @@ use itpms_drive::drive::Estimates;
 use itpms_drive::fleet::wheels::{Begun, wheels};
 use itpms_drive::reference::Saving;
 use itpms_drive::{
-    Done, DriveError, Job, LateRow, Settings, Sink, common_corners, corner_lines, summary_json, torsion_line,
-    wheel_speed_lines, wheel_speed_use,
+    Done, DriveError, Heights, Job, LateRow, Settings, Sink, common_corners, corner_lines, summary_json,
+    torsion_line, wheel_speed_lines, wheel_speed_use,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyIterator;
@@ -68,7 +68,8 @@ fn run(
     let (settings, reading) = (options.settings(py)?, options.reading(py)?);
     let (vehicle, keep_road, save) = (&vehicle.0, options.road, options.save_reference.as_deref());
     // For a report the road is smoothed; the same report, whatever else was kept.
-    let (report, smooth) = (options.report, options.report || keep_road);
+    let report = options.report;
+    let road = if report || keep_road { Heights::Smoothed } else { Heights::None };
     let result = work::run(py, progress, |meanwhile: &Meanwhile| -> Result<Estimated, DriveError> {
         let mut log = open()?;
         let corners = common_corners(&log, vehicle)?;
@@ -77,8 +78,7 @@ fn run(
         let has_temperature = log.columns().motion.air.temperature;
         let found = Found::new(&corners, wheel_speeds, has_temperature, 0);
         let mut kept = Kept::new(&corners, found, settings.rate_hz, keep_road);
-        let job =
-            Job { vehicle, corners: &corners, settings: &settings, reading: &reading, road: smooth, report };
+        let job = Job { vehicle, corners: &corners, settings: &settings, reading: &reading, road, report };
         let done = itpms_drive::estimate(&mut log, &job, &mut kept, &mut |share| meanwhile.done(share))?;
         if let Some(saving) = saving {
             saving.complete(settings.calibrate_s, done.data.drive.duration_s, done.learned)?.commit()?;

@@ -63,8 +63,10 @@ pub struct ReportOptions {
     /// what overlaps. A filter with two outputs has `2 * rate`; 12 bins each 0.1 s from half-overlapping frames
     /// have 120.
     pub nis_dof_per_s: f64,
-    /// Band of the Cramer-Rao bound in Hz; cut at 0.4 of the rate. `None` leaves the bound out, for callers who draw nothing.
-    pub bound_band_hz: Option<(f64, f64)>,
+    /// Whether curves over time are kept, the bound's among them; figures are there without.
+    pub curves: bool,
+    /// Band of the Cramer-Rao bound in Hz; cut at 0.4 of the rate.
+    pub bound_band_hz: (f64, f64),
     /// The sd in kPa that the bound starts from.
     pub bound_prior_sd_kpa: f64,
     /// Unit in which the page shows pressures.
@@ -72,13 +74,14 @@ pub struct ReportOptions {
 }
 
 impl Default for ReportOptions {
-    /// 3 s, 0.5 to 10 m, 120 per second, 3 to 60 Hz, 30 kPa, shown in kPa.
+    /// 3 s, 0.5 to 10 m, 120 per second, curves, 3 to 60 Hz, 30 kPa, shown in kPa.
     fn default() -> Self {
         Self {
             settle_s: 3.0,
             road_wavelengths_m: (0.5, 10.0),
             nis_dof_per_s: 120.0,
-            bound_band_hz: Some((3.0, 60.0)),
+            curves: true,
+            bound_band_hz: (3.0, 60.0),
             bound_prior_sd_kpa: 30.0,
             pressure_unit: PressureUnit::Kpa,
         }
@@ -183,7 +186,9 @@ impl ReportCollector {
                 corner.level = Some(row.estimate.level);
                 corner.figures.push(time_s, &row.estimate, row.truth_kpa);
                 corner.witness.push(time_s, &row.estimate, row.sensor_kpa);
-                fill(values, row);
+                if self.options.curves {
+                    fill(values, row);
+                }
             }
             if let Some(road) = &mut corner.road {
                 match row.filter(|row| driving && road_is_estimated(row.estimate.validity)) {
@@ -195,7 +200,9 @@ impl ReportCollector {
                 }
             }
         }
-        self.track.push(time_s, &self.values);
+        if self.options.curves {
+            self.track.push(time_s, &self.values);
+        }
     }
 
     /// Takes what the monitor says after a sample, as soon as it says so; rows may come later.
@@ -390,7 +397,9 @@ fn bound_sd(
     rate_hz: f64,
     options: &ReportOptions,
 ) -> Vec<f64> {
-    let Some(band_hz) = options.bound_band_hz else { return Vec::new() };
+    if !options.curves {
+        return Vec::new();
+    }
     let speeds: Vec<f64> = track.means(channel::SPEED).map(|(_, v)| v).collect();
     let driven: Vec<f64> = speeds.iter().copied().filter(|v| *v > STANDING_M_S).collect();
     let paper = BoundSetting::paper();
@@ -404,7 +413,7 @@ fn bound_sd(
         },
         rate_hz,
         accel_noise_m_s2: config.accel_noise_m_s2.unwrap_or(ASSUMED_NOISE_M_S2),
-        band_hz: (band_hz.0, band_hz.1.min(0.4 * rate_hz)),
+        band_hz: (options.bound_band_hz.0, options.bound_band_hz.1.min(0.4 * rate_hz)),
         ..paper
     };
     let Ok(bound) = CornerBound::new(config, &setting) else { return Vec::new() };

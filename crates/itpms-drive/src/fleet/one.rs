@@ -17,7 +17,7 @@ use crate::error::DriveError;
 use crate::files::{FilePaths, Files};
 use crate::reference;
 use crate::road::LateRow;
-use crate::run::{Done, Job, Sink, estimate};
+use crate::run::{Done, Heights, Job, Sink, estimate};
 use crate::settings::Settings;
 use crate::wheel_speeds::wheel_speed_use;
 
@@ -58,9 +58,10 @@ pub(super) fn run(
         first_s: None,
         begun: Begun::default(),
     };
-    // The road is smoothed as for a report: the same roughness with and without one.
     let reading = &plan.options;
-    let job = Job { vehicle, corners: &corners, settings, reading, road: true, report: plan.reports };
+    // Of the road the table has its roughness alone.
+    let road = if plan.reports { Heights::Smoothed } else { Heights::Causal };
+    let job = Job { vehicle, corners: &corners, settings, reading, road, report: plan.reports };
     let mut done = estimate(&mut log, &job, &mut sink, watch)?;
     done.concerns.extend(unused.map(|path| {
         format!(

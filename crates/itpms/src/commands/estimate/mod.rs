@@ -45,7 +45,7 @@ pub(crate) fn perform(
     if corners.is_empty() {
         ask_sensors(args, &log, &vehicle, &mut settings, screen, interrupt)?;
     }
-    let (road, report) = (paths.want_road(), paths.report.is_some());
+    let (road, report) = (paths.heights(), paths.report.is_some());
     let job =
         Job { vehicle: &vehicle, corners: &corners, settings: &settings, reading: &reading, road, report };
     let wheel_speeds = wheel_speed_use(log.columns(), &vehicle, &corners).unwrap_or_default();
