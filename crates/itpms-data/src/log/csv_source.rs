@@ -8,8 +8,8 @@ use itpms_files::shortened;
 
 use super::header::Header;
 use super::lines::Lines;
-use super::row::{RawRow, SLOTS, Slot};
 use super::selection::Selection;
+use super::slot::{RawRow, SLOTS, Slot};
 use super::text_head::TextHead;
 use super::{clock_text, mapped};
 use crate::error::{DataError, Place, Problem};

@@ -5,7 +5,8 @@
 use itpms_core::model::Corner;
 use itpms_files::{nearest, shortened};
 
-use super::row::{Field, LogColumns, Slot};
+use super::row::LogColumns;
+use super::slot::{Field, Slot};
 use crate::error::{Problem, separated_by, twice};
 use crate::signals::names::meaning;
 use crate::signals::{Conversion, column_unit};

@@ -5,7 +5,7 @@
 //! its sensor's rate, as one with empty cells between its samples has. So it is with a speed, which then lies on the line between its
 //! readings ([`slow_speed`](super::slow_speed)).
 
-use super::row::{RawRow, Slot};
+use super::slot::{RawRow, Slot};
 
 /// Samples that a column has before it is judged; a speed's are further apart, so that fewer are no chance.
 const ENOUGH: usize = 64;
@@ -111,7 +111,7 @@ mod tests {
         let slot = Slot::all().find(|slot| slot.is_acceleration()).unwrap();
         let rows: Vec<RawRow> = (0..4096)
             .map(|k| {
-                let mut row = [f64::NAN; super::super::row::SLOTS];
+                let mut row = [f64::NAN; super::super::slot::SLOTS];
                 row[slot.index()] = sample(if k / 4 == 100 { 99 } else { k / 4 });
                 row
             })

@@ -9,7 +9,8 @@ use itpms_files::shortened;
 
 use super::header::Header;
 use super::quantity::Quantity;
-use super::row::{LogColumns, Slot};
+use super::row::LogColumns;
+use super::slot::Slot;
 use crate::error::{DataError, Problem};
 use crate::signals::names::meaning;
 use crate::signals::{Conversion, SignalMap, column_unit, not_there, resolve};

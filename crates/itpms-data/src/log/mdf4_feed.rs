@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::path::Path;
 
-use super::row::Slot;
+use super::slot::Slot;
 use super::stamps::{Fate, Strays};
 use crate::error::DataError;
 use crate::mdf4::{GroupCursor, Mdf4Reader};

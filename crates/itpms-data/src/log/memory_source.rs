@@ -5,8 +5,8 @@ use std::path::Path;
 
 use super::header::Header;
 use super::mapped;
-use super::row::{RawRow, SLOTS, Slot};
 use super::selection::Selection;
+use super::slot::{RawRow, SLOTS, Slot};
 use crate::error::{DataError, Place, Problem};
 use crate::signals::{Conversion, SignalMap};
 

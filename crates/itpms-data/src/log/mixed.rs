@@ -7,7 +7,8 @@
 //! over that to the next pair, its rows in the order in which they go on best. One recording shows .3 to 1.3, noise alone 1.2 to 1.6, two
 //! 4 to 30.
 
-use super::row::{LogColumns, LogRow, Slot};
+use super::row::{LogColumns, LogRow};
+use super::slot::Slot;
 use crate::error::Problem;
 
 const ROWS: usize = 1024;

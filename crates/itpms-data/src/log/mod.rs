@@ -65,6 +65,7 @@ mod row;
 mod selection;
 mod signal_order;
 mod signal_source;
+mod slot;
 mod slow_speed;
 mod source;
 mod stamps;
@@ -99,10 +100,9 @@ pub use options::LogOptions;
 pub(crate) use quantity::Quantity;
 pub use reader::LogReader;
 pub use repair::RepairReport;
-pub use row::{
-    CornerColumns, Field, LogColumns, LogCorner, LogMotion, LogRow, Motion, MotionColumns, SLOTS, Slot,
-};
+pub use row::{CornerColumns, LogColumns, LogCorner, LogMotion, LogRow, MotionColumns};
 pub use selection::Selection;
+pub use slot::{Field, Motion, SLOTS, Slot};
 pub use survey::{SURVEY_ROWS, Survey};
 pub(crate) use text_head::TextHead;
 pub use units::{UnitCheck, check as check_units};

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::header::Header;
 use super::mapped;
-use super::row::{RawRow, SLOTS, Slot};
+use super::slot::{RawRow, SLOTS, Slot};
 use crate::error::{DataError, Place, Problem};
 use crate::parquet_columns::{ParquetParts, Quantity};
 use crate::signals::SignalMap;

@@ -1,7 +1,7 @@
 //! What a column of a drive log measures, and in which unit.
 
 use super::around::AirField;
-use super::row::{Field, Motion, Slot};
+use super::slot::{Field, Motion, Slot};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Quantity {

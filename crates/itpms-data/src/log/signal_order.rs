@@ -3,7 +3,7 @@
 //! Between a feed and the aligner. Where a reading was left out because of its stamp, the rows of that moment are left out, too: they are
 //! a gap of the log, and no sensor's silence.
 
-use super::row::{SLOTS, Slot};
+use super::slot::{SLOTS, Slot};
 use super::stamps::{Coarse, Fate, Series, Sorted, Stamped, TOLERATED_SHARE, WINDOW_S};
 use crate::error::{Problem, coarse_clock};
 use crate::signals::Reading;

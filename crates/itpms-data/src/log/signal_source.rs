@@ -15,8 +15,8 @@ use super::mcap_feed::McapFeed;
 use super::mdf4_feed::Mdf4Feed;
 #[cfg(any(feature = "can", feature = "mcap", feature = "mdf4"))]
 use super::options::LogOptions;
-use super::row::{RawRow, Slot};
 use super::signal_order::SignalOrder;
+use super::slot::{RawRow, Slot};
 use super::stamps::Fate;
 use super::table::TableSource;
 #[cfg(any(feature = "can", feature = "mcap", feature = "mdf4"))]

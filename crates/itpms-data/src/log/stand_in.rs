@@ -2,7 +2,7 @@
 //!
 //! Called with the first rows of a table, and then with every row: such a value is taken out, counted and named. The check of units asks, too.
 
-use super::row::{RawRow, Slot};
+use super::slot::{RawRow, Slot};
 
 /// How often it comes at least.
 const FEWEST: u64 = 3;
@@ -75,7 +75,7 @@ pub(super) fn stand_in(sorted: &[f64]) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::row::SLOTS;
+    use super::super::slot::SLOTS;
     use super::*;
 
     fn found(value: impl Fn(usize) -> f64) -> Vec<f64> {

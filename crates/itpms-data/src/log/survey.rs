@@ -4,7 +4,8 @@
 
 use itpms_core::conditioning::SAMPLE_RATES_HZ;
 
-use super::row::{LogRow, Slot};
+use super::row::LogRow;
+use super::slot::Slot;
 use crate::error::Problem;
 
 /// Rows read ahead to judge a log before the first is handed out: 8 s at 500 Hz, 2 s at 2 kHz.

@@ -15,7 +15,7 @@ use super::memory_source::MemorySource;
 use super::options::LogOptions;
 #[cfg(feature = "parquet")]
 use super::parquet_source::ParquetSource;
-use super::row::{RawRow, SLOTS, Slot};
+use super::slot::{RawRow, SLOTS, Slot};
 use super::slow_speed::SlowSpeed;
 use super::stamps::Fate;
 use super::stand_in::StandIns;

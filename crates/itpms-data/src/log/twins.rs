@@ -5,7 +5,8 @@
 
 use std::collections::VecDeque;
 
-use super::row::{LogColumns, LogRow, Slot};
+use super::row::{LogColumns, LogRow};
+use super::slot::Slot;
 
 /// Different values that a column has at least, to be more than a sensor that stands still.
 const DIFFERENT: usize = 10;
@@ -34,7 +35,8 @@ mod tests {
     use itpms_core::model::Corner;
 
     use super::*;
-    use crate::log::row::{LogCorner, LogMotion, SLOTS};
+    use crate::log::row::{LogCorner, LogMotion};
+    use crate::log::slot::SLOTS;
 
     /// Rows whose wheels move by `wheel`, of the corner and the row.
     fn found(wheel: impl Fn(usize, usize) -> f64) -> Vec<(String, String)> {

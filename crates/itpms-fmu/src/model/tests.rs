@@ -1,0 +1,124 @@
+use super::*;
+use itpms_core::model::Validity;
+use itpms_core::warning::WheelReport;
+
+fn reference(model: &Model, name: &str) -> u32 {
+    model.variables().iter().position(|variable| variable.name == name).unwrap() as u32
+}
+
+fn set(model: &mut Model, name: &str, value: f64) -> bool {
+    model.set(reference(model, name), value)
+}
+
+fn get(model: &Model, name: &str) -> f64 {
+    model.get(reference(model, name)).unwrap().1
+}
+
+fn initialized() -> Model {
+    let mut model = Model::new(Vehicle::paper());
+    model.enter(Phase::Initialized).unwrap();
+    model
+}
+
+/// Two sines at every wheel, for so many steps.
+fn drive(model: &mut Model, steps: std::ops::Range<u32>) {
+    for k in steps {
+        let time_s = f64::from(k) / 500.0;
+        for corner in ["fl", "fr", "rl", "rr"] {
+            set(model, &format!("{corner}_body_accel_m_s2"), 0.3 * (9.0 * time_s).sin());
+            set(model, &format!("{corner}_wheel_accel_m_s2"), 4.0 * (70.0 * time_s).sin());
+        }
+        set(model, "speed_m_s", 20.0);
+        model.step(time_s, 0.002).unwrap();
+    }
+}
+
+#[test]
+fn parameters_are_the_files_until_they_are_set_and_fixed_from_the_first_step_on() {
+    let mut model = initialized();
+    assert_eq!(get(&model, "rr_unsprung_mass_kg"), 56.9);
+    assert!(set(&mut model, "rr_unsprung_mass_kg", f64::NAN));
+    let error = model.step(0.0, 0.002).unwrap_err().to_string();
+    assert!(error.starts_with("unsprung_mass_kg is NaN"), "{error}");
+    model.reset();
+    assert!(model.step(0.0, 0.002).unwrap_err().to_string().contains("before the initialization"));
+    model.enter(Phase::Initialized).unwrap();
+    for wheelbase_m in [-1.0, f64::NAN, 1e308, f64::INFINITY] {
+        assert!(set(&mut model, "wheelbase_m", wheelbase_m));
+        let error = model.step(0.0, 0.002).unwrap_err().to_string();
+        assert!(error.starts_with("wheelbase_m is"), "{error}");
+    }
+    for step_s in [0.04, 0.011, 0.0004, 1.0] {
+        let error = model.step(0.0, step_s).unwrap_err().to_string();
+        assert!(error.contains("expected 0.0005 to 0.01 s") && error.contains("output_interval"), "{error}");
+    }
+    assert!(set(&mut model, "wheelbase_m", 2.6) && !set(&mut model, "fl_pressure_kpa", 200.0));
+    drive(&mut model, 0..10);
+    assert!(!set(&mut model, "wheelbase_m", 2.7) && set(&mut model, "speed_m_s", 21.0));
+    assert_eq!(get(&model, "time"), 9.0 / 500.0 + 0.002);
+    assert!(!model.set(10_000, 0.0) && model.get(10_000).is_none());
+    for step_s in [0.0, -0.002, f64::NAN, f64::INFINITY] {
+        assert!(model.step(1.0, step_s).is_err());
+    }
+    model.enter(Phase::Terminated).unwrap();
+    assert!(model.step(1.0, 0.002).unwrap_err().to_string().contains("after the end"));
+    assert!(model.enter(Phase::Initialized).is_err());
+}
+
+#[test]
+fn a_tire_of_the_car_that_is_not_measured_is_not_fine() {
+    let fine = WheelReport {
+        state: WheelState::Fine,
+        validity: Validity::Valid,
+        warning: Warning::None,
+        pressure_kpa: 240.0,
+        pressure_sd_kpa: 2.0,
+        reference_kpa: 240.0,
+        informed_s: 10.0,
+    };
+    let mut file = Vehicle::paper();
+    assert!(file.corners.iter().all(Option::is_some));
+    let mut report = MonitorReport::empty();
+    report.wheels = [Some(fine); 4];
+    assert!(all_fine(&file, &report));
+    report.wheels[3] = None;
+    assert!(report.is_all_fine() && !all_fine(&file, &report));
+    // Unless the car has no such corner.
+    file.corners[3] = None;
+    assert!(all_fine(&file, &report));
+}
+
+#[test]
+fn a_car_without_sensors_is_refused_and_wheel_speeds_need_their_keys() {
+    let mut model = initialized();
+    for corner in ["fl", "fr", "rl", "rr"] {
+        assert!(set(&mut model, &format!("{corner}_is_measured"), 0.0));
+    }
+    assert!(model.step(0.0, 0.002).unwrap_err().to_string().contains("no corner is measured"));
+    assert!(set(&mut model, "uses_wheel_speeds", 1.0));
+    let error = model.step(0.0, 0.02).unwrap_err().to_string();
+    assert!(error.contains("track_front_m"), "{error}");
+}
+
+#[test]
+fn a_saved_state_goes_on_and_a_damaged_one_changes_nothing() {
+    let mut model = initialized();
+    drive(&mut model, 0..2000);
+    let mut bytes = model.to_bytes().unwrap();
+    let mut other = Model::new(Vehicle::paper());
+    other.restore(&bytes).unwrap();
+    drive(&mut model, 2000..2500);
+    drive(&mut other, 2000..2500);
+    assert!(get(&model, "fl_pressure_kpa").is_finite());
+    for (a, b) in model.values.iter().zip(&other.values) {
+        assert_eq!(a.to_bits(), b.to_bits());
+    }
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    assert!(other.restore(&bytes).unwrap_err().to_string().contains("damaged"));
+    assert!(other.restore(b"itpms").is_err());
+    bytes[middle] ^= 1;
+    let mut file = Vehicle::paper();
+    file.name = "another".to_owned();
+    assert!(Model::new(file).restore(&bytes).unwrap_err().to_string().contains("another vehicle file"));
+}
