@@ -87,7 +87,7 @@ def page(data: dict) -> str:
     every = list(claims(data).values())
     judged = [claim for claim in every if goal(claim)]
     lines = ["<!-- Made of validation.toml by .ci/validation.py --write: change that. -->", "# Validation", "",
-             "Each claim with its command, its figure, and the day and build of the measurement; bold: its goal is missed. What the drives are stands in "
+             "Each claim with its command, its figure, and the day and build of the measurement; bold: its goal is missed. The drives are described in "
              "[Accuracy](accuracy.md).", "",
              f"{len(every)} figures, {len(judged)} of them with a goal, {sum(map(missed, judged))} of these missed.", "",
              "`.ci/validation.py --measure target/release` runs the quick commands again and notes what comes out; with a claim's or a run's name also a "
