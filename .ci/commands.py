@@ -23,7 +23,7 @@ RUN = ["README.md", "docs/vehicle.md", "docs/reset.md", "docs/commands.md", "doc
     "docs/field-kit.md", "examples/README.md", "examples/wheel-speeds/README.md"]
 READ = sorted({*RUN, *(str(p.relative_to(ROOT)) for p in (ROOT / "docs").rglob("*.md")), "examples/identify/README.md"})
 NOT_RUN = {
-    "cargo run --release --no-default-features -- demo": "takes a build; the step demo runs it with all features",
+    "cargo run --release -p itpms --no-default-features -- demo": "takes a build; the step demo runs it with all features",
     "cargo build --release": "the program is built",
     "cargo test --workspace": "takes many minutes; the step tests runs it",
     "pip install itpms-0.1.0-cp310-abi3-manylinux2014_x86_64.manylinux_2_17_x86_64.whl": "takes a build; the step dist installs it",
