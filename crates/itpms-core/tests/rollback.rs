@@ -8,7 +8,7 @@ use itpms_core::car::CarEstimator;
 use itpms_core::model::CarEstimate;
 use itpms_core::model::{CarSample, Corner, CornerSample};
 
-/// The rear right wheel's sensor reads twice of what it should for four seconds, and is then kept away: the front right tire,
+/// The rear right wheel's sensor reads twice its value for four seconds, and is then kept away: the front right tire,
 /// which was taken for the one that had changed, is read as before. (Else it stays too low for many seconds more.)
 #[test]
 fn what_a_sensor_taught_that_lied_is_unlearned() {

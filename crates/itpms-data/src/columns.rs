@@ -2,7 +2,7 @@
 //!
 //! Called by the commands that identify a part on a bench. Unlike a drive log, such a table is short, is read as a
 //! whole, and has no missing values: a cell that is no finite number is refused with its line and column. Knows
-//! nothing of what the columns mean.
+//! nothing of the columns' meaning.
 
 use std::path::Path;
 

@@ -119,7 +119,7 @@ fn of_wheel_speeds(job: &Job<'_>, log: &LogReader, drive: &Drive) -> Option<Stri
     }
 }
 
-/// Standard deviation in kPa of what a wheel's pulses read from which on a calibration has as good as taught nothing of them.
+/// From this standard deviation in kPa of a wheel's reading by its pulses on, a calibration has taught as good as nothing of them.
 const TAUGHT_LITTLE_KPA: f64 = 20.0;
 
 /// The wheels of whose tooth pulses a calibration has taught nothing, or too little.

@@ -140,7 +140,7 @@ impl Drive {
         self.car.estimator().map_or([None; 4], CarEstimator::quarter_cars)
     }
 
-    /// The log is over. A calibration of so many seconds that lasts as long as it does, give or take one, is over, too.
+    /// The log is over. A calibration as long as the log (within 1 s) ends here, too.
     pub fn finish(&mut self, calibrate_s: Option<f64>) {
         if calibrate_s.is_some_and(|seconds| self.length_s() + LOG_END_S >= seconds) {
             let calibrates = self.car.wheels().is_some_and(MonitoredWheels::is_calibrating);

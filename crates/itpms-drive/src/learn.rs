@@ -51,7 +51,7 @@ pub struct KnownDrive {
     pub log: PathBuf,
     /// How it is read.
     pub options: LogOptions,
-    /// The pressures; of a wheel with NaN the median of what the tire's own sensor sends in the log.
+    /// The pressures; for a wheel with NaN the median reading of the tire's own sensor in the log.
     pub pressures_kpa: [f64; 4],
 }
 
@@ -98,7 +98,7 @@ pub fn learn_with(
 ) -> Result<LearnedVehicle, DriveError> {
     let (drives, mut concerns) = by_sensors(file, drives, open, watch)?;
     let drives = &drives[..];
-    // Reading takes a part of what estimating does: it counts as a tenth of a pass.
+    // Reading costs less than estimating: it counts as a tenth of a pass.
     let total = (PASSES * drives.len().max(1)) as f64 + READING * drives.len() as f64;
     let mut done = READING * drives.len() as f64;
     let found = wheelbase::find(&file.car_config(&Corner::ALL), drives.len(), open, &mut |share| {
@@ -267,7 +267,7 @@ fn described(drives: &[KnownDrive]) -> String {
     each.collect::<Vec<_>>().join("; ")
 }
 
-/// The vehicle with what was learned in the place of what the file states, to a few digits.
+/// The vehicle with the learned values in place of the file's, to a few digits.
 fn vehicle(file: &Vehicle, drives: &[KnownDrive], learned: &Learned) -> Vehicle {
     let mut details: VehicleDetails = file.details;
     let mut corners = file.corners;
@@ -279,7 +279,7 @@ fn vehicle(file: &Vehicle, drives: &[KnownDrive], learned: &Learned) -> Vehicle 
         let tire = &corner.tire;
         let line = [tire.stiffness_per_kpa(), tire.stiffness_at_zero(), tire.stiffness_per_kpa_sd()];
         let [per_kpa, at_zero, per_kpa_sd] = line.map(rounded);
-        // Five digits of what is positive are positive: neither is refused.
+        // Five digits of a positive number are positive: neither is refused.
         if let Ok(car) =
             itpms_core::model::QuarterCar::new(car.sprung_mass_kg(), digits[0], digits[1], digits[2])
         {
@@ -403,7 +403,7 @@ impl LearnedVehicle {
     pub fn to_toml(&self, from: &str) -> String {
         let mut head = vec![
             format!(
-                "Learned by itpms vehicle learn, beginning with {from}: values without a comment are as there; standard deviations of what was learned are new."
+                "Learned by itpms vehicle learn, beginning with {from}: values without a comment are as there; standard deviations of learned values are new."
             ),
             "Unknown as before:".to_owned(),
         ];

@@ -15,7 +15,7 @@ use crate::wheel_speeds::lacking;
 
 /// What the three ratios see of each radius: front left over right, rear left over right, front over rear.
 const SEEN: [[f64; 4]; 3] = [[1.0, -1.0, 0.0, 0.0], [0.0, 0.0, 1.0, -1.0], [0.5, 0.5, -0.5, -0.5]];
-/// Sd of what a radius does by itself from one drive to another; ln of a radius per ln of its load; and what a front passenger does to the ratios.
+/// Sd of a radius's own change from one drive to another; ln of a radius per ln of its load; and a front passenger's effect on the ratios.
 const BY_ITSELF: f64 = 2e-4;
 const PER_LN_LOAD: f64 = 6.4e-3;
 const PASSENGER: [f64; 3] = [-3e-4, -2e-4, 2e-4];
@@ -136,7 +136,7 @@ fn calibrate(
     })
 }
 
-/// Covariance of what two drives differ by: of what each has shown, of loads and of radii by themselves.
+/// Covariance of the difference of two drives: their own errors, loads, and the radii's own changes.
 fn covariance(a: &RadiusCalibration<f64>, b: &RadiusCalibration<f64>, rear_load_sd: f64) -> [[f64; 3]; 3] {
     let mut out = [[0.0; 3]; 3];
     let shapes = [[0.0, 0.0, PER_LN_LOAD * rear_load_sd], [0.0, 2.0 * PER_LN_LOAD * 0.03, 0.0], PASSENGER];

@@ -16,7 +16,7 @@ const ODD_WHEEL: f64 = 0.03;
 const COARSE_M_S: f64 = 0.25 / 3.6;
 /// Changes of a wheel speed that are needed to know its steps.
 const LEAST_CHANGES: u64 = 200;
-/// Exchanged, the body's swings stand beside the wheel's, so many times as large; of what is in g they are less.
+/// If they are exchanged, the body's swings are so many times as large as the wheel's; in g they are smaller.
 const EXCHANGED: std::ops::Range<f64> = 3.0..15.0;
 /// A wheel over a smooth motorway moves by more than this, in m/s² rms, from [`FAST_M_S`] on.
 const LEAST_WHEEL_RMS_M_S2: f64 = 0.8;

@@ -66,7 +66,7 @@ fn refused(path: &Path, why: impl std::fmt::Display) -> DriveError {
     DriveError::Mismatch(format!("{}: {why}", path.display()))
 }
 
-/// The file of what a calibration drive teaches, or an earlier one with another day, in the making.
+/// The file with the result of a calibration drive, or an earlier one with another day, in the making.
 #[derive(Debug)]
 pub struct Saving {
     file: AtomicFile,

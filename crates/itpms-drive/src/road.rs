@@ -14,7 +14,7 @@ use crate::error::DriveError;
 
 /// How far the smoother looks ahead; more changes nothing worth having at any speed.
 const LOOKAHEAD_S: f64 = 30.0;
-/// Seconds between two words to the recorders about stiffness, load and damping: each costs them some work.
+/// Seconds between two updates of the recorders' stiffness, load and damping, each of which costs them some work.
 const UPDATE_S: f64 = 0.1;
 
 type Recorder = RoadRecorder<f64, Vec<RoadRow<f64>>, Vec<Segment<f64>>>;

@@ -61,7 +61,7 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// What each tire had in the calibration of what it should have.
+    /// Each tire's pressure in the calibration over the one that it should have had.
     pub(crate) fn pressure_shares(&self, vehicle: &Vehicle) -> [f64; 4] {
         Corner::ALL.map(|corner| {
             let known = self.calibration_kpa[corner.index()].zip(vehicle.placard_kpa(corner));

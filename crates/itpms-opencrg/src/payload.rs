@@ -1,6 +1,6 @@
 //! The data of an OpenCRG file: rows of numbers, as text or as big-endian floats.
 //!
-//! Called by the reader with the bytes behind the header. A missing value is NaN. Knows nothing of what a column means
+//! Called by the reader with the bytes behind the header. A missing value is NaN. Does not know a column's meaning
 //! beyond its name in a message.
 
 use itpms_files::{Place, shortened};

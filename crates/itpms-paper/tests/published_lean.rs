@@ -32,7 +32,7 @@ fn dense(config: FilterConfig<f64>) -> AekfUi<f64> {
     AekfUi::new(QuarterCar::paper_table_2(), config).unwrap()
 }
 
-/// Names of what is compared, in the order of [`of_dense`] and [`of_lean`].
+/// Names of the compared quantities, in the order of [`of_dense`] and [`of_lean`].
 const NAMES: [&str; 17] = [
     "x_b", "v_b", "x_w", "v_w", "k_t", "P_11", "P_22", "P_33", "P_44", "P_55", "road", "S", "z_b", "z_w",
     "tr C_0", "lambda", "nis",

@@ -36,7 +36,7 @@ impl<T: Real> RoadLimits<T> {
         T::lit(2.0) * self.model.road_intensity / (w * w)
     }
 
-    /// One-sided density in m²/Hz of what the sensors' noise makes of a flat road, both sensors weighted as the
+    /// One-sided density in m²/Hz of a flat road's height as the sensors' noise makes it, both sensors weighted as the
     /// filter does (eq. 19).
     pub fn noise_density(&self, frequency_hz: T) -> T {
         let two = T::lit(2.0);

@@ -301,7 +301,7 @@ where
         r.variance_m2 = r.extra_m2 + T::lit(TWICE_CUT) * variance_m2;
     }
 
-    /// Gives the rows before `end` and lets go of what only they needed.
+    /// Gives the rows before `end` and frees the memory that only they needed.
     fn give_until(&mut self, end: u64, give: &mut impl FnMut(RoadPoint<T>)) {
         let delay_s = self.filter.sensor_delay_s().to_f64();
         let mut left = self.given;

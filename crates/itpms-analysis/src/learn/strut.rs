@@ -39,7 +39,7 @@ pub(super) fn strut(corner: &CornerConfig<f64>, at: usize, drives: &[DriveReadin
     ]
 }
 
-/// Mean and standard deviation of what two sources say that know nothing of each other.
+/// Mean and standard deviation of two independent sources together.
 fn weighed(file: [f64; 2], read: Option<[f64; 2]>) -> [f64; 2] {
     let Some(read) = read else { return file };
     let [weight, read_weight] = [file, read].map(|[_, sd]| 1.0 / (sd * sd).max(1e-12));

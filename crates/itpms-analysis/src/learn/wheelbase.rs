@@ -17,10 +17,10 @@ const LONGEST_M: f64 = 6.0;
 const STEP_M: f64 = 0.02;
 /// A bicycle's speed in m/s: below it nothing is reported of a car's wheelbase.
 const SLOWEST_M_S: f64 = 4.0;
-/// Mean cosine of what is left of the phases, and frames, without which there is no wheelbase.
+/// Least mean cosine of the residual phases, and fewest frames, for a wheelbase.
 const LEAST_AGREEMENT: f64 = 0.3;
 const FEWEST_FRAMES: u64 = 60;
-/// Standard deviation in s of what the road's delay has left of the wheels'. A wheel follows the road `2 zeta / omega` of the hop later, 5 to
+/// Standard deviation in s of the wheels' delay without the road's. A wheel follows the road `2 zeta / omega` of the hop later, 5 to
 /// 10 ms where dampers have a ratio of 0.2 to 0.4; masses and tires that are some 10 % off, and how the body rests on its axles, leave a fifth
 /// of that. Of one side alone the body does not show the axle's force, which is worth more than half of it.
 const SYSTEMATIC_S: f64 = 0.0015;
@@ -37,7 +37,7 @@ pub struct WheelbaseListener {
     last_s: f64,
     /// Accelerations of wheels and body, and speed, of the frame under way.
     rows: Vec<([[f64; 2]; 4], f64)>,
-    /// By wheelbase, the sum of the cosines of what it leaves of the phases.
+    /// By wheelbase, the sum of the cosines of the residual phases.
     sums: Vec<f64>,
     phases: u64,
     frames: u64,

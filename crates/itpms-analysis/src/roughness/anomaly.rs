@@ -159,7 +159,7 @@ impl AnomalySearch {
 /// What the front and the rear wheel of a side found of one hole, and how often.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SideAnomaly {
-    /// The mean of what the wheels found, at the distance of the first.
+    /// The mean of the wheels' findings, at the distance of the first.
     pub anomaly: Anomaly,
     /// How many wheels went over it and found it.
     pub passes: usize,

@@ -1,6 +1,6 @@
 //! Means over even cells of road, from samples at any distance.
 //!
-//! Called by the report's road and by the survey of a wheel; knows nothing of what the channels mean.
+//! Called by the report's road and by the survey of a wheel; does not know the channels' meaning.
 
 use crate::spectrum::Psd;
 

@@ -88,7 +88,7 @@ impl GoldenCar {
         }
     }
 
-    /// Ends a profile: one shorter than 11 m starts on the mean slope of what there is.
+    /// Ends a profile: one shorter than 11 m starts on its mean slope.
     pub fn flush(&mut self, mut slope: impl FnMut(f64)) {
         if self.state.is_none() && self.heights.len() > self.reach {
             let steps = self.start.min(self.heights.len() - 1);

@@ -71,7 +71,7 @@ impl Containers {
         (self.position as f64 / self.bytes.max(1) as f64).min(1.0)
     }
 
-    /// The next piece, in place of what `out` holds.
+    /// The next piece, in place of the content of `out`.
     pub(super) fn next(&mut self, out: &mut Vec<u8>, repairs: &mut FrameRepairs) -> io::Result<Piece> {
         loop {
             out.clear();

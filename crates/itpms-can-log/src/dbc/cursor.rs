@@ -1,6 +1,6 @@
 //! A place in the text of a DBC file: words, numbers, strings and signs, and the line they are in.
 //!
-//! Called by the parser of statements; knows nothing of what they mean.
+//! Called by the parser of statements; does not know their meaning.
 
 /// What was found, and what belongs there instead.
 #[derive(Debug, Clone, PartialEq)]

@@ -23,8 +23,8 @@ const IMPOSSIBLE: f64 = -1e6;
 /// from its file only, and once a calibration has taught what it is.
 const FADING: f64 = 0.03;
 const FADING_TAUGHT: f64 = 0.01;
-/// Weight below which a change of several wheels, and one of a wheel of the other side, of which a frame tells hardly anything, is
-/// followed in every so many frames only: an odd number, as the sides take turns.
+/// Below the first weight, hypotheses of several wheels are updated every third frame only; below the second those of the opposite side,
+/// of which a frame shows hardly anything. An odd number of frames, as the sides take turns.
 const RARE: f64 = 1e-5;
 const RARE_OPPOSITE: f64 = 1e-3;
 const RARE_FRAMES: usize = 3;
@@ -203,7 +203,7 @@ impl<T: Real> HypothesisBank<T> {
         }
     }
 
-    /// The same of a number of a side that also says how likely each hypothesis is; as seldom as a frame where hardly anybody believes in one.
+    /// The same of a number of a side that also weighs the hypotheses; those of low weight are skipped as for frames.
     pub(super) fn update_reweighted(
         &mut self,
         side: Side,

@@ -64,7 +64,7 @@ pub(crate) struct Expectation<T: Real> {
 pub(crate) struct SideMeasurement<T: Real> {
     pub(crate) side: Side,
     pub(crate) expected: Expectation<T>,
-    /// Derivatives taken from the road that both axles agree on, free of what differs between them.
+    /// Derivatives taken from the road that both axles agree on, free of the axles' differences.
     pub(crate) instrument: Slope<T>,
     /// How much of the frame counts, 0 to 1.
     pub(crate) weight: T,
@@ -78,7 +78,7 @@ pub(crate) struct SideMeasurement<T: Real> {
 pub(crate) struct UpdateRecord<T: Real> {
     /// Before the update.
     pub(crate) prefit: AxleResidual<T>,
-    /// Power of what remains over what was expected, per bin.
+    /// Power of the residual over its expectation, per bin.
     pub(crate) power_ratio: [T; BINS],
     /// Squared Mahalanobis distance of the residual, its variance enlarged by `variance_scale`.
     pub(crate) mahalanobis_sq: T,

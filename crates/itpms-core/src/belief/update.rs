@@ -138,7 +138,7 @@ pub(crate) struct Likelihood<T: Real> {
     pub(crate) mahalanobis_sq: T,
     /// Factor by which the residual's variance is larger than expected, at least one.
     pub(crate) scale: T,
-    /// Power of what remains over what was expected, per bin.
+    /// Power of the residual over its expectation, per bin.
     pub(crate) ratio: [T; BINS],
 }
 

@@ -10,7 +10,7 @@ use crate::memory::{Blank, Placed};
 use crate::model::{AxleFit, CarSample, Corner, CornerEstimate, Level, Side, TrackState};
 use crate::real::Real;
 
-/// What was concluded last: of each corner, and of what they have in common.
+/// The last conclusions: about each corner, and about all together.
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Concluded<T: Real> {

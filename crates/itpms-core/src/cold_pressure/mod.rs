@@ -42,7 +42,7 @@ struct Sent<T> {
     age_s: f64,
 }
 
-/// The age in s of what has just come.
+/// The age in s of a value that has just come.
 const NEW_S: f64 = -1.0;
 
 impl<T: Real> Sent<T> {

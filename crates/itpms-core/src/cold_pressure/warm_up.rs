@@ -30,7 +30,7 @@ pub(super) struct WarmUp<T> {
     soaked_c: T,
     /// Derivative of the tire's temperature by the logarithm of the time constant.
     lag_k: T,
-    /// Standard deviations: of what was before the start, and of speeds that were not known.
+    /// Standard deviations: of the time before the start, and of unknown speeds.
     history_k: T,
     unknown_k: T,
 }

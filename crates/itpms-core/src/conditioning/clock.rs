@@ -1,7 +1,7 @@
 //! A clock that only goes forwards, whatever the stamps of the samples do.
 //!
 //! Stands before the estimators and the monitor, so that a clock that is set, or one stray stamp, is a pause to them and
-//! nothing else: calibrations end, warm references and beliefs go on. Called by them; knows nothing of what is sampled.
+//! nothing else: calibrations end, warm references and beliefs go on. Called by them; knows nothing of the sampled quantities.
 
 use crate::conditioning::pauses::PAUSE_S;
 use crate::memory::Blank;

@@ -100,8 +100,8 @@ impl<T: Real> CrossSensorPlausibility<T> {
     /// Drops what is only suspected, and suspected changes of gain: with a sensor out of order it cannot be
     /// checked whether they hold.
     pub(crate) fn drop_suspicions(&mut self) {
-        let words = self.pairs.iter_mut().chain(&mut self.corners).chain(&mut self.reversed);
-        words.for_each(FaultLatch::drop_suspicion);
+        let latches = self.pairs.iter_mut().chain(&mut self.corners).chain(&mut self.reversed);
+        latches.for_each(FaultLatch::drop_suspicion);
         self.drop_gain_suspicions();
     }
 
@@ -215,16 +215,16 @@ impl<T: Real> CrossSensorPlausibility<T> {
                 block.hop[(i, i)] > T::lit(ABOVE_NOISE / OVER_NOISE) * self.noise(corner, HOP_WIDTH_HZ);
             loud && self.newest_ratio[corner].is_finite() && block.hop[(4 + i, 4 + i)] > T::zero()
         };
-        let words = self.odd.iter().chain(&self.pairs).chain(&self.reversed).chain(&self.corners);
+        let latches = self.odd.iter().chain(&self.pairs).chain(&self.reversed).chain(&self.corners);
         let active =
-            words.chain(&self.body_gains).filter_map(FaultLatch::fault).chain(self.wheel_gains.faults());
+            latches.chain(&self.body_gains).filter_map(FaultLatch::fault).chain(self.wheel_gains.faults());
         let active = active.fold(Wheels::NONE, |all, fault| all | fault.malfunction.wheels());
         let explained = Corner::ALL.map(|corner| active.contains(corner));
         if Corner::ALL.into_iter().all(is_above_noise) {
             let hop = |corner: Corner| {
                 let i = corner.index();
-                let transmissibility = (block.hop[(4 + i, 4 + i)] / block.hop[(i, i)]).ln();
-                Hop { transmissibility, hop_frequency: self.newest_ratio[corner] - transmissibility }
+                let strut_over_body = (block.hop[(4 + i, 4 + i)] / block.hop[(i, i)]).ln();
+                Hop { strut_over_body, wheel_over_strut: self.newest_ratio[corner] - strut_over_body }
             };
             jumps(&mut self.jumps, at, &Corner::ALL.map(hop), explained);
             // What a swapped sensor reads is so much more than its own that averages would be long in forgetting it.
@@ -301,10 +301,10 @@ impl<T: Real> CrossSensorPlausibility<T> {
         let mut faults = [None; 4];
         let crossed = self.crossed();
         let odd = if crossed.is_some() { &self.odd[..0] } else { &self.odd[..] };
-        let words = odd.iter().chain(&self.pairs).chain(&self.reversed);
-        let words = words.chain(&self.corners).chain(&self.body_gains);
+        let latches = odd.iter().chain(&self.pairs).chain(&self.reversed);
+        let latches = latches.chain(&self.corners).chain(&self.body_gains);
         let all =
-            crossed.into_iter().chain(words.filter_map(FaultLatch::fault)).chain(self.wheel_gains.faults());
+            crossed.into_iter().chain(latches.filter_map(FaultLatch::fault)).chain(self.wheel_gains.faults());
         for fault in all {
             if let Some(corner) = fault.malfunction.wheels().iter().next() {
                 faults[corner].get_or_insert(fault);
@@ -341,8 +341,8 @@ impl<T: Real> CrossSensorPlausibility<T> {
 
     /// Those among them of which it took seconds to find out.
     pub(crate) fn late_detection(&self) -> Wheels {
-        let words = self.odd.iter().chain(&self.pairs).chain(&self.reversed).chain(&self.corners);
-        let suspected = words.filter(|word| word.debouncer.is_suspected());
+        let latches = self.odd.iter().chain(&self.pairs).chain(&self.reversed).chain(&self.corners);
+        let suspected = latches.filter(|latch| latch.debouncer.is_suspected());
         let jumped =
             |corner: &Corner| self.jumps[*corner].is_suspected() || self.shifts.is_suspected(*corner);
         let jumped = Corner::ALL.into_iter().filter(jumped).collect();

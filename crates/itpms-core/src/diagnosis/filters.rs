@@ -104,7 +104,7 @@ impl<T: Real> Averager<T> {
 }
 
 /// Means under a triangle twice as long, for all eight sensors at once: what would come down from about the lower rate is less by
-/// the square of what an [`Averager`] leaves of it.
+/// the square of an [`Averager`]'s gain there.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Triangle<T> {

@@ -13,7 +13,7 @@ const SPIKE_OVER_USUAL: f64 = 10.0;
 /// With the spike taken out, so little of the window's fourth differences is left: no wheel can jump for one sample
 /// behind an anti-alias filter.
 const LEFT_WITHOUT_SPIKE: f64 = 0.1;
-/// Time constants in s of what is usual, and of the share of missing values.
+/// Time constants in s of the usual values, and of the share of missing ones.
 const USUAL_S: f64 = 0.3;
 const MISSING_S: f64 = 1.0;
 /// Length in s of the parts of a block whose quietest one counts as its noise: a pothole is not in all of them.

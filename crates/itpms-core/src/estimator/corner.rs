@@ -41,7 +41,7 @@ pub(crate) struct CornerEstimator<T: Real> {
     pinned_s: f64,
     contact: ContactWatch<T>,
     strut: Strut<T>,
-    /// Variance in (N/m)² of what the strut's friction, as far as it is not known, makes of the tire.
+    /// Variance in (N/m)² of the tire's stiffness by unknown friction of the strut.
     friction_variance: T,
     fit: BodyFit<T>,
     misfit: Placed<Misfit>,
@@ -194,7 +194,7 @@ impl<T: Real> CornerEstimator<T> {
         self.informed.is_on_line()
     }
 
-    /// The newest frame of what moves the body here.
+    /// The newest frame of the force that moves the body here.
     pub(crate) fn strut_frame(&self) -> Option<&StrutFrame<T>> {
         self.strut.frame()
     }
@@ -323,7 +323,7 @@ impl<T: Real> CornerEstimator<T> {
         self.resampler.counts()
     }
 
-    /// Standard deviation in N/m of what the vehicle file leaves open: masses and stiffnesses of a wheel times one factor look the
+    /// Standard deviation in N/m that the vehicle file leaves open: masses and stiffnesses of a wheel times one factor look the
     /// same.
     fn considered(&self, time_s: f64, reading: &Reading<T>, fused: Option<&FusedStiffness<T>>) -> (T, Level) {
         let calibrating = self.calibration_ends_s.is_some_and(|ends_s| time_s < ends_s);

@@ -41,7 +41,7 @@ impl<T: Real> Reading<T> {
         }
     }
 
-    /// Puts what the whole car knows in the place of what the corner reads.
+    /// Puts the whole car's estimate in place of the corner's own reading.
     pub(super) fn fuse(&mut self, config: &CornerConfig<T>, fused: &FusedStiffness<T>) {
         self.stiffness_n_per_m = fused.stiffness_n_per_m;
         self.stiffness_sd_n_per_m = fused.stiffness_sd_n_per_m;

@@ -6,7 +6,7 @@
 use crate::memory::Blank;
 use crate::real::Real;
 
-/// Standard deviation of what the inter-axle residual reads too much of a tire's compliance, as a share of that at placard pressure,
+/// Standard deviation of the inter-axle residual's bias of a tire's compliance, as a share of that at placard pressure,
 /// before any calibration.
 pub(crate) const UNCALIBRATED_BIAS_SD: f64 = 0.015;
 

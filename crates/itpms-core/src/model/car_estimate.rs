@@ -14,7 +14,7 @@ pub struct CarEstimate<T> {
     pub corners: [Option<CornerEstimate<T>>; 4],
     /// Correlation coefficients of the pressures' errors, in the order of [`Corner::ALL`](crate::model::Corner::ALL).
     pub correlation: [[T; 4]; 4],
-    /// The same of the errors of what the tires have lost, where that is counted.
+    /// The same of the errors of the tires' losses, where these are counted.
     pub loss_correlation: [[T; 4]; 4],
     /// Left and right track: how the rear wheels follow the front ones.
     pub tracks: [TrackState<T>; 2],

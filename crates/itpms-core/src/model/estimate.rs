@@ -178,7 +178,7 @@ pub struct CornerEstimate<T> {
     pub change_sd_kpa: T,
     /// What its level rests on.
     pub level: Level,
-    /// Standard deviation in kPa of what it differs by from the pressure of its axle's other tire: errors of the level are common to
+    /// Standard deviation in kPa of its difference from the pressure of its axle's other tire: errors of the level are common to
     /// both. `None` without another one.
     pub axle_difference_sd_kpa: Option<T>,
     /// What the tire has lost since losses are counted; `None` as long as they are not. For show: [`lost_kpa`](Self::lost_kpa).

@@ -46,7 +46,7 @@ pub(crate) struct Posterior<T: Real> {
     weight: [[Cells<T>; LEAK_MODES]; LEVEL_MODES],
     pub(super) road: [RoadBelief<T>; LEVEL_MODES],
     dynamics: Dynamics<T>,
-    /// Sum of what the frames since the last pseudo-measurement reported of each cell, and their number.
+    /// Sum over the frames since the last pseudo-measurement of their log-likelihoods of each cell, and their number.
     given_log_likelihood: Cells<T>,
     given_pairs: u32,
     /// Frames until a leak is believed possible: while the road is unknown everything looks like one.

@@ -160,7 +160,7 @@ impl<T: Real> Tables<T> {
         }
     }
 
-    /// Log of what leak, anti-alias filter and window make of a power law of this exponent in a bin.
+    /// Log of a bin's response to a power law of this exponent: leak, anti-alias filter and window.
     pub(crate) fn log_window(&self, bin: usize, exponent: T) -> T {
         let c = self.window.column(bin);
         c[0] + exponent * (c[1] + exponent * c[2])

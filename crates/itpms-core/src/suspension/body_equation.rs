@@ -48,7 +48,7 @@ const LARGEST_STEP: f64 = 0.3;
 const FURTHEST: f64 = 1.0;
 /// Error of the equation as a share of the body's motion: no damper is linear.
 const MODEL_ERROR: f64 = 0.03;
-/// Memory in s of what was seen, and of the powers.
+/// Memory in s of the products, and of the powers.
 pub(crate) const MEMORY_S: f64 = 60.0;
 const POWER_S: f64 = 20.0;
 /// Seconds in which the fit finds its way, and which nothing is judged by.
@@ -79,7 +79,7 @@ fn slip(element: usize, corner: Corner) -> usize {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Powers<T: Real> {
     body: SVector<T, BINS>,
-    /// Of what the equation leaves unexplained, and the sensors' noise in it.
+    /// Of the equation's residual, and of the sensors' noise in it.
     residual: SVector<T, BINS>,
     noise: SVector<T, BINS>,
     /// Of the deflection's rate, and its cross power with the rate of each element's force.

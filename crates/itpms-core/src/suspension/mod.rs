@@ -7,7 +7,7 @@
 //! | module | idea |
 //! |---|---|
 //! | `maxwell_slip` | friction that sticks before it slips, from the relative motion alone |
-//! | `strut` | one corner: its friction force, and the spectra of what moves its body |
+//! | `strut` | one corner: its friction force, and the spectra of the forces on its body |
 //! | `coherence` | how far a corner's body goes with its wheel |
 //! | `rigid_body` | how a force at one corner accelerates the body at another |
 //! | `body_equation` | the fit of all corners together, how much of the body's motion it leaves unexplained, and what that makes of the tires |

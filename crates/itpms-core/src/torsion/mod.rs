@@ -4,7 +4,8 @@
 //! that it sees all four alike; [`CarTorsion`] is the four of a car, whose evidence
 //! [`MonitoredWheels`](crate::monitor::MonitoredWheels::update_with_pulses) weigh together with radii.
 //!
-//! `docs/math/wheel-speed.md`, "Torsion", derives it. It knows of nothing else here.
+//! `docs/math/wheel-speed.md`, "Torsion", derives it. It uses the filters of `conditioning` and `spectrum` and the numbers of a loss from
+//! `decision`, and knows neither radii nor accelerations.
 //!
 //! ```
 //! use itpms_core::torsion::{TorsionConfig, TorsionWheel};
@@ -84,7 +85,7 @@ pub struct TorsionPiece<T> {
     pub resonance_hz: T,
     /// Of the spectrum's length alone; how far pieces differ beside that is in [`TorsionChange`].
     pub resonance_sd_hz: T,
-    /// Power of the resonance over that of what edges vary by.
+    /// Power of the resonance over that of the edges' variation.
     pub signal_to_noise: T,
     /// Whether it carries anything: not if the former is below 3, the standard deviation above 3.5 Hz or the resonance at an end of what
     /// is looked at.

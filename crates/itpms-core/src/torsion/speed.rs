@@ -14,7 +14,7 @@ pub(super) struct Speed<T> {
     until_s: f64,
     turned: T,
     running: bool,
-    /// The slow part of the rate, and of what is left without it.
+    /// The slow part of the rate, and of the remainder.
     slow: [T; 2],
 }
 

@@ -4,7 +4,7 @@
 //!
 //! A loss of all four alike is not seen in radii, but by tooth pulses
 //! ([`update_with_pulses`](crate::monitor::MonitoredWheels::update_with_pulses)). `docs/math/wheel-speed.md` derives it.
-//! It knows of nothing else here than [`model`](crate::model) and what [`torsion`](crate::torsion) says.
+//! It uses the readings of [`torsion`](crate::torsion) and the decision, and knows nothing of accelerations of wheels.
 //!
 //! ```
 //! use itpms_core::MonitoredWheels;

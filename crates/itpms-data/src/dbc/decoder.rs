@@ -1,6 +1,6 @@
 //! Frames to readings: the signals that are columns, in the columns' units.
 //!
-//! Called for every frame of a log or a bus, so nothing is allocated here once it is made. Knows nothing of what the
+//! Called for every frame of a log or a bus, so nothing is allocated here once it is made. Does not know the
 //! readings are for.
 
 use std::collections::HashMap;

@@ -18,7 +18,7 @@ pub enum Problem {
     /// What no program acts on: found and expected, in a sentence that stands where it is found.
     #[error("{0}")]
     Refused(String),
-    /// A file that another program makes of what is read.
+    /// A format that another program converts to a readable one.
     #[error("{0}")]
     Elsewhere(String),
 

@@ -1,4 +1,4 @@
-//! Files that other programs make of what is read, and by which line: an extension, what it is, the way out.
+//! Formats that other programs convert to readable ones, and by which command: an extension, its name, the way out.
 //!
 //! Called where an extension is none that is read. A line that is copied and run leaves a file that is read.
 

@@ -90,7 +90,7 @@ fn longest_run(values: impl Iterator<Item = f64>, enough: usize) -> Option<usize
 mod tests {
     use super::*;
 
-    /// Of a sensor whose steps are a hundredth of what it shows.
+    /// Of a sensor whose steps are a hundredth of its reading.
     fn sample(k: usize) -> f64 {
         ((k as f64 * 0.37).sin() * 40.0 + (k as f64 * 1.9).cos() * 20.0).round() / 10.0
     }

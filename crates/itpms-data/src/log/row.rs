@@ -17,7 +17,7 @@ pub struct LogColumns {
     pub motion: MotionColumns,
 }
 
-/// Which columns there are of what the car itself measures: for the wheel-speed methods, and its tire sensors.
+/// Which columns of the car's own measurements there are: for the wheel-speed methods, and its tire sensors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct MotionColumns {
     /// Whether `{c}_wheel_speed_m_s` of all four wheels is there.

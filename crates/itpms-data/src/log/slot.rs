@@ -51,7 +51,7 @@ impl Field {
     }
 }
 
-/// What a car says of its motion besides its speed; for the wheel-speed methods.
+/// A car's own measurements of its motion besides its speed; for the wheel-speed methods.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Motion {
     /// Yaw rate in rad/s, positive to the left.

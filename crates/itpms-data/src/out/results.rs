@@ -116,7 +116,7 @@ pub fn cold_values(estimate: &CornerEstimate<f64>) -> [f64; 2] {
 }
 
 impl EstimateWriter {
-    /// Starts the file with the columns of these corners, of wheel speeds ([`WheelSpeedUse::columns`]), and of what the log has of the air.
+    /// Starts the file with the columns of these corners, of wheel speeds ([`WheelSpeedUse::columns`]), and of the air's columns in the log.
     ///
     /// # Errors
     /// The file cannot be created, or its extension is not known.

@@ -1,6 +1,6 @@
 //! A table of named columns, row by row, in the format its file's extension asks for.
 //!
-//! Called by the writers beside it and by whoever has a table of results; knows nothing of what the columns mean.
+//! Called by the writers beside it and by whoever has a table of results; does not know the columns' meaning.
 
 use std::path::Path;
 

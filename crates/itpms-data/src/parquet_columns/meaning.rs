@@ -1,4 +1,4 @@
-//! What the cells of a Parquet column mean: numbers, or times, and how both get out of what is stored.
+//! What the cells of a Parquet column mean: numbers, or times, and how both are read from the stored values.
 //!
 //! Called by the columns, of which it sees the description alone. All types of the format that hold one number are among them;
 //! what holds none (text, bytes, lists) is named in plain words.

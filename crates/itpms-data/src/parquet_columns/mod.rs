@@ -375,7 +375,7 @@ fn guarded<T>(read: impl FnOnce() -> Result<T, Problem>) -> Result<T, Problem> {
         .unwrap_or_else(|_| Err(Problem::Parquet("its contents contradict each other".to_owned())))
 }
 
-/// The name of a column: of a list that of the whole, else the path of what is nested.
+/// The name of a column: a list's own, else the path of a nested one.
 fn named(leaf: &ColumnDescriptor) -> String {
     let parts = leaf.path().parts();
     match parts {

@@ -268,7 +268,7 @@ fn nothing_of_corners() -> VehicleCalibration<f64> {
     }
 }
 
-/// An anti-roll bar that pushes the body over, by half of what the springs hold, is in no car; less is what noise may leave of none.
+/// An anti-roll bar that pushes the body over, by half of the springs' stiffness, is in no car; a smaller one may be noise.
 const LEAST_BAR: f64 = -0.5;
 
 /// What no car is.

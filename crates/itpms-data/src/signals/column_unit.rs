@@ -28,7 +28,7 @@ pub(crate) fn candidate_in(name: &str, stated: &str) -> Candidate {
     if is_unit(stated) { Candidate { unit: stated.to_owned(), ..candidate } } else { candidate }
 }
 
-/// From a unit to a column's own, if it is one of what the column measures.
+/// From a unit to a column's own, if it is a unit of the column's quantity.
 pub(crate) fn conversion_to(unit: &str, slot: Slot) -> Option<Conversion> {
     Unit::of(unit).conversion_to(slot)
 }

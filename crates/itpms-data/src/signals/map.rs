@@ -55,7 +55,7 @@ impl SignalMap {
     /// Reads a map.
     ///
     /// # Errors
-    /// The file cannot be read, is not TOML, has an unknown key, or a unit that is not one of what the column measures.
+    /// The file cannot be read, is not TOML, has an unknown key, or a unit that is not one of the column's quantity.
     pub fn read(path: &Path) -> Result<Self, DataError> {
         let read = || parse(&input::read_text(path, "a map of signals (TOML)")?);
         let (entries, time) = read().map_err(|problem| DataError::new(path, problem))?;

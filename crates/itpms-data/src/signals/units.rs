@@ -43,7 +43,7 @@ impl Unit {
         })
     }
 
-    /// The conversion to the unit of this column, if it is a unit of what the column measures.
+    /// The conversion to the unit of this column, if it is a unit of the column's quantity.
     pub(crate) fn conversion_to(self, slot: Slot) -> Option<Conversion> {
         match self {
             Unit::Known(quantity, conversion) if quantity == Quantity::of(slot) => Some(conversion),

@@ -359,7 +359,7 @@ impl Vehicle {
     }
 }
 
-/// Natural frequencies in Hz that a body on its springs may have: twice and half of what cars and trucks have.
+/// Natural frequencies in Hz that a body on its springs may have: twice and half of those of cars and trucks.
 const BODY_HZ: [f64; 2] = [0.5, 5.0];
 
 /// A positive number inside its plausible range, if the key is there.

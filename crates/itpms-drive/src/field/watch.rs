@@ -75,7 +75,7 @@ pub(super) struct LogWatch {
     driven_s: Vec<f64>,
     /// Speed in m/s where each stretch begins.
     speed_at: Vec<f64>,
-    /// Number and sum of what each tire's own sensor sent in each stretch, in kPa.
+    /// Number and sum of the readings in kPa of each tire's own sensor in each stretch.
     sent: Vec<[Sums; 4]>,
     fastest_m_s: f64,
     distance_m: f64,
@@ -215,7 +215,7 @@ impl LogWatch {
         self.speed_at[stretch]
     }
 
-    /// Mean of what a tire's own sensor sent in a stretch, in kPa.
+    /// Mean reading in kPa of a tire's own sensor in a stretch.
     pub(super) fn sent_kpa(&self, stretch: usize, corner: Corner) -> Option<f64> {
         self.sent[stretch][corner.index()].mean()
     }

@@ -115,12 +115,12 @@ fn perform(plan: &Plan, errand: &Errand<'_>, progress: &Progress<'_>) -> Result<
     let result = catch_unwind(AssertUnwindSafe(|| one::run(plan, errand, &mut watch)));
     progress.finished(errand.bytes.saturating_sub(counted));
     result.unwrap_or_else(|panic| {
-        let (path, what) = (errand.path.display(), words(&*panic));
+        let (path, what) = (errand.path.display(), panic_message(&*panic));
         Err(DriveError::Mismatch(format!("{path}: a fault of this program, worth reporting: {what}")))
     })
 }
 
-fn words(panic: &(dyn Any + Send)) -> &str {
+fn panic_message(panic: &(dyn Any + Send)) -> &str {
     let text = panic.downcast_ref::<String>().map(String::as_str);
     text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no message")
 }

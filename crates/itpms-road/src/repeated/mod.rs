@@ -167,7 +167,7 @@ impl<T: Real> RepeatedRoad<T> {
     }
 }
 
-/// One grid step of what the road velocity is made of: `wheel + θ force`.
+/// One grid step of the parts of the road's velocity: `wheel + θ force`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Step<T> {
     wheel: T,

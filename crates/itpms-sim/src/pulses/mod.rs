@@ -54,11 +54,11 @@ pub struct PulseSpec {
     pub slip_stiffness_n: f64,
     /// How rough the road is; its slopes are white along the way (`w` = 2).
     pub roughness: Roughness,
-    /// Teeth of the ring, standard deviation of where they are in pitches, and of what an edge varies by from turn to turn.
+    /// Teeth of the ring, standard deviation of where they are in pitches, and of an edge's variation from turn to turn.
     pub teeth: u32,
     /// Standard deviation of where the teeth are, in pitches.
     pub tooth_error: f64,
-    /// Standard deviation of what an edge varies by from turn to turn, in pitches.
+    /// Standard deviation of an edge's variation from turn to turn, in pitches.
     pub jitter: f64,
     /// The clock's tick in s.
     pub tick_s: f64,

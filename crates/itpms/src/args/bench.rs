@@ -1,4 +1,4 @@
-//! Arguments of what is identified on a bench.
+//! Arguments of identification on a bench.
 
 use std::path::PathBuf;
 

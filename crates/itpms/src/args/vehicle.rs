@@ -1,4 +1,4 @@
-//! Arguments of what is stated and asked about one's own car.
+//! Arguments of the commands about one's own car.
 
 use std::path::PathBuf;
 

@@ -9,14 +9,14 @@ use super::{BumpCorner, BumpSignals, BumpWindow};
 const LOWEST_RATE_HZ: f64 = 99.0;
 /// Velocity in m/s at which friction has turned round: three quarters of it at this velocity.
 const FRICTION_VELOCITY_M_S: f64 = 0.002;
-/// Low-pass in Hz of the velocity that friction goes by, and of what finds the free motion.
+/// Low-pass in Hz of the velocity that friction follows, and of the search for the free motion.
 const SLIP_HZ: f64 = 32.0;
 const LOOK_HZ: f64 = 16.0;
-/// The same of what finds its end, where noise is loudest beside the motion.
+/// The same for the search for its end, where noise is loudest beside the motion.
 const ENDING_HZ: f64 = 6.0;
 /// What is slower than this is lost where heights come from accelerations.
 const SLOWEST_HZ: f64 = 0.4;
-/// Zeros before and behind a record of accelerations, so that the low-pass of what is lost has something to stand on.
+/// Zeros before and behind a record of accelerations, so that the low-pass has settled where the record begins.
 const PADDING_S: f64 = 1.5;
 /// Share of the largest motion at which it has begun and at which it has ended.
 const BEGUN_ACCELERATION: f64 = 0.1;

@@ -58,7 +58,7 @@ pub(super) struct Fusion<T: Real> {
     detections: [Option<DelayDetection<T>>; 2],
     speed_latency: SpeedLatency<T>,
     calibration_reading: CalibrationReading<T>,
-    /// Variance in (N/m)² of what friction that is not known makes of each corner's stiffness at wheel hop.
+    /// Variance in (N/m)² of each corner's stiffness at wheel hop by unknown friction.
     friction_variance: [T; 4],
     queue: FrameQueue<T>,
     /// What is believed of the tires, as of the last frame that was learned from.

@@ -40,9 +40,9 @@ pub(crate) const LONGEST_S: f64 = 120.0;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Hop<T> {
     /// What the strut makes of the wheel's motion, over the body's acceleration.
-    pub(crate) transmissibility: T,
+    pub(crate) strut_over_body: T,
     /// The wheel's acceleration over what the strut makes of its motion: nearly the square of a frequency.
-    pub(crate) hop_frequency: T,
+    pub(crate) wheel_over_strut: T,
 }
 
 /// A running quantity of a corner: what is usual of it, and by how much the newest blocks were off; newest last.
@@ -57,8 +57,8 @@ struct Baseline<T> {
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct WheelGainJump<T> {
-    transmissibility: Baseline<T>,
-    hop_frequency: Baseline<T>,
+    strut_over_body: Baseline<T>,
+    wheel_over_strut: Baseline<T>,
     /// Blocks that the means are of.
     blocks: u32,
     debouncer: Debouncer,
@@ -89,8 +89,8 @@ impl<T: Real> Baseline<T> {
 impl<T: Real> WheelGainJump<T> {
     pub(crate) fn new() -> Self {
         Self {
-            transmissibility: Baseline::new(),
-            hop_frequency: Baseline::new(),
+            strut_over_body: Baseline::new(),
+            wheel_over_strut: Baseline::new(),
             blocks: 0,
             debouncer: Debouncer::new(),
             hop_shifted: false,
@@ -105,19 +105,19 @@ impl<T: Real> WheelGainJump<T> {
 
     fn learn(&mut self, hop: Hop<T>) {
         self.blocks = (self.blocks + 1).min(USUAL_BLOCKS);
-        self.transmissibility.learn(hop.transmissibility, self.blocks);
-        self.hop_frequency.learn(hop.hop_frequency, self.blocks);
+        self.strut_over_body.learn(hop.strut_over_body, self.blocks);
+        self.wheel_over_strut.learn(hop.wheel_over_strut, self.blocks);
     }
 
-    fn tune(&mut self, hop_frequency: T) {
-        self.hop_shifted = hop_frequency > T::lit(if self.hop_shifted { 0.5 * SLOWER } else { SLOWER });
+    fn tune(&mut self, wheel_over_strut: T) {
+        self.hop_shifted = wheel_over_strut > T::lit(if self.hop_shifted { 0.5 * SLOWER } else { SLOWER });
     }
 
     /// `beside`: another corner's hop frequency has changed.
-    fn judge(&mut self, [time_s, step_s]: [f64; 2], transmissibility: T, explained: bool, beside: bool) {
+    fn judge(&mut self, [time_s, step_s]: [f64; 2], strut_over_body: T, explained: bool, beside: bool) {
         let jumped =
-            transmissibility > T::lit(if beside { JUMPED_BESIDE } else { JUMPED }) && !self.hop_shifted;
-        let evidence = evidence(jumped, self.hop_shifted || transmissibility < T::lit(AS_EVER));
+            strut_over_body > T::lit(if beside { JUMPED_BESIDE } else { JUMPED }) && !self.hop_shifted;
+        let evidence = evidence(jumped, self.hop_shifted || strut_over_body < T::lit(AS_EVER));
         let suspected = self.debouncer.update(time_s, step_s, evidence, JUMP);
         if (suspected || self.hop_shifted) && !explained {
             self.lasted_s += step_s;
@@ -159,14 +159,15 @@ pub(crate) fn jumps<T: Real>(
     explained: [bool; 4],
 ) {
     if corners.iter().all(|corner| corner.blocks >= KNOWN_BLOCKS) {
-        let transmissibility =
-            Corner::ALL.map(|i| corners[i].transmissibility.deviation(hops[i].transmissibility));
-        let hop_frequency = Corner::ALL.map(|i| corners[i].hop_frequency.deviation(hops[i].hop_frequency));
-        Corner::ALL.into_iter().for_each(|corner| corners[corner].tune(apart(&hop_frequency, corner)));
+        let strut_over_body =
+            Corner::ALL.map(|i| corners[i].strut_over_body.deviation(hops[i].strut_over_body));
+        let wheel_over_strut =
+            Corner::ALL.map(|i| corners[i].wheel_over_strut.deviation(hops[i].wheel_over_strut));
+        Corner::ALL.into_iter().for_each(|corner| corners[corner].tune(apart(&wheel_over_strut, corner)));
         let hop_shifted = corners.each_ref().map(|corner| corner.hop_shifted);
         for corner in Corner::ALL {
             let beside = corner.others().into_iter().any(|other| hop_shifted[other]);
-            corners[corner].judge(at, apart(&transmissibility, corner), explained[corner], beside);
+            corners[corner].judge(at, apart(&strut_over_body, corner), explained[corner], beside);
         }
     } else {
         for (corner, _) in corners.iter_mut().zip(explained).filter(|(_, explained)| !explained) {
@@ -211,8 +212,8 @@ mod tests {
             self.blocks += 1;
             let baseline = |i: usize| 4.5 + 0.2 * (f64::from(self.blocks) * (1.0 + 0.7 * i as f64)).sin();
             let hops = [0, 1, 2, 3].map(|i| Hop {
-                transmissibility: baseline(i) + more[i],
-                hop_frequency: 8.0 + self.hop_shift[i],
+                strut_over_body: baseline(i) + more[i],
+                wheel_over_strut: 8.0 + self.hop_shift[i],
             });
             let at = [BLOCK_S * f64::from(self.blocks), BLOCK_S];
             jumps(&mut self.corners, at, &hops, [explained, false, false, false]);
@@ -328,7 +329,7 @@ mod tests {
         let block = |car: &mut Car, explained: [bool; 4]| {
             let at = [0.0, BLOCK_S];
             let hops =
-                [1.4, 0.0, 0.0, 0.0].map(|more| Hop { transmissibility: 4.5 + more, hop_frequency: 8.0 });
+                [1.4, 0.0, 0.0, 0.0].map(|more| Hop { strut_over_body: 4.5 + more, wheel_over_strut: 8.0 });
             jumps(&mut car.corners, at, &hops, explained);
         };
         car.until(true, 1.4, false);

@@ -68,7 +68,7 @@ struct Shift<T> {
 
 impl<T: Real> Shift<T> {
     fn new() -> Self {
-        let baseline = Hop { transmissibility: T::zero(), hop_frequency: T::zero() };
+        let baseline = Hop { strut_over_body: T::zero(), wheel_over_strut: T::zero() };
         Self {
             baseline,
             blocks: 0,
@@ -82,12 +82,12 @@ impl<T: Real> Shift<T> {
     fn learn(&mut self, hop: Hop<T>) {
         self.blocks = (self.blocks + 1).min(USUAL_BLOCKS);
         let share = T::lit(1.0 / f64::from(self.blocks));
-        self.baseline.transmissibility += share * (hop.transmissibility - self.baseline.transmissibility);
-        self.baseline.hop_frequency += share * (hop.hop_frequency - self.baseline.hop_frequency);
+        self.baseline.strut_over_body += share * (hop.strut_over_body - self.baseline.strut_over_body);
+        self.baseline.wheel_over_strut += share * (hop.wheel_over_strut - self.baseline.wheel_over_strut);
     }
 
-    fn tune(&mut self, hop_frequency: T) {
-        self.hop_shifted = hop_frequency > T::lit(if self.hop_shifted { 0.5 * SLOWER } else { SLOWER });
+    fn tune(&mut self, wheel_over_strut: T) {
+        self.hop_shifted = wheel_over_strut > T::lit(if self.hop_shifted { 0.5 * SLOWER } else { SLOWER });
     }
 
     /// Takes the newest average and its deviation from the usual one. `beside`: another corner's hop
@@ -100,21 +100,21 @@ impl<T: Real> Shift<T> {
         explained: bool,
         beside: bool,
     ) {
-        let transmissibility = deviation.transmissibility;
-        let by_tire = T::lit(BY_TIRE) * deviation.hop_frequency;
+        let strut_over_body = deviation.strut_over_body;
+        let by_tire = T::lit(BY_TIRE) * deviation.wheel_over_strut;
         let limit = T::lit(if beside { SHIFTED_BESIDE } else { SHIFTED }) + by_tire;
-        let pending_fault = transmissibility > T::lit(UNUSUAL) + by_tire && !self.hop_shifted;
+        let pending_fault = strut_over_body > T::lit(UNUSUAL) + by_tire && !self.hop_shifted;
         if !pending_fault {
             self.pending_since_s = f64::NAN;
         } else if self.pending_since_s.is_nan() {
             self.pending_since_s = time_s;
         }
         let evidence = evidence(
-            transmissibility > limit && !self.hop_shifted,
-            self.hop_shifted || transmissibility < T::lit(AS_EVER),
+            strut_over_body > limit && !self.hop_shifted,
+            self.hop_shifted || strut_over_body < T::lit(AS_EVER),
         );
         let suspected = self.debouncer.update(time_s, step_s, evidence, SHIFT);
-        let baseline = !suspected && !self.hop_shifted && transmissibility < T::lit(UNUSUAL);
+        let baseline = !suspected && !self.hop_shifted && strut_over_body < T::lit(UNUSUAL);
         self.lasted_s = if baseline || explained { 0.0 } else { self.lasted_s + step_s };
         if self.lasted_s > LONGEST_S || (explained && !suspected) {
             // Another car; or it was wrong before its usual was known, and what was learned is not usual.
@@ -147,7 +147,7 @@ impl<T: Real> WheelGainShift<T> {
         now_s - self.corners[corner].pending_since_s < WAIT_S
     }
 
-    /// Lets go of what is suspected.
+    /// Drops the suspicions.
     pub(crate) fn drop_suspicions(&mut self) {
         for corner in self.corners.iter_mut().filter(|corner| corner.debouncer.is_active()) {
             *corner = Shift::new();
@@ -166,17 +166,18 @@ impl<T: Real> WheelGainShift<T> {
             let deviation = Corner::ALL.map(|i| of(&hops[i]) - of(&self.corners[i].baseline));
             Corner::ALL.map(|i| if blocks < known { T::zero() } else { apart(&deviation, i) })
         };
-        let (hop_frequency, transmissibility) = (
-            deviation(|hop| hop.hop_frequency, TUNED_BLOCKS),
-            deviation(|hop| hop.transmissibility, KNOWN_BLOCKS),
+        let (wheel_over_strut, strut_over_body) = (
+            deviation(|hop| hop.wheel_over_strut, TUNED_BLOCKS),
+            deviation(|hop| hop.strut_over_body, KNOWN_BLOCKS),
         );
-        for (corner, hop_frequency) in self.corners.iter_mut().zip(hop_frequency) {
-            corner.tune(hop_frequency);
+        for (corner, wheel_over_strut) in self.corners.iter_mut().zip(wheel_over_strut) {
+            corner.tune(wheel_over_strut);
         }
         let hop_shifted = self.corners.each_ref().map(|corner| corner.hop_shifted);
         for i in Corner::ALL {
             let beside = i.others().into_iter().any(|other| hop_shifted[other]);
-            let deviation = Hop { transmissibility: transmissibility[i], hop_frequency: hop_frequency[i] };
+            let deviation =
+                Hop { strut_over_body: strut_over_body[i], wheel_over_strut: wheel_over_strut[i] };
             self.corners[i].judge(at, hops[i], deviation, explained[i], beside);
         }
     }
@@ -201,8 +202,8 @@ impl<T: Real> WheelGainShift<T> {
             let own = self.struts[i];
             let given = own + T::lit(TO_OTHERS) * (all - own);
             Hop {
-                transmissibility: (given / self.bodies[i]).ln(),
-                hop_frequency: (self.wheels[i] / own).ln(),
+                strut_over_body: (given / self.bodies[i]).ln(),
+                wheel_over_strut: (self.wheels[i] / own).ln(),
             }
         })
     }

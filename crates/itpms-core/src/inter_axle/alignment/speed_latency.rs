@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Vector3};
 use crate::memory::Blank;
 use crate::real::Real;
 
-/// Sd of what is not known before: wheelbase over speed, the rear's lateness in s, the speed's in s; and of a find, as a share of the
+/// Prior sd: wheelbase over speed, the rear's lateness in s, the speed's in s; and of a find, as a share of the
 /// delay.
 const PRIOR_SD: [f64; 3] = [0.02, 0.003, 0.3];
 const FIND_SD: f64 = 0.004;
@@ -21,7 +21,7 @@ const LONGEST_S: f64 = 1.0;
 const SURE: f64 = 5.0;
 const EXPLAINED: f64 = 3.0;
 
-/// The least squares of what was found, in units of [`PRIOR_SD`].
+/// The least squares of the finds, in units of [`PRIOR_SD`].
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct SpeedLatency<T: Real> {

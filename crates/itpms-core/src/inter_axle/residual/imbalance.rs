@@ -24,7 +24,7 @@ const BESIDE: [usize; 2] = [4, 8];
 /// Power at a rate over that beside it from which on it is a line, and below which it is none any more.
 const FOUND: f64 = 5.0;
 const LOST: f64 = 2.5;
-/// Width of what is taken off, as a share of the frequency: two tires' rates differ by a hundredth.
+/// Width of the notch, as a share of the frequency: two tires' rates differ by a hundredth.
 const WIDTH: f64 = 0.06;
 
 /// See the [module](self).

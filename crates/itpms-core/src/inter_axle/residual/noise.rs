@@ -15,7 +15,7 @@ const START: f64 = 0.2;
 const LEAST: f64 = 1e-3;
 /// The most that is believed.
 const MOST: f64 = 2.0;
-/// Largest step of a frame's estimate, as a multiple of what is believed, and more: one pothole is not another road.
+/// Largest step of a frame's estimate, as a multiple of the believed one, and more: one pothole is not another road.
 const LARGEST_STEP: f64 = 30.0;
 const LARGEST_MORE: f64 = 0.01;
 /// Frames that what is assumed counts for.

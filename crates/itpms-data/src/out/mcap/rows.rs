@@ -1,4 +1,4 @@
-//! The rows of a table as messages: a topic per wheel, and one of what is no wheel's.
+//! The rows of a table as messages: a topic per wheel, and one for the rest of the car.
 
 use std::io::{self, Write};
 

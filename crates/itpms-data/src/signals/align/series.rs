@@ -6,7 +6,7 @@ use super::kernel::{HALF_WIDTH, weight};
 
 /// Readings kept at most; more than any row can need (ten periods of 20 Hz at 50 kHz).
 const MOST: usize = 32_768;
-/// Neighbours further apart than this many periods have nothing to say of what is between them.
+/// Neighbours further apart than this many periods say nothing about the time between them.
 const GAP_PERIODS: f64 = 3.0;
 /// The same for samples under the low-pass.
 const HOLE_PERIODS: f64 = 2.5;

@@ -28,7 +28,7 @@ pub use front_rear::FrontRear;
 pub use tire_size::{TireSize, TireSizeError};
 pub use wheels::WheelsOfACar;
 
-/// Relative standard deviations of what is typical of a class: how much the published cars of docs/vehicle.md scatter
+/// Relative standard deviations of a class's typical values: how much the published cars of docs/vehicle.md scatter
 /// about it.
 const SPRUNG_MASS_SD: f64 = 0.08;
 const UNSPRUNG_MASS_SD: f64 = 0.15;
