@@ -223,12 +223,13 @@ impl Records {
         Ok(records)
     }
 
-    /// Whether this drive is done, from these inputs, and its files are there where they are wanted.
+    /// Whether this drive is done, from these inputs, and its files are there where they are wanted. With a report its roughness is another
+    /// one than without.
     pub(super) fn holds(&self, name: &str, inputs: &Inputs, out: &Path, plan: &Plan) -> bool {
         let there = |file: &Option<String>| file.as_ref().is_some_and(|file| out.join(file).is_file());
         self.of(name).is_some_and(|drive| {
             drive.inputs == *inputs
-                && (!plan.reports || there(&drive.report))
+                && (if plan.reports { there(&drive.report) } else { drive.report.is_none() })
                 && (!plan.estimates || there(&drive.estimates))
                 && (!drive.taught || super::reference_path(out, Path::new(name)).is_file())
         })

@@ -6,8 +6,8 @@ use super::{EstimatorKind, LogArgs, Regulation, UnitArgs, estimator_names, posit
 
 /// Estimate many drives of many cars: a table, a page about the whole fleet, and what failed.
 ///
-/// Each drive's results are those of `itpms estimate --report`. DIR/fleet.csv (and .parquet) has a row per drive and wheel,
-/// DIR/index.html is the overview, DIR/failed.csv lists the files that could not be estimated, and why. What is finished is
+/// Each drive's results are those of `itpms estimate --report`, but for the roughness where no --reports are wanted, which is
+/// that of the heights known with each row. DIR/fleet.csv (and .parquet) has a row per drive and wheel, DIR/index.html is the overview, DIR/failed.csv lists the files that could not be estimated, and why. What is finished is
 /// kept in DIR/drives.jsonl; the same command goes on where it was stopped, and estimates only what is new or changed.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
