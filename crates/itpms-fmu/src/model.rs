@@ -4,8 +4,8 @@ use std::path::Path;
 use std::thread;
 
 use itpms_core::conditioning::SAMPLE_RATES_HZ;
-use itpms_core::model::{CarEstimate, Corner, CornerConfig, PressureMap, QuarterCar, Warning};
-use itpms_core::warning::{Cause, Doubt, MonitorReport, WheelState};
+use itpms_core::model::{Air, CarEstimate, Corner, CornerConfig, PressureMap, QuarterCar};
+use itpms_core::warning::Cause;
 use itpms_data::log::{LogCorner, LogMotion};
 use itpms_data::out::WheelSpeedUse;
 use itpms_data::reference::crc64;
@@ -14,10 +14,11 @@ use itpms_drive::{Drive, DriveError, Settings};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use crate::outputs::{all_fine, code, cold_add, cold_pressure, state};
 use crate::variables::{Causality, OfCar, OfCorner, Role, Variable, parameter, variables};
 
 /// How a saved state begins: what it is, its format and the program's version, which has to be the same.
-const MAGIC: &str = concat!("itpms-fmu-state 3 ", env!("CARGO_PKG_VERSION"), " ");
+const MAGIC: &str = concat!("itpms-fmu-state 4 ", env!("CARGO_PKG_VERSION"), " ");
 /// Wheel speeds alone come at least so often.
 const WHEEL_SPEED_RATE_HZ: f64 = 9.5;
 /// Stack of what builds a car from bytes; a simulation tool's thread may have less.
@@ -249,6 +250,11 @@ impl Model {
                 accel_x_m_s2: car(OfCar::AccelX),
                 accel_y_m_s2: car(OfCar::AccelY),
                 brake: car(OfCar::Brake),
+                air: Air {
+                    ambient_temperature_c: car(OfCar::AmbientTemperature),
+                    barometric_kpa: car(OfCar::Barometric),
+                    altitude_m: car(OfCar::Altitude),
+                },
                 ..LogMotion::UNKNOWN
             },
         }
@@ -259,6 +265,7 @@ impl Model {
         let Some(drive) = &self.drive else { return };
         let report = drive.report();
         let (taught, radii) = (drive.learned(), drive.radii());
+        let placards_kpa = Corner::ALL.map(|corner| self.value(Role::Corner(corner, OfCorner::Placard)));
         let flag = |holds: bool| f64::from(u8::from(holds));
         for (variable, value) in self.variables.iter().zip(&mut self.values) {
             let written = match variable.role {
@@ -289,6 +296,12 @@ impl Model {
                         OfCorner::PressureSd => number(|e| e.pressure_sd_kpa),
                         OfCorner::Lost => number(|e| e.lost_kpa()[0]),
                         OfCorner::LostSd => number(|e| e.lost_kpa()[1]),
+                        OfCorner::ColdPressure => number(|e| cold_pressure(e)[0]),
+                        OfCorner::ColdPressureSd => number(|e| cold_pressure(e)[1]),
+                        OfCorner::ColdAdd => Some(cold_add(found.as_ref(), placards_kpa[corner.index()])[0]),
+                        OfCorner::ColdState => {
+                            Some(cold_add(found.as_ref(), placards_kpa[corner.index()])[1])
+                        }
                         OfCorner::LostShare => rolls(|wheel| wheel.lost_share),
                         OfCorner::LostShareSd => rolls(|wheel| wheel.lost_share_sd),
                         OfCorner::DetectableLoss => rolls(|wheel| wheel.detectable_loss_share),
@@ -346,36 +359,9 @@ impl Model {
     }
 }
 
-fn state(state: WheelState) -> f64 {
-    match state {
-        WheelState::Unknown(Doubt::Uncertain) => 5.0,
-        WheelState::Unknown(_) => 0.0,
-        WheelState::Fine => 1.0,
-        WheelState::Low => 2.0,
-        WheelState::Over => 3.0,
-        WheelState::Malfunction => 4.0,
-    }
-}
-
-fn code(warning: Warning) -> f64 {
-    match warning {
-        Warning::None => 0.0,
-        Warning::Low => 1.0,
-        Warning::Malfunction => 2.0,
-    }
-}
-
-/// Whether every tire is known to be fine: one of the vehicle file that is not measured may be the one that is low.
-fn all_fine(file: &Vehicle, report: &MonitorReport<f64>) -> bool {
-    let mut corners = file.corners.iter().zip(&report.wheels);
-    report.is_all_fine() && corners.all(|(corner, wheel)| corner.is_none() || wheel.is_some())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use itpms_core::model::Validity;
-    use itpms_core::warning::WheelReport;
 
     fn reference(model: &Model, name: &str) -> u32 {
         model.variables().iter().position(|variable| variable.name == name).unwrap() as u32
@@ -444,26 +430,26 @@ mod tests {
     }
 
     #[test]
-    fn a_tire_of_the_car_that_is_not_measured_is_not_fine() {
-        let fine = WheelReport {
-            state: WheelState::Fine,
-            validity: Validity::Valid,
-            warning: Warning::None,
-            pressure_kpa: 240.0,
-            pressure_sd_kpa: 2.0,
-            reference_kpa: 240.0,
-            informed_s: 10.0,
-        };
-        let mut file = Vehicle::paper();
-        assert!(file.corners.iter().all(Option::is_some));
-        let mut report = MonitorReport::empty();
-        report.wheels = [Some(fine); 4];
-        assert!(all_fine(&file, &report));
-        report.wheels[3] = None;
-        assert!(report.is_all_fine() && !all_fine(&file, &report));
-        // Unless the car has no such corner.
-        file.corners[3] = None;
-        assert!(all_fine(&file, &report));
+    fn with_the_temperature_of_the_air_there_are_cold_pressures() {
+        let mut model = initialized();
+        drive(&mut model, 0..3000);
+        let names =
+            ["cold_pressure_kpa", "cold_pressure_sd_kpa", "cold_add_kpa"].map(|name| format!("fl_{name}"));
+        assert!(names.iter().all(|name| get(&model, name).is_nan()) && get(&model, "fl_cold_state") == 0.0);
+        assert!(
+            set(&mut model, "ambient_temperature_c", -10.0) && set(&mut model, "barometric_kpa", 101.325)
+        );
+        drive(&mut model, 3000..3100);
+        let [warm_kpa, cold_kpa, sd_kpa, add_kpa] =
+            ["pressure_kpa", "cold_pressure_kpa", "cold_pressure_sd_kpa", "cold_add_kpa"]
+                .map(|name| get(&model, &format!("fl_{name}")));
+        // Six seconds have hardly warmed it: by less than 1 K, which is 1.3 kPa.
+        assert!(cold_kpa <= warm_kpa && warm_kpa - cold_kpa < 1.5, "{warm_kpa} {cold_kpa}");
+        assert!(sd_kpa >= get(&model, "fl_pressure_sd_kpa"));
+        // Two sines are no road: it is not valid, and nothing is asked for.
+        let valid = get(&model, "fl_is_valid") == 1.0;
+        assert!((get(&model, "fl_cold_state") == 0.0) != valid);
+        assert!(valid || add_kpa.is_nan());
     }
 
     #[test]
