@@ -52,7 +52,12 @@ def test_a_worn_damper_and_a_load_are_found(tmp_path):
     later = simulated(tmp_path, "later", PAYLOAD, "[corner.rl.truth]\ndamping_factor = 0.4\n")
     found = itpms.estimate(later.columns, first.vehicle, reference=reference)
     assert found.dampers == found.summary["dampers"] and found.load == found.summary["load"]
-    assert {name: damper["state"] for name, damper in found.dampers.items()} == {"fl": "fine", "fr": "fine", "rl": "worn", "rr": "fine"}
+    assert {name: damper["state"] for name, damper in found.dampers.items()} == {
+        "fl": "fine",
+        "fr": "fine",
+        "rl": "worn",
+        "rr": "fine",
+    }
     # A table of them, as the docstring says.
     table = pd.DataFrame(found.dampers).T
     assert table.loc["rl", "over_reference"] == pytest.approx(0.4, abs=0.05)
