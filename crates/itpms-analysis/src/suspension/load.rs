@@ -10,11 +10,11 @@ use super::reading::SuspensionReading;
 
 /// What a drive's load is wrong by on cars whose springs are known, over many drives (docs/load.md), without friction, of the total and of an axle as shares; with friction by more, see
 /// [`growth`].
-const TOTAL_SD: f64 = 0.02;
-const AXLE_SD: f64 = 0.022;
+const TOTAL_SD: f64 = 0.01;
+const AXLE_SD: f64 = 0.011;
 /// Share of dry friction in what the struts damp that doubles these, and most of it.
 const FRICTION_SHARE: f64 = 0.4;
-const MOST_FRICTION: f64 = 0.55;
+const MOST_FRICTION: f64 = 0.5;
 
 /// What is known of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -110,7 +110,7 @@ const ONE_SIDED_95: f64 = 1.645;
 
 /// By how much errors grow with the share of friction.
 fn growth(friction_share: f64) -> f64 {
-    1.0 + (friction_share / FRICTION_SHARE).powi(3)
+    1.0 + (friction_share / FRICTION_SHARE).powi(5)
 }
 
 /// What front and rear axle carry in kg.
