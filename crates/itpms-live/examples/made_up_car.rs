@@ -187,8 +187,8 @@ impl Car {
         let valid = state != "malfunction" && t > 1.0 && (state != "unknown" || self.since_s[i] == 0.0);
         let sd_kpa = 1.5 + 25.0 * (-t / 4.0).exp();
         let pressure_kpa = level + sd_kpa * (t * 0.3 + i as f64).sin() * 0.8;
-        // A morning of -10 C: what a tire that is 4 K warmer would have cold.
-        let cold_kpa = (pressure_kpa + 101.3) * 263.15 / 267.15 - 101.3;
+        // A morning of -10 C: what a tire that is 2 K warmer would have cold.
+        let cold_kpa = (pressure_kpa + 101.3) * 263.15 / 265.15 - 101.3;
         Wheel {
             corner: CORNERS[i],
             state,
