@@ -7,4 +7,5 @@ mod identify_parts;
 mod part_bench;
 mod plot;
 mod report;
+mod report_suspension;
 mod synthetic;

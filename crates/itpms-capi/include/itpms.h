@@ -260,6 +260,35 @@ typedef uint32_t itpms_cause;
 #endif // __cplusplus
 
 /*
+ Whether a cold tire would have the air that it should have.
+ */
+enum itpms_cold_state
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  /*
+   Its pressure is not valid, or the temperature of the air is not known.
+   */
+  ITPMS_COLD_STATE_UNKNOWN = 0,
+  /*
+   It lacks no more than its standard deviation, or less than 5 kPa.
+   */
+  ITPMS_COLD_STATE_FINE = 1,
+  /*
+   It lacks `add_kpa`.
+   */
+  ITPMS_COLD_STATE_ADD = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum itpms_cold_state itpms_cold_state;
+#else
+typedef uint32_t itpms_cold_state;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/*
  How far the parameters of a car are to be trusted: standard deviations of what has none of its own.
  */
 enum itpms_confidence
@@ -850,6 +879,10 @@ typedef struct {
    Wheel speeds.
    */
   itpms_wheel_speed_config wheel_speeds;
+  /*
+   Height above the sea in m where the tires are filled, -500 to 6000; NaN: 0.
+   */
+  itpms_real home_altitude_m;
 } itpms_config;
 
 /*
@@ -1038,6 +1071,60 @@ typedef struct {
    */
   uint32_t brake;
 } itpms_wheel_speed_sample;
+
+/*
+ The air around the car. NaN: not sent.
+ */
+typedef struct {
+  /*
+   Temperature in degrees Celsius.
+   */
+  itpms_real ambient_temperature_c;
+  /*
+   Absolute pressure in kPa.
+   */
+  itpms_real barometric_kpa;
+  /*
+   Height above the sea in m, used where there is no barometer.
+   */
+  itpms_real altitude_m;
+} itpms_air;
+
+/*
+ What a tire would have cold. NaN: not known.
+ */
+typedef struct {
+  /*
+   An `itpms_cold_state`.
+   */
+  uint32_t state;
+  /*
+   Gauge pressure in kPa at the temperature of the air, where tires are filled.
+   */
+  itpms_real pressure_kpa;
+  /*
+   Its standard deviation in kPa.
+   */
+  itpms_real pressure_sd_kpa;
+  /*
+   What is to be added in kPa, cold, up to the placard's pressure; NaN: nothing.
+   */
+  itpms_real add_kpa;
+} itpms_cold_wheel;
+
+/*
+ What the tires would have cold.
+ */
+typedef struct {
+  /*
+   Temperature of the air in degrees Celsius that it was computed with; NaN: not known.
+   */
+  itpms_real ambient_temperature_c;
+  /*
+   Front left, front right, rear left, rear right.
+   */
+  itpms_cold_wheel wheels[4];
+} itpms_cold_report;
 
 /*
  Something the driver or the workshop should know. Numbers that its cause does not have are NaN.
@@ -1282,6 +1369,29 @@ itpms_status itpms_car_update(itpms_car *car,
  Every pointer is null or points to what its type says.
  */
 itpms_status itpms_car_update_wheel_speeds(itpms_car *car, const itpms_wheel_speed_sample *sample);
+
+/*
+ Takes the air around the car, as often as it is measured, before the sample of that time: its last values hold for half an hour.
+ Impossible ones count as missing. Where the temperature is known there are cold pressures, and warnings go by them
+ (docs/cold-pressure.md).
+
+ Errors: NULL_POINTER, MISALIGNED, NOT_A_CAR, NO_CORNERS.
+
+ # Safety
+ Every pointer is null or points to what its type says.
+ */
+itpms_status itpms_car_update_air(itpms_car *car,
+                                  const itpms_air *air);
+
+/*
+ Writes what the tires would have cold, after the last sample.
+
+ Errors: NULL_POINTER, MISALIGNED, NOT_A_CAR.
+
+ # Safety
+ Every pointer is null or points to what its type says.
+ */
+itpms_status itpms_car_cold(itpms_car *car, itpms_cold_report *report);
 
 /*
  Writes what is known after the last sample.

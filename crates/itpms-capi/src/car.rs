@@ -7,6 +7,7 @@ use itpms_core::wheel_speed::RadiusCalibration;
 use itpms_road::RoadUnderCar;
 use serde::{Deserialize, Serialize};
 
+use crate::cold::{self, itpms_air, itpms_cold_report};
 use crate::config::itpms_config;
 use crate::estimate::{self, itpms_estimate};
 use crate::image::{self, Kind};
@@ -74,6 +75,18 @@ impl Car {
         self.car.wheels().ok_or(itpms_status::NoWheelSpeeds)?;
         self.car.update_wheel_speeds(&sample);
         Ok(())
+    }
+
+    pub(crate) fn update_air(&mut self, air: &itpms_air) -> Result<(), itpms_status> {
+        if !self.has_corners() {
+            return Err(itpms_status::NoCorners);
+        }
+        self.car.follow_air(&air.read());
+        Ok(())
+    }
+
+    pub(crate) fn cold(&self) -> itpms_cold_report {
+        cold::report(self.config.as_ref().map(|config| &config.monitor.car), self.estimate.as_ref())
     }
 
     pub(crate) fn estimate(&self) -> itpms_estimate {

@@ -143,6 +143,8 @@ pub struct itpms_config {
     pub corners: [itpms_corner_config; 4],
     /// Wheel speeds.
     pub wheel_speeds: itpms_wheel_speed_config,
+    /// Height above the sea in m where the tires are filled, -500 to 6000; NaN: 0.
+    pub home_altitude_m: itpms_real,
 }
 
 const NAN: itpms_real = itpms_real::NAN;
@@ -203,6 +205,7 @@ impl itpms_config {
             has_pumps: 0,
             corners: [corner; 4],
             wheel_speeds,
+            home_altitude_m: NAN,
         }
     }
 }

@@ -7,7 +7,7 @@
 //! |---|---|
 //! | `edge`, `pointer` | the functions that C calls, and its pointers: the only modules with `unsafe`, but for how memory begins |
 //! | `config`, `read_config`, `sample` | what comes in |
-//! | `estimate`, `radii`, `alert` | what goes out |
+//! | `estimate`, `cold`, `radii`, `alert` | what goes out |
 //! | `car`, `wheels` | the car: two monitors and what was reported last; the same of wheel speeds alone |
 //! | `kept` | what both of them do |
 //! | `image` | bytes that are found whole or not at all |
@@ -20,6 +20,7 @@
 
 mod alert;
 mod car;
+mod cold;
 mod config;
 mod edge;
 mod estimate;
@@ -33,6 +34,7 @@ mod status;
 mod wheels;
 
 pub use self::alert::{itpms_alert, itpms_basis, itpms_cause, itpms_event, itpms_malfunction};
+pub use self::cold::{itpms_air, itpms_cold_report, itpms_cold_state, itpms_cold_wheel};
 pub use self::config::{
     itpms_confidence, itpms_config, itpms_corner_config, itpms_driven, itpms_regulation,
     itpms_wheel_speed_config,

@@ -4,7 +4,7 @@ use itpms_core::Real as _;
 use itpms_core::car::EstimatorOptions;
 use itpms_core::model::{
     CarConfig, Confidence, CornerConfig, Inflation, ParameterError, ParameterUncertainty, PressureMap,
-    QuarterCar,
+    QuarterCar, standard_atmosphere_kpa,
 };
 use itpms_core::monitor::MonitorConfig;
 use itpms_core::warning::{Limits, Regulation};
@@ -76,13 +76,18 @@ impl Config {
         let options = EstimatorOptions { inflation, ..EstimatorOptions::default() };
         let car = CarConfig { corners, wheelbase_m };
         let wheel_speeds = read_wheel_speeds(&stated.wheel_speeds, stated.wheelbase_m)?;
-        let monitor = MonitorConfig {
+        let mut monitor = MonitorConfig {
             limits: limits(stated)?,
             wheel_speeds,
             reference_kpa,
             options,
             ..MonitorConfig::new(&car)
         };
+        if let Some(home_m) = given(stated.home_altitude_m) {
+            let holds = (-500.0..=6000.0).contains(&home_m);
+            let home_m = expect("home_altitude_m", home_m, holds, "a height of -500 to 6000 m")?;
+            monitor.home_kpa = standard_atmosphere_kpa(home_m);
+        }
         if !car.has_corners() && wheel_speeds.is_none() {
             return Err(Refusal::choice("is_measured", 0, "1 at a corner, or wheel_speeds.is_used"));
         }

@@ -78,7 +78,10 @@ fn structs_lie_in_c_as_they_do_here() {
     let here = lies!(
         itpms_corner_config tire_damping_sd_n_s_per_m
         itpms_wheel_speed_config load_front_passengers_sd
-        itpms_config wheel_speeds
+        itpms_config home_altitude_m
+        itpms_air altitude_m
+        itpms_cold_wheel add_kpa
+        itpms_cold_report wheels
         itpms_sample wheel_accel_m_s2
         itpms_wheel_speed_sample brake
         itpms_wheel radius_lost_share_sd

@@ -63,6 +63,7 @@ pub use drive::{Drive, Estimates, QuarterCars};
 pub use error::DriveError;
 pub use field::{FieldCheck, FieldNotes, check_field};
 pub use files::{FilePaths, Files};
+pub use itpms_analysis::report::air_to_add_kpa;
 pub use itpms_paper::EstimatorKind;
 pub use learn::{KnownDrive, LearnedVehicle, learn, learn_with};
 pub use learn_radius::{LearnedRadius, learn_radius};

@@ -215,6 +215,7 @@ pub(crate) fn conclude(
     concerns.extend(concerns::of_tire_sensors(&data));
     concerns.extend(concerns::of_level(&data));
     data.concerns.clone_from(&concerns);
+    data.suspension.clone_from(&suspension);
     let not_estimated = concerns::not_estimated(job, log);
     data.not_estimated = not_estimated.iter().map(|(corner, _)| *corner).collect();
     let fits = Corner::ALL.map(|corner| drive.fit(corner));

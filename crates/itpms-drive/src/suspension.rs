@@ -91,7 +91,7 @@ pub(crate) fn dampers_json(verdict: Option<&SuspensionVerdict>) -> Value {
 
 /// What the axles carry; null where that is not looked at.
 pub(crate) fn load_json(verdict: Option<&SuspensionVerdict>) -> Value {
-    let Some(SuspensionVerdict { load: Load { masses, state, because }, .. }) = verdict else {
+    let Some(SuspensionVerdict { load: Load { masses, state, because, .. }, .. }) = verdict else {
         return Value::Null;
     };
     let mut object = Map::new();

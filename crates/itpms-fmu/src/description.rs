@@ -128,15 +128,18 @@ fn write_three(xml: &mut String, vehicle: &Vehicle, table: &[Variable], step_s: 
 
 fn units(xml: &mut String) -> std::fmt::Result {
     writeln!(xml, "  <UnitDefinitions>")?;
-    for (name, exponents, factor) in UNITS.iter().filter(|(name, ..)| !name.is_empty()) {
+    for (name, exponents, factor, offset) in UNITS.iter().filter(|(name, ..)| !name.is_empty()) {
         write!(xml, "    <Unit name=\"{name}\"><BaseUnit")?;
         for (base, exponent) in
-            ["kg", "m", "s", "rad"].iter().zip(exponents).filter(|(_, exponent)| **exponent != 0)
+            ["kg", "m", "s", "rad", "K"].iter().zip(exponents).filter(|(_, exponent)| **exponent != 0)
         {
             write!(xml, " {base}=\"{exponent}\"")?;
         }
         if *factor != 1.0 {
             write!(xml, " factor=\"{factor}\"")?;
+        }
+        if *offset != 0.0 {
+            write!(xml, " offset=\"{offset}\"")?;
         }
         writeln!(xml, "/></Unit>")?;
     }

@@ -8,6 +8,7 @@
 //! |---|---|
 //! | [`variables`] | the one table of variables that everything else goes by |
 //! | [`model`] | the car between two steps: values, the drive, saved states |
+//! | `outputs` | what is known, as numbers |
 //! | [`description`] | `modelDescription.xml` of both versions |
 //! | [`package`] | the zip file |
 //! | `abi` | what the C interfaces of both versions have in common |
@@ -19,5 +20,6 @@ pub mod description;
 mod fmi2;
 mod fmi3;
 pub mod model;
+mod outputs;
 pub mod package;
 pub mod variables;

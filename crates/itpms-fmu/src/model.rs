@@ -4,8 +4,8 @@ use std::path::Path;
 use std::thread;
 
 use itpms_core::conditioning::SAMPLE_RATES_HZ;
-use itpms_core::model::{CarEstimate, Corner, CornerConfig, PressureMap, QuarterCar, Warning};
-use itpms_core::warning::{Cause, Doubt, MonitorReport, WheelState};
+use itpms_core::model::{Air, CarEstimate, Corner, CornerConfig, PressureMap, QuarterCar};
+use itpms_core::warning::Cause;
 use itpms_data::log::{LogCorner, LogMotion};
 use itpms_data::out::WheelSpeedUse;
 use itpms_data::reference::crc64;
@@ -14,10 +14,11 @@ use itpms_drive::{Drive, DriveError, Settings};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use crate::outputs::{all_fine, code, cold_add, cold_pressure, state};
 use crate::variables::{Causality, OfCar, OfCorner, Role, Variable, parameter, variables};
 
 /// How a saved state begins: what it is, its format and the program's version, which has to be the same.
-const MAGIC: &str = concat!("itpms-fmu-state 3 ", env!("CARGO_PKG_VERSION"), " ");
+const MAGIC: &str = concat!("itpms-fmu-state 4 ", env!("CARGO_PKG_VERSION"), " ");
 /// Wheel speeds alone come at least so often.
 const WHEEL_SPEED_RATE_HZ: f64 = 9.5;
 /// Stack of what builds a car from bytes; a simulation tool's thread may have less.
@@ -249,6 +250,11 @@ impl Model {
                 accel_x_m_s2: car(OfCar::AccelX),
                 accel_y_m_s2: car(OfCar::AccelY),
                 brake: car(OfCar::Brake),
+                air: Air {
+                    ambient_temperature_c: car(OfCar::AmbientTemperature),
+                    barometric_kpa: car(OfCar::Barometric),
+                    altitude_m: car(OfCar::Altitude),
+                },
                 ..LogMotion::UNKNOWN
             },
         }
@@ -259,6 +265,7 @@ impl Model {
         let Some(drive) = &self.drive else { return };
         let report = drive.report();
         let (taught, radii) = (drive.learned(), drive.radii());
+        let placards_kpa = Corner::ALL.map(|corner| self.value(Role::Corner(corner, OfCorner::Placard)));
         let flag = |holds: bool| f64::from(u8::from(holds));
         for (variable, value) in self.variables.iter().zip(&mut self.values) {
             let written = match variable.role {
@@ -289,6 +296,12 @@ impl Model {
                         OfCorner::PressureSd => number(|e| e.pressure_sd_kpa),
                         OfCorner::Lost => number(|e| e.lost_kpa()[0]),
                         OfCorner::LostSd => number(|e| e.lost_kpa()[1]),
+                        OfCorner::ColdPressure => number(|e| cold_pressure(e)[0]),
+                        OfCorner::ColdPressureSd => number(|e| cold_pressure(e)[1]),
+                        OfCorner::ColdAdd => Some(cold_add(found.as_ref(), placards_kpa[corner.index()])[0]),
+                        OfCorner::ColdState => {
+                            Some(cold_add(found.as_ref(), placards_kpa[corner.index()])[1])
+                        }
                         OfCorner::LostShare => rolls(|wheel| wheel.lost_share),
                         OfCorner::LostShareSd => rolls(|wheel| wheel.lost_share_sd),
                         OfCorner::DetectableLoss => rolls(|wheel| wheel.detectable_loss_share),
@@ -344,31 +357,6 @@ impl Model {
         (self.values, self.drive, self.phase) = (values, drive, phase);
         Ok(())
     }
-}
-
-fn state(state: WheelState) -> f64 {
-    match state {
-        WheelState::Unknown(Doubt::Uncertain) => 5.0,
-        WheelState::Unknown(_) => 0.0,
-        WheelState::Fine => 1.0,
-        WheelState::Low => 2.0,
-        WheelState::Over => 3.0,
-        WheelState::Malfunction => 4.0,
-    }
-}
-
-fn code(warning: Warning) -> f64 {
-    match warning {
-        Warning::None => 0.0,
-        Warning::Low => 1.0,
-        Warning::Malfunction => 2.0,
-    }
-}
-
-/// Whether every tire is known to be fine: one of the vehicle file that is not measured may be the one that is low.
-fn all_fine(file: &Vehicle, report: &MonitorReport<f64>) -> bool {
-    let mut corners = file.corners.iter().zip(&report.wheels);
-    report.is_all_fine() && corners.all(|(corner, wheel)| corner.is_none() || wheel.is_some())
 }
 
 #[cfg(test)]

@@ -58,19 +58,20 @@ pub struct Variable {
     pub start: f64,
 }
 
-/// A unit by its name, and by the exponents of kg, m, s, rad with a factor.
-pub const UNITS: [(&str, [i8; 4], f64); 11] = [
-    ("s", [0, 0, 1, 0], 1.0),
-    ("m", [0, 1, 0, 0], 1.0),
-    ("m/s", [0, 1, -1, 0], 1.0),
-    ("m/s2", [0, 1, -2, 0], 1.0),
-    ("rad/s", [0, 0, -1, 1], 1.0),
-    ("kg", [1, 0, 0, 0], 1.0),
-    ("kPa", [1, -1, -2, 0], 1e3),
-    ("N/m", [1, 0, -2, 0], 1.0),
-    ("N.s/m", [1, 0, -1, 0], 1.0),
-    ("N/(m.kPa)", [0, 1, 0, 0], 1e-3),
-    ("", [0; 4], 1.0),
+/// A unit by its name, by the exponents of kg, m, s, rad and K, with a factor and an offset.
+pub const UNITS: [(&str, [i8; 5], f64, f64); 12] = [
+    ("s", [0, 0, 1, 0, 0], 1.0, 0.0),
+    ("m", [0, 1, 0, 0, 0], 1.0, 0.0),
+    ("m/s", [0, 1, -1, 0, 0], 1.0, 0.0),
+    ("m/s2", [0, 1, -2, 0, 0], 1.0, 0.0),
+    ("rad/s", [0, 0, -1, 1, 0], 1.0, 0.0),
+    ("kg", [1, 0, 0, 0, 0], 1.0, 0.0),
+    ("kPa", [1, -1, -2, 0, 0], 1e3, 0.0),
+    ("N/m", [1, 0, -2, 0, 0], 1.0, 0.0),
+    ("N.s/m", [1, 0, -1, 0, 0], 1.0, 0.0),
+    ("N/(m.kPa)", [0, 1, 0, 0, 0], 1e-3, 0.0),
+    ("degC", [0, 0, 0, 0, 1], 1.0, 273.15),
+    ("", [0; 5], 1.0, 0.0),
 ];
 
 type Row<W> = (W, Causality, Kind, &'static str, &'static str, &'static str);
@@ -99,6 +100,9 @@ table! {
     AccelX Input Real "accel_x_m_s2" "m/s2" "Acceleration forward.";
     AccelY Input Real "accel_y_m_s2" "m/s2" "Acceleration to the left.";
     Brake Input Real "brake" "" "1: the driver brakes, 0: not.";
+    AmbientTemperature Input Real "ambient_temperature_c" "degC" "Temperature of the air: with it there are cold pressures, and warnings go by them.";
+    Barometric Input Real "barometric_kpa" "kPa" "Absolute pressure of the air.";
+    Altitude Input Real "altitude_m" "m" "Height above the sea, used where there is no barometer.";
     AnyLow Output Boolean "any_low" "" "A tire is warned of.";
     AnyMalfunction Output Boolean "any_malfunction" "" "A sensor is reported.";
     AllFine Output Boolean "all_fine" "" "Every wheel is known to be fine.";
@@ -124,6 +128,10 @@ table! {
     PressureSd Output Real "pressure_sd_kpa" "kPa" "Its standard deviation.";
     Lost Output Real "lost_kpa" "kPa" "What the tire has lost in this drive; NaN as long as that is not counted, and where it was low before that.";
     LostSd Output Real "lost_sd_kpa" "kPa" "Its standard deviation.";
+    ColdPressure Output Real "cold_pressure_kpa" "kPa" "Gauge pressure that the tire would have at the temperature of the air, where tires are filled; NaN: that temperature is not known.";
+    ColdPressureSd Output Real "cold_pressure_sd_kpa" "kPa" "Its standard deviation.";
+    ColdAdd Output Real "cold_add_kpa" "kPa" "What is to be added, cold, up to the placard's pressure; NaN: nothing.";
+    ColdState Output Integer "cold_state" "" "0 unknown, 1 fine, 2 add.";
     LostShare Output Real "lost_share" "" "By wheel speeds: share of its pressure that the tire has lost since the calibration, against the others; NaN: not compared.";
     LostShareSd Output Real "lost_share_sd" "" "Its standard deviation.";
     DetectableLoss Output Real "detectable_loss" "" "By wheel speeds: the smallest loss of this tire alone that would have shown, as a share of its pressure.";

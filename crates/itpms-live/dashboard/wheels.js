@@ -1,6 +1,6 @@
 // A card per wheel: state, pressure with its standard deviation, what it should be, and how much is being learned.
 
-import { NAMES, UNIT, attribute, badge, element, isShown, kind, number, pressure, put, rolls, shows, span, spread, why, LEVELS, STATES } from "./words.js";
+import { NAMES, UNIT, attribute, badge, cold, element, isShown, kind, number, pressure, put, rolls, shows, span, spread, why, LEVELS, STATES } from "./words.js";
 
 const host = document.getElementById("cards");
 const cards = new Map();
@@ -18,9 +18,10 @@ function card(corner) {
   gauge.append(fill, band, aim);
   const doubt = element("span"), should = element("span"), learned = element("span"), rests = element("span");
   foot.append(doubt, should, learned, rests);
-  article.append(name, mark, number, gauge, foot);
+  const chilled = element("p", "card-foot chilled");
+  article.append(name, mark, number, gauge, chilled, foot);
   host.append(article);
-  return { article, mark, value, sd, gauge, fill, band, doubt, should, learned, rests };
+  return { article, mark, value, sd, gauge, fill, band, chilled, doubt, should, learned, rests };
 }
 
 const percent = (share) => (100 * Math.min(1, Math.max(0, share))).toFixed(1) + "%";
@@ -45,6 +46,9 @@ export function drawWheels(snapshot, state) {
     const same = Math.abs(wheel.reference_kpa - wheel.placard_kpa) < 0.5;
     c.gauge.hidden = rolls(wheel);
     put(c.should, rolls(wheel) ? shows(wheel) : same || wheel.reference_kpa == null ? `placard ${number(wheel.placard_kpa, 0)} ${UNIT}` : `reference ${number(wheel.reference_kpa, 0)} ${UNIT}`);
+    put(c.chilled, old ? "" : cold(wheel));
+    c.chilled.hidden = old || !cold(wheel);
+    c.chilled.classList.toggle("add", wheel.cold_add_kpa != null);
     put(c.learned, old ? "" : wheel.informed_age_s == null ? "no estimate yet" : wheel.informed_age_s < 5 ? "updating" : `updated ${span(wheel.informed_age_s)} ago`);
     // The level may be no better than the vehicle file while a change is known well.
     put(c.rests, rolls(wheel) ? LEVELS[wheel.level] : shown && LEVELS[wheel.level] ? `${LEVELS[wheel.level]}; changes ± ${number(wheel.change_sd_kpa, 1)} ${UNIT}` : "");

@@ -58,6 +58,12 @@ export const shows = (wheel) => (wheel.detectable_loss == null || wheel.detectab
 const places = (sd) => (sd < 1.95 ? 1 : 0);
 export const pressure = (wheel) => (rolls(wheel) ? (wheel.lost_share == null ? "–" : percent(wheel.lost_share)) : isShown(wheel) ? number(wheel.pressure_kpa, places(wheel.pressure_sd_kpa)) : "–");
 export const spread = (wheel) => (rolls(wheel) ? (wheel.lost_share == null ? "not compared yet" : `± ${percent(wheel.lost_share_sd)} lost`) : isShown(wheel) ? `± ${number(wheel.pressure_sd_kpa, places(wheel.pressure_sd_kpa))} ${UNIT}` : UNIT);
+// What the tire would have cold, and what is to be done about it: "218 cold at -10 C: add 22".
+const add = (wheel) => (wheel.cold_add_kpa == null ? "" : `: add ${number(wheel.cold_add_kpa, 0)}`);
+export const cold = (wheel) =>
+  isShown(wheel) && wheel.cold_pressure_kpa != null && wheel.ambient_temperature_c != null
+    ? `${number(wheel.cold_pressure_kpa, 0)} cold at ${Math.round(wheel.ambient_temperature_c) + 0} C${add(wheel)}`
+    : "";
 export const reading = (wheel) => `${pressure(wheel)} ${spread(wheel)}`;
 export const digits = (value, n) => (value == null || Number.isNaN(value) ? "–" : value.toFixed(n));
 export const count = (value) => (value == null ? "–" : value.toLocaleString("en-US").replaceAll(",", "\u202f"));

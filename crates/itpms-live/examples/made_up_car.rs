@@ -186,6 +186,9 @@ impl Car {
         };
         let valid = state != "malfunction" && t > 1.0 && (state != "unknown" || self.since_s[i] == 0.0);
         let sd_kpa = 1.5 + 25.0 * (-t / 4.0).exp();
+        let pressure_kpa = level + sd_kpa * (t * 0.3 + i as f64).sin() * 0.8;
+        // A morning of -10 C: what a tire that is 2 K warmer would have cold.
+        let cold_kpa = (pressure_kpa + 101.3) * 263.15 / 265.15 - 101.3;
         Wheel {
             corner: CORNERS[i],
             state,
@@ -194,14 +197,16 @@ impl Car {
             } else {
                 "no-information"
             }),
-            pressure_kpa: level + sd_kpa * (t * 0.3 + i as f64).sin() * 0.8,
+            pressure_kpa,
             pressure_sd_kpa: sd_kpa,
             change_sd_kpa: 0.8 * sd_kpa,
             axle_difference_sd_kpa: Some(1.2 * sd_kpa),
             lost_kpa: None,
             lost_sd_kpa: None,
-            cold_pressure_kpa: None,
-            cold_pressure_sd_kpa: None,
+            cold_pressure_kpa: Some(cold_kpa),
+            cold_pressure_sd_kpa: Some(sd_kpa.hypot(3.0)),
+            ambient_temperature_c: Some(-10.0),
+            cold_add_kpa: Some(241.3 - cold_kpa).filter(|add_kpa| valid && *add_kpa > sd_kpa.hypot(5.0)),
             lost_share: None,
             lost_share_sd: None,
             detectable_loss: None,

@@ -1,5 +1,6 @@
 //! What is known of the car, put into the words and numbers of a snapshot. Called by the engine; decides nothing.
 
+use itpms_analysis::report::air_to_add_kpa;
 use itpms_core::model::{Corner, Level};
 use itpms_core::warning::{Cause, Doubt, MonitorReport, WheelState};
 use itpms_data::Vehicle;
@@ -35,6 +36,8 @@ fn rolling(drive: &Drive, vehicle: &Vehicle, corner: Corner) -> Option<Wheel> {
         lost_sd_kpa: known(radius.lost_share_sd * placard_kpa),
         cold_pressure_kpa: None,
         cold_pressure_sd_kpa: None,
+        ambient_temperature_c: None,
+        cold_add_kpa: None,
         lost_share: known(radius.lost_share),
         lost_share_sd: known(radius.lost_share_sd),
         detectable_loss: known(radius.detectable_loss_share),
@@ -82,6 +85,11 @@ fn wheel(drive: &Drive, vehicle: &Vehicle, corner: Corner) -> Option<Wheel> {
         lost_sd_kpa: known(estimate.lost_kpa()[1]),
         cold_pressure_kpa: estimate.cold.and_then(|cold| known(cold.pressure_kpa)),
         cold_pressure_sd_kpa: estimate.cold.and_then(|cold| known(cold.sd_kpa)),
+        ambient_temperature_c: estimate.cold.and_then(|cold| known(cold.ambient_temperature_c)),
+        cold_add_kpa: estimate
+            .cold
+            .filter(|_| estimate.validity.is_valid())
+            .and_then(|cold| air_to_add_kpa(&cold, placard_kpa)),
         lost_share: None,
         lost_share_sd: None,
         detectable_loss: None,

@@ -122,6 +122,13 @@ pub struct Wheel {
     /// See [`cold_pressure_kpa`](Self::cold_pressure_kpa).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cold_pressure_sd_kpa: Option<f64>,
+    /// Temperature in degrees Celsius of the air that it was computed with.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ambient_temperature_c: Option<f64>,
+    /// What is to be added in kPa, cold, up to the placard's pressure; absent where that is less than its standard deviation or hardly
+    /// any, and while the pressure is not valid.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cold_add_kpa: Option<f64>,
     /// By wheel speeds alone: share of its pressure that was lost since the calibration, its standard deviation, and the smallest loss that
     /// would have shown; `null` while not known.
     pub lost_share: Option<f64>,

@@ -267,7 +267,13 @@ fn latitude_deg(distance_m: f64) -> f64 {
 fn holes_and_bumps_are_on_the_map_where_they_are() {
     let bench = Bench::new();
     drive_over_holes(&bench);
-    let text = ok(&bench, "roughness drive.csv --vehicle car.toml --geojson road.geojson");
+    let text = ok(&bench, "roughness drive.csv --vehicle car.toml --geojson road.geojson --map road.html");
+    let page = bench.read("road.html");
+    assert!(page.contains("The road of drive.csv") && !page.contains("http:") && !page.contains("https:"));
+    assert_eq!(
+        page.matches("<path class=\"spot\" transform").count(),
+        page.matches("</td><td>2</td></tr>").count()
+    );
     assert!(text.contains("left   hole of ") && text.contains("right  bump of "), "{text}");
     let road: Value = serde_json::from_str(&bench.read("road.geojson")).unwrap();
     assert_eq!(road["type"], "FeatureCollection");

@@ -280,6 +280,7 @@ impl ReportCollector {
             corners,
             watch,
             wheel_speeds,
+            suspension: None,
             not_estimated: Vec::new(),
             concerns: Vec::new(),
             pressure_unit: options.pressure_unit,

@@ -15,7 +15,8 @@ use super::figures_table::{count, some};
 use super::title::title;
 use super::words::{Status, clock, corner_name, reading, sentence};
 use super::{
-    CornerReport, ReportData, alerts, car, figures_table, json, parameters, roads, wheel_cards, wheels,
+    CornerReport, ReportData, alerts, car, figures_table, json, parameters, roads, suspension, wheel_cards,
+    wheels,
 };
 use crate::page::{PATTERN_SCRIPT, whole_percent};
 use crate::plot::escape;
@@ -35,8 +36,12 @@ pub(super) fn page(data: &ReportData) -> io::Result<String> {
     let headline = escape(&title(data));
     let curves = json::curves(data)?;
     let (roads, wheels, parameters) = (roads_section(data), wheels::section(data), parameters::section(data));
-    let parts: [(&str, String); 21] = [
-        ("contents", contents(data, [&wheels, &roads, &parameters].map(|section| !section.is_empty()))),
+    let suspension = suspension::section(data);
+    let parts: [(&str, String); 22] = [
+        (
+            "contents",
+            contents(data, [&wheels, &suspension, &roads, &parameters].map(|section| !section.is_empty())),
+        ),
         ("title", headline.clone()),
         ("plot_style", PLOT_STYLE.into()),
         ("style", STYLE.into()),
@@ -46,6 +51,7 @@ pub(super) fn page(data: &ReportData) -> io::Result<String> {
         ("cards", cards(data)),
         ("arrangement", if data.corners.len() == 1 { "alone" } else { "around" }.into()),
         ("alerts", alerts::table(data)),
+        ("suspension", suspension),
         ("roads", roads),
         ("figures", figures_table::section(data)),
         ("corners", sections(data)),
@@ -61,18 +67,19 @@ pub(super) fn page(data: &ReportData) -> io::Result<String> {
     Ok(crate::page::page(TEMPLATE, &parts))
 }
 
-/// The way to each section that the page has; `has`: wheel speeds, roads, parameters.
-fn contents(data: &ReportData, has: [bool; 3]) -> String {
+/// The way to each section that the page has; `has`: wheel speeds, dampers and load, roads, parameters.
+fn contents(data: &ReportData, has: [bool; 4]) -> String {
     let mut out = String::from("<nav class=\"contents\" aria-label=\"On this page\">");
     let mut link = |is: bool, id: &str, name: &str| {
         if is {
             let _ = write!(out, "<a href=\"#{id}\">{name}</a> ");
         }
     };
-    let [wheels, roads, parameters] = has;
+    let [wheels, suspension, roads, parameters] = has;
     link(true, "warnings", "Warnings");
     link(data.corners.len() > 1, "overview", "All tires");
     link(wheels, "wheel-speeds", "Wheel speeds");
+    link(suspension, "suspension", "Dampers and load");
     link(roads, "roads", "Roads");
     for corner in &data.corners {
         link(true, corner.corner.label(), corner_name(corner.corner));
@@ -335,6 +342,7 @@ mod tests {
             "subline",
             "cards",
             "alerts",
+            "suspension",
             "roads",
             "figures",
             "corners",

@@ -16,6 +16,7 @@ mod json;
 mod parameters;
 mod road;
 mod roads;
+mod suspension;
 mod title;
 mod track;
 mod watch;
@@ -40,6 +41,7 @@ use itpms_core::model::{Corner, CornerConfig, Level, PressureUnit};
 use itpms_core::warning::WheelState;
 
 use crate::spectrum::RoadFit;
+use crate::suspension::SuspensionVerdict;
 
 /// Half the width of a 95 % interval in standard deviations.
 pub const Z_95: f64 = 1.959_963_985;
@@ -90,6 +92,8 @@ pub struct ReportData {
     pub pressure_unit: PressureUnit,
     /// What the wheel speeds reported; `None` where they were not used.
     pub wheel_speeds: Option<WheelSpeedReport>,
+    /// Dampers and load; `None` where not all four corners are measured.
+    pub suspension: Option<SuspensionVerdict>,
 }
 
 /// One corner's share of the page.

@@ -13,6 +13,7 @@
 //! | `wheel` | the same for a wheel of a driven car |
 //! | `place` | where on earth a distance of the drive is |
 //! | `geojson` | the road as lines and points on a map |
+//! | `map` | that map as a page |
 //! | `table` | the tracks side by side, with their mean; as text, CSV and JSON |
 
 mod anomaly;
@@ -20,6 +21,7 @@ mod cells;
 mod even;
 mod geojson;
 mod golden_car;
+mod map;
 mod place;
 mod survey;
 mod table;
@@ -32,6 +34,7 @@ pub(crate) use cells::{Cells, undo_cells};
 pub use even::{EvenError, EvenProfile};
 pub use geojson::geojson;
 pub use golden_car::{Enveloping, GoldenCar, SpacingError, iri_m_per_km, segment_iri_m_per_km, share_of_iri};
+pub use map::map_page;
 pub use place::Way;
 pub use survey::{
     Sampling, SegmentRoughness, SurveyError, SurveyOptions, TooLittle, TrackRoughness, TrackSurvey,

@@ -10,11 +10,11 @@ use super::reading::SuspensionReading;
 
 /// What a drive's load is wrong by on cars whose springs are known, over many drives (docs/load.md), without friction, of the total and of an axle as shares; with friction by more, see
 /// [`growth`].
-const TOTAL_SD: f64 = 0.02;
-const AXLE_SD: f64 = 0.022;
+const TOTAL_SD: f64 = 0.01;
+const AXLE_SD: f64 = 0.011;
 /// Share of dry friction in what the struts damp that doubles these, and most of it.
 const FRICTION_SHARE: f64 = 0.4;
-const MOST_FRICTION: f64 = 0.55;
+const MOST_FRICTION: f64 = 0.5;
 
 /// What is known of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -62,12 +62,14 @@ pub struct Load {
     pub state: LoadState,
     /// Why it is not.
     pub because: Option<Because>,
+    /// What front and rear axle may carry in kg, where the vehicle file says so.
+    pub gross_axle_kg: Option<[f64; 2]>,
 }
 
 impl Load {
     pub(super) fn unknown(because: Because) -> Self {
         let state = if because == Because::Short { LoadState::Learning } else { LoadState::Unknown };
-        Self { masses: None, state, because: Some(because) }
+        Self { masses: None, state, because: Some(because), gross_axle_kg: None }
     }
 
     /// Of a drive against its reference; `gross_axle_kg`: what each axle may carry.
@@ -89,19 +91,18 @@ impl Load {
         };
         let axles_kg = now.map(|kg| with_sd(kg, AXLE_SD));
         let total_kg = with_sd(total, TOTAL_SD);
-        // Surely so: one driver in twenty is warned of what is just allowed.
-        let over = |limits: [f64; 2]| {
-            axles_kg.iter().zip(limits).any(|(axle, limit)| axle.value - ONE_SIDED_95 * axle.sd > limit)
-        };
-        Self {
-            masses: Some(Masses {
-                axles_kg,
-                total_kg,
-                added_kg: Measured { value: total - before[0] - before[1], sd: total_kg.sd },
-            }),
-            state: if gross_axle_kg.is_some_and(over) { LoadState::Overload } else { LoadState::Known },
-            because: None,
-        }
+        let added_kg = Measured { value: total - before[0] - before[1], sd: total_kg.sd };
+        let masses = Some(Masses { axles_kg, total_kg, added_kg });
+        let known = Self { masses, state: LoadState::Known, because: None, gross_axle_kg };
+        let over = known.overloaded_axles().contains(&true);
+        Self { state: if over { LoadState::Overload } else { LoadState::Known }, ..known }
+    }
+
+    /// Whether front and rear axle carry more than they may, surely so: one driver in twenty is warned of what is just allowed.
+    #[must_use]
+    pub fn overloaded_axles(&self) -> [bool; 2] {
+        let (Some(masses), Some(limits)) = (&self.masses, self.gross_axle_kg) else { return [false; 2] };
+        std::array::from_fn(|i| masses.axles_kg[i].value - ONE_SIDED_95 * masses.axles_kg[i].sd > limits[i])
     }
 }
 
@@ -109,7 +110,7 @@ const ONE_SIDED_95: f64 = 1.645;
 
 /// By how much errors grow with the share of friction.
 fn growth(friction_share: f64) -> f64 {
-    1.0 + (friction_share / FRICTION_SHARE).powi(3)
+    1.0 + (friction_share / FRICTION_SHARE).powi(5)
 }
 
 /// What front and rear axle carry in kg.

@@ -7,6 +7,7 @@ use super::{
 };
 use crate::alert::{itpms_alert, itpms_event};
 use crate::car::Car;
+use crate::cold::{itpms_air, itpms_cold_report};
 use crate::config::itpms_config;
 use crate::estimate::itpms_estimate;
 use crate::kept::Kept as _;
@@ -80,6 +81,32 @@ pub unsafe extern "C" fn itpms_car_update_wheel_speeds(
 ) -> itpms_status {
     // SAFETY: the caller's promise.
     unsafe { with(car, |car| car.update_wheel_speeds(read(sample)?)) }
+}
+
+/// Takes the air around the car, as often as it is measured, before the sample of that time: its last values hold for half an hour.
+/// Impossible ones count as missing. Where the temperature is known there are cold pressures, and warnings go by them
+/// (docs/cold-pressure.md).
+///
+/// Errors: NULL_POINTER, MISALIGNED, NOT_A_CAR, NO_CORNERS.
+///
+/// # Safety
+/// Every pointer is null or points to what its type says.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn itpms_car_update_air(car: *mut itpms_car, air: *const itpms_air) -> itpms_status {
+    // SAFETY: the caller's promise.
+    unsafe { with(car, |car| car.update_air(read(air)?)) }
+}
+
+/// Writes what the tires would have cold, after the last sample.
+///
+/// Errors: NULL_POINTER, MISALIGNED, NOT_A_CAR.
+///
+/// # Safety
+/// Every pointer is null or points to what its type says.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn itpms_car_cold(car: *mut itpms_car, report: *mut itpms_cold_report) -> itpms_status {
+    // SAFETY: the caller's promise.
+    unsafe { with(car, |car| put(report, car.cold())) }
 }
 
 /// Writes what is known after the last sample.

@@ -115,6 +115,7 @@ static void configurations(void)
     config.corners[0].is_measured = 2, refused(&config, "is_measured", 0, ITPMS_STATUS_BAD_CHOICE);
     config.confidence = 3, refused(&config, "confidence", 4, ITPMS_STATUS_BAD_CHOICE);
     config.regulation = 7, refused(&config, "regulation", 4, ITPMS_STATUS_BAD_CHOICE);
+    config.home_altitude_m = 9000, refused(&config, "home_altitude_m", 4, ITPMS_STATUS_BAD_PARAMETER);
     config.loss_share = (itpms_real)0.6, refused(&config, "loss_share", 4, ITPMS_STATUS_BAD_PARAMETER);
     describe_wheel_speeds(&config);
     config.wheel_speeds.track_rear_m = nan, refused(&config, "track_rear_m", 4, ITPMS_STATUS_BAD_PARAMETER);
@@ -147,6 +148,8 @@ static void samples(void)
     itpms_config config;
     itpms_estimate estimate;
     itpms_sample sample = shaken(0);
+    itpms_cold_report cold;
+    const itpms_air air = {-10, (itpms_real)101.3, (itpms_real)NAN};
     itpms_car *car;
     size_t count = 99;
     describe(&config);
@@ -176,6 +179,18 @@ static void samples(void)
     HOLDS(count == 0);
     GIVES(itpms_car_alerts(car, NULL, 0, NULL), NULL_POINTER);
     GIVES(itpms_car_alert_text(car, 0, NULL, 0, NULL), BAD_INDEX);
+    GIVES(itpms_car_cold(car, &cold), OK);
+    HOLDS(isnan(cold.ambient_temperature_c) && cold.wheels[2].state == ITPMS_COLD_STATE_UNKNOWN);
+    HOLDS(isnan(cold.wheels[2].pressure_kpa) && isnan(cold.wheels[2].add_kpa));
+    GIVES(itpms_car_update_air(car, NULL), NULL_POINTER);
+    GIVES(itpms_car_update_air(NULL, &air), NULL_POINTER);
+    GIVES(itpms_car_update_air(car, (itpms_air *)(void *)((char *)&sample + 1)), MISALIGNED);
+    GIVES(itpms_car_update_air(car, &air), OK);
+    sample = shaken(3);
+    GIVES(itpms_car_update(car, &sample, &estimate), OK);
+    GIVES(itpms_car_cold(car, NULL), NULL_POINTER);
+    GIVES(itpms_car_cold(car, &cold), OK);
+    HOLDS(estimate.wheels[0].validity != ITPMS_VALIDITY_VALID && cold.wheels[0].state == ITPMS_COLD_STATE_UNKNOWN);
     GIVES(itpms_car_begin_calibration(car, 0.0), BAD_DURATION);
     GIVES(itpms_car_begin_calibration(car, NAN), BAD_DURATION);
     GIVES(itpms_car_end_calibration(car), NOT_CALIBRATED);
@@ -279,6 +294,7 @@ static void wheel_speeds(void)
     itpms_config config;
     itpms_sample shake = shaken(0);
     itpms_wheel_speed_sample sample = rolling(0.0, 1.0);
+    const itpms_air air = {-10, (itpms_real)101.3, (itpms_real)NAN};
     itpms_estimate estimate;
     itpms_alert alert;
     itpms_car *car;
@@ -295,6 +311,7 @@ static void wheel_speeds(void)
     describe_wheel_speeds(&config);
     car = made(&first, &config);
     GIVES(itpms_car_update(car, &shake, NULL), NO_CORNERS);
+    GIVES(itpms_car_update_air(car, &air), NO_CORNERS);
     GIVES(itpms_wheels_reset((itpms_wheels *)(void *)car), NOT_A_CAR);
     sample.time_s = NAN;
     GIVES(itpms_car_update_wheel_speeds(car, &sample), BAD_TIME);

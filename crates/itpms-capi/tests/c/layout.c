@@ -14,7 +14,10 @@ int main(void)
     }
     SIZE(itpms_corner_config, tire_damping_sd_n_s_per_m);
     SIZE(itpms_wheel_speed_config, load_front_passengers_sd);
-    SIZE(itpms_config, wheel_speeds);
+    SIZE(itpms_config, home_altitude_m);
+    SIZE(itpms_air, altitude_m);
+    SIZE(itpms_cold_wheel, add_kpa);
+    SIZE(itpms_cold_report, wheels);
     SIZE(itpms_sample, wheel_accel_m_s2);
     SIZE(itpms_wheel_speed_sample, brake);
     SIZE(itpms_wheel, radius_lost_share_sd);

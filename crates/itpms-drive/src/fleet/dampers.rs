@@ -56,56 +56,10 @@ pub(super) fn judge(drives: &mut [DriveRecord]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fleet::record::{DamperRecord, Inputs, WheelRecord};
+    use crate::fleet::record::sample;
 
     fn drive(state: &str) -> DriveRecord {
-        let wheel = WheelRecord {
-            wheel: "rl".to_owned(),
-            placard_kpa: 240.0,
-            state: "fine".to_owned(),
-            warning: "none".to_owned(),
-            last: None,
-            lowest: None,
-            share_valid: 1.0,
-            warnings: 0,
-            first_warning_s: None,
-            malfunctions: 0,
-            first_malfunction_s: None,
-            lost: None,
-            iri_m_per_km: None,
-            fit: None,
-            damper: Some(DamperRecord {
-                state: state.to_owned(),
-                over_reference: Some(0.7),
-                left_right: Some(-0.3),
-            }),
-        };
-        DriveRecord {
-            file: "d.csv".to_owned(),
-            car: "car".to_owned(),
-            vehicle: "car".to_owned(),
-            inputs: Inputs {
-                bytes: 1,
-                modified: String::new(),
-                vehicle: String::new(),
-                calibrate: false,
-                reference: None,
-                pulses: None,
-            },
-            taught: false,
-            start_s: 0.0,
-            origin_s: 0.0,
-            duration_s: 200.0,
-            rate_hz: 200.0,
-            distance_m: None,
-            wheels: vec![wheel],
-            not_estimated: Vec::new(),
-            alerts: Vec::new(),
-            concerns: Vec::new(),
-            day: None,
-            report: None,
-            estimates: None,
-        }
+        sample("rl", state, 0.7)
     }
 
     fn reported(states: &[&str]) -> Vec<bool> {

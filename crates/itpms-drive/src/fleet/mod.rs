@@ -23,6 +23,7 @@
 pub mod cars;
 mod copies;
 mod crew;
+mod damper_cell;
 mod dampers;
 pub mod days;
 pub mod found;

@@ -9,6 +9,7 @@ use itpms_analysis::plot::{Figure, Ink, escape};
 use itpms_core::model::PressureUnit;
 use itpms_data::out::AtomicFile;
 
+use super::damper_cell;
 use super::found::natural;
 use super::histogram::histogram;
 use super::names::Names;
@@ -43,7 +44,7 @@ fn page(plan: &Plan, outcome: &Outcome) -> String {
         ("style", STYLE.into()),
         ("subline", subline(outcome, &cars)),
         ("cards", cards(&cars)),
-        ("cars", cars_table(&cars, &outcome.failed, &names, unit)),
+        ("cars", cars_table(&cars, outcome, &names, unit)),
         ("figures", figures(&outcome.drives, &cars, unit)),
         ("drives", drives_table(&outcome.drives, &names, unit) + &failed_table(outcome)),
         ("provenance", provenance(plan)),
@@ -164,21 +165,23 @@ fn warned(last: &DriveRecord, drives: &[&DriveRecord]) -> String {
 }
 
 /// The cars, the worst first, each with its wheels at the end of its last drive that could be estimated.
-fn cars_table(cars: &[CarStanding<'_>], failed: &[Failed], names: &Names<'_>, unit: PressureUnit) -> String {
-    let mut out = String::from(
+fn cars_table(cars: &[CarStanding<'_>], outcome: &Outcome, names: &Names<'_>, unit: PressureUnit) -> String {
+    let dampers = damper_cell::any(&outcome.drives);
+    let mut out = format!(
         "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Cars\"><table class=\"cars\"><thead><tr><th scope=\"col\">Car</th><th scope=\"col\">State</th>\
          <th scope=\"col\">Front left</th><th scope=\"col\">Front right</th><th scope=\"col\">Rear left</th>\
-         <th scope=\"col\">Rear right</th><th scope=\"col\">Over its drives</th><th scope=\"col\">Last drive</th></tr></thead><tbody>\n",
+         <th scope=\"col\">Rear right</th><th scope=\"col\">Over its drives</th>{}<th scope=\"col\">Last drive</th></tr></thead><tbody>\n",
+        if dampers { "<th scope=\"col\">Dampers</th>" } else { "" }
     );
     for car in cars.iter().take(LISTED) {
         let Some(last) = car.last() else {
-            out.push_str(&unseen_row(car));
+            out.push_str(&unseen_row(car, dampers));
             continue;
         };
         let wheels: String = ["fl", "fr", "rl", "rr"].map(|name| wheel_cell(last, name, unit)).concat();
         let _ = writeln!(
             out,
-            "<tr><th scope=\"row\">{name}<small>{vehicle}</small></th><td data-sort=\"{rank}\">{badge}{warned}</td>{wheels}<td class=\"line\" data-sort=\"{lowest}\">{line}</td>\
+            "<tr><th scope=\"row\">{name}<small>{vehicle}</small></th><td data-sort=\"{rank}\">{badge}{warned}</td>{wheels}<td class=\"line\" data-sort=\"{lowest}\">{line}</td>{dampers}\
              <td class=\"last\">{link}<small>{count}</small>{later}</td></tr>",
             name = escape(car.car),
             vehicle = if last.vehicle == car.car { String::new() } else { escape(&last.vehicle) },
@@ -187,9 +190,10 @@ fn cars_table(cars: &[CarStanding<'_>], failed: &[Failed], names: &Names<'_>, un
             badge = badge(car.state),
             warned = warned(last, &car.drives),
             line = line(&car.drives),
+            dampers = if dampers { damper_cell::cell(&car.drives) } else { String::new() },
             link = names.link(last),
             count = counted(car.drives.len(), "drive"),
-            later = later_failures(car, last, failed),
+            later = later_failures(car, last, &outcome.failed),
         );
     }
     out.push_str("</tbody></table></div>");
@@ -198,12 +202,13 @@ fn cars_table(cars: &[CarStanding<'_>], failed: &[Failed], names: &Names<'_>, un
 }
 
 /// A car none of whose drives could be estimated.
-fn unseen_row(car: &CarStanding<'_>) -> String {
+fn unseen_row(car: &CarStanding<'_>, dampers: bool) -> String {
     format!(
-        "<tr><th scope=\"row\">{}</th><td>{}</td><td class=\"unseen\" colspan=\"5\">no drive could be estimated</td>\
+        "<tr><th scope=\"row\">{}</th><td>{}</td><td class=\"unseen\" colspan=\"{}\">no drive could be estimated</td>\
          <td class=\"last\"><a href=\"#failed\">{} failed</a></td></tr>\n",
         escape(car.car),
         badge(car.state),
+        5 + usize::from(dampers),
         counted(car.failed, "drive"),
     )
 }

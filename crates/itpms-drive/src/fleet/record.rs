@@ -266,6 +266,59 @@ fn unsealed(line: &str) -> Option<String> {
     (seal == expected).then_some(object)
 }
 
+/// A drive that says this of one damper and nothing else.
+#[cfg(test)]
+pub(super) fn sample(name: &str, state: &str, over: f64) -> DriveRecord {
+    let wheel = WheelRecord {
+        wheel: name.to_owned(),
+        placard_kpa: 240.0,
+        state: "fine".to_owned(),
+        warning: "none".to_owned(),
+        last: None,
+        lowest: None,
+        share_valid: 1.0,
+        warnings: 0,
+        first_warning_s: None,
+        malfunctions: 0,
+        first_malfunction_s: None,
+        lost: None,
+        iri_m_per_km: None,
+        fit: None,
+        damper: Some(DamperRecord {
+            state: state.to_owned(),
+            over_reference: Some(over),
+            left_right: Some(over - 1.0),
+        }),
+    };
+    let inputs = Inputs {
+        bytes: 1,
+        modified: String::new(),
+        vehicle: String::new(),
+        calibrate: false,
+        reference: None,
+        pulses: None,
+    };
+    DriveRecord {
+        file: "d.csv".to_owned(),
+        car: "car".to_owned(),
+        vehicle: "car".to_owned(),
+        inputs,
+        taught: false,
+        start_s: 0.0,
+        origin_s: 0.0,
+        duration_s: 200.0,
+        rate_hz: 200.0,
+        distance_m: None,
+        wheels: vec![wheel],
+        not_estimated: Vec::new(),
+        alerts: Vec::new(),
+        concerns: Vec::new(),
+        day: None,
+        report: None,
+        estimates: None,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

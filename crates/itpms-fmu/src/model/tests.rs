@@ -1,6 +1,4 @@
 use super::*;
-use itpms_core::model::Validity;
-use itpms_core::warning::WheelReport;
 
 fn reference(model: &Model, name: &str) -> u32 {
     model.variables().iter().position(|variable| variable.name == name).unwrap() as u32
@@ -66,26 +64,24 @@ fn parameters_are_the_files_until_they_are_set_and_fixed_from_the_first_step_on(
 }
 
 #[test]
-fn a_tire_of_the_car_that_is_not_measured_is_not_fine() {
-    let fine = WheelReport {
-        state: WheelState::Fine,
-        validity: Validity::Valid,
-        warning: Warning::None,
-        pressure_kpa: 240.0,
-        pressure_sd_kpa: 2.0,
-        reference_kpa: 240.0,
-        informed_s: 10.0,
-    };
-    let mut file = Vehicle::paper();
-    assert!(file.corners.iter().all(Option::is_some));
-    let mut report = MonitorReport::empty();
-    report.wheels = [Some(fine); 4];
-    assert!(all_fine(&file, &report));
-    report.wheels[3] = None;
-    assert!(report.is_all_fine() && !all_fine(&file, &report));
-    // Unless the car has no such corner.
-    file.corners[3] = None;
-    assert!(all_fine(&file, &report));
+fn with_the_temperature_of_the_air_there_are_cold_pressures() {
+    let mut model = initialized();
+    drive(&mut model, 0..3000);
+    let names =
+        ["cold_pressure_kpa", "cold_pressure_sd_kpa", "cold_add_kpa"].map(|name| format!("fl_{name}"));
+    assert!(names.iter().all(|name| get(&model, name).is_nan()) && get(&model, "fl_cold_state") == 0.0);
+    assert!(set(&mut model, "ambient_temperature_c", -10.0) && set(&mut model, "barometric_kpa", 101.325));
+    drive(&mut model, 3000..3100);
+    let [warm_kpa, cold_kpa, sd_kpa, add_kpa] =
+        ["pressure_kpa", "cold_pressure_kpa", "cold_pressure_sd_kpa", "cold_add_kpa"]
+            .map(|name| get(&model, &format!("fl_{name}")));
+    // Six seconds have hardly warmed it: by less than 1 K, which is 1.3 kPa.
+    assert!(cold_kpa <= warm_kpa && warm_kpa - cold_kpa < 1.5, "{warm_kpa} {cold_kpa}");
+    assert!(sd_kpa >= get(&model, "fl_pressure_sd_kpa"));
+    // Two sines are no road: it is not valid, and nothing is asked for.
+    let valid = get(&model, "fl_is_valid") == 1.0;
+    assert!((get(&model, "fl_cold_state") == 0.0) != valid);
+    assert!(valid || add_kpa.is_nan());
 }
 
 #[test]

@@ -60,6 +60,9 @@ test("a low tire turns red, with sign and word, and is said once", async (t) => 
   assert.equal(await page.locator("#tire-fl use").getAttribute("href"), "#sign-low");
   assert.equal(await page.locator("#tire-fl .tire-word").textContent(), "LOW");
   await until("headline", text(page, "#headline"), (words) => /^Front left is low: 1[34]\d/.test(words));
+  // Of its 138 kPa 2 K of warmth are 1.8: 105 are to be added.
+  await until("cold", text(page, "#cards .at-fl .chilled"), (words) => /^13\d cold at -10 C: add 10\d$/.test(words));
+  assert.match(await text(page, "#cards .at-rr .chilled")(), /^2[34]\d cold at -10 C$/);
   await sleep(3000);
   assert.equal(await page.locator("#alert-rows tr").count(), 1);
   assert.match(await text(page, "#alert-rows")(), /Front left[\s\S]*Low[\s\S]*150 ± 8 kPa[\s\S]*active/);

@@ -30,7 +30,7 @@ const CAR: [(&str, FieldType); 6] = [
     ("all_fine", FieldType::Flag),
 ];
 
-const WHEEL: [(&str, FieldType); 23] = [
+const WHEEL: [(&str, FieldType); 25] = [
     ("state", FieldType::Label),
     ("doubt", FieldType::Label),
     ("pressure_kpa", FieldType::Number),
@@ -41,6 +41,8 @@ const WHEEL: [(&str, FieldType); 23] = [
     ("lost_sd_kpa", FieldType::Number),
     ("cold_pressure_kpa", FieldType::Number),
     ("cold_pressure_sd_kpa", FieldType::Number),
+    ("ambient_temperature_c", FieldType::Number),
+    ("cold_add_kpa", FieldType::Number),
     ("lost_share", FieldType::Number),
     ("lost_share_sd", FieldType::Number),
     ("detectable_loss", FieldType::Number),

@@ -55,6 +55,8 @@ fn wheel(corner: &'static str) -> Wheel {
         lost_sd_kpa: Some(4.0),
         cold_pressure_kpa: None,
         cold_pressure_sd_kpa: None,
+        ambient_temperature_c: None,
+        cold_add_kpa: None,
         lost_share: None,
         lost_share_sd: None,
         detectable_loss: None,

@@ -28,12 +28,16 @@ class Checked:
             ``coherence`` (of body and wheel, 4 to 16 Hz, 0 to 1), ``damping_over_file`` and ``spring_over_file`` with their
             standard errors ``..._se`` (None where they cannot be told), and ``fit``: ``incoherence``, ``unexplained``,
             ``hop_excess``, ``friction_n`` (N) and ``misfit`` of the estimator at the end, as in ``Result.summary``.
+        dampers: By corner, what is known without a calibration, with the keys of :attr:`Result.dampers`: ``left_right`` (left over right of
+            the axle, less one), ``damping_n_s_per_m`` and ``wheel_damping_ratio``; empty where not all four corners are measured.
         concerns: What contradicts itself in the drive, and what was repaired, a sentence each.
     """
 
     def __init__(self, inner: _itpms.Checked) -> None:
         self._inner = inner
-        self.corners: dict[str, dict[str, Any]] = json.loads(inner.document())["corners"]
+        document = json.loads(inner.document())
+        self.corners: dict[str, dict[str, Any]] = document["corners"]
+        self.dampers: dict[str, dict[str, Any]] = document["dampers"] or {}
         self.concerns: list[str] = inner.concerns()
 
     def curves(self, corner: str) -> Columns:

@@ -108,6 +108,29 @@ class Result:
         return found
 
     @property
+    def dampers(self) -> dict[str, dict[str, Any]]:
+        """What the drive says of each damper against the calibration's, by corner; empty where not all four corners are measured.
+
+        Of each: ``damping_n_s_per_m`` (N s/m, with ``damping_sd_n_s_per_m``), ``over_reference`` (1: as it was), ``left_right`` and
+        ``front_rear`` (shares; 0: alike), ``wheel_damping_ratio``, each with ``..._sd``, ``state`` (``learning``, ``fine``, ``weak``,
+        ``worn``, ``stiff`` or ``unknown``) and ``because`` (why it is not known); None: not known. ``pandas.DataFrame(result.dampers).T``
+        is a table of them.
+        """
+        found: dict[str, dict[str, Any]] = self.summary.get("dampers") or {}
+        return found
+
+    @property
+    def load(self) -> dict[str, Any]:
+        """What the axles carry, wheels included, in kg of the vehicle file; empty where not all four corners are measured.
+
+        ``front_axle_kg``, ``rear_axle_kg``, ``total_kg``, ``added_kg`` (more than in the calibration drive) with ``front_axle_sd_kg``
+        and so on, ``state`` (``known``, ``overload``, ``learning`` or ``unknown``) and ``because`` (why it is not known); None: not
+        known.
+        """
+        found: dict[str, Any] = self.summary.get("load") or {}
+        return found
+
+    @property
     def concerns(self) -> list[str]:
         """What should be known before believing the result, a sentence each."""
         found: list[str] = self.summary["warnings"]

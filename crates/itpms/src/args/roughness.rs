@@ -39,6 +39,9 @@ pub(crate) struct RoughnessArgs {
     /// (latitude_deg, longitude_deg); that is written here and nowhere else.
     #[arg(long, value_name = "ROAD.geojson", requires = "vehicle")]
     pub(crate) geojson: Option<PathBuf>,
+    /// Drive log: where the same map goes as a page that asks nothing of a network (.html).
+    #[arg(long, value_name = "ROAD.html", requires = "vehicle")]
+    pub(crate) map: Option<PathBuf>,
     /// Where the table goes: .csv, a row per segment and track.
     #[arg(short, long, value_name = "TABLE.csv")]
     pub(crate) output: Option<PathBuf>,
@@ -52,4 +55,4 @@ Examples:
   itpms roughness survey.csv
   itpms roughness road.crg --segment-m 20 --lateral-m 0.8,-0.7 -o roughness.csv
   itpms roughness drive.csv --vehicle car.toml --json
-  itpms roughness drive.csv --vehicle car.toml --geojson road.geojson";
+  itpms roughness drive.csv --vehicle car.toml --geojson road.geojson --map road.html";

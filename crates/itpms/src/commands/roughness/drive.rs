@@ -26,7 +26,8 @@ pub(super) fn survey(
         let path = args.input.display();
         return Err(Failure::Usage(format!("{path}: no speed_m_s, so no distance: expected --speed-m-s V")));
     }
-    if args.geojson.is_some() && log.columns().motion.position == PositionColumns::Absent {
+    let wants_map = args.geojson.is_some() || args.map.is_some();
+    if wants_map && log.columns().motion.position == PositionColumns::Absent {
         let path = args.input.display();
         return Err(Failure::Usage(format!(
             "{path}: no latitude_deg and longitude_deg, so no map: expected both columns, or a map that names them (--signals)"
@@ -76,7 +77,7 @@ pub(super) fn survey(
             "for {seconds:.1} s speed_m_s says that the car stands while its wheels roll: that way is missing"
         ));
     }
-    if args.geojson.is_some() {
+    if wants_map {
         warnings.extend(wheels.doubt_of_positions());
     }
     Ok(wheels.finish(args.segment_m, vehicle.wheelbase_m, about, warnings))

@@ -9,8 +9,9 @@ mod drive;
 mod profile;
 
 use std::fs;
+use std::path::Path;
 
-use itpms_analysis::roughness::{RoughnessTable, SideAnomaly, Way, geojson};
+use itpms_analysis::roughness::{RoughnessTable, SideAnomaly, Way, geojson, map_page};
 use itpms_console::{Failure, Interrupt, Screen, names};
 use itpms_data::out::AtomicFile;
 use serde_json::{Value, json};
@@ -92,7 +93,8 @@ impl Found {
 }
 
 pub(crate) fn run(args: &RoughnessArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
-    let (file, map) = (output(args)?, map(args)?);
+    let file = output(args)?;
+    let (map, page) = (map(args, args.geojson.as_deref())?, map(args, args.map.as_deref())?);
     let mut found = match &args.vehicle {
         Some(vehicle) => drive::survey(args, vehicle, screen, interrupt)?,
         None => profile::survey(args)?,
@@ -101,17 +103,13 @@ pub(crate) fn run(args: &RoughnessArgs, screen: &Screen, interrupt: &Interrupt) 
     if let Some(iri) = found.table.roughest_m_per_km().filter(|iri| *iri > ROUGHEST_M_PER_KM) {
         found.warnings.push(format!("an IRI of {iri:.0} m/km is no road's: heights in another unit than m?"));
     }
-    if let Some(mut file) = file {
-        file.append(found.table.csv().as_bytes())?;
-        file.settle()?;
-        file.commit()?;
-    }
-    if let Some(mut file) = map {
+    write(file, || found.table.csv())?;
+    if map.is_some() || page.is_some() {
         let [left, right] = [0, 1].map(|side| (SIDES[side], found.anomalies[side].as_slice()));
         let (road, left_out) = geojson(&found.table, &[left, right], &found.way);
-        file.append(format!("{road}\n").as_bytes())?;
-        file.settle()?;
-        file.commit()?;
+        let name = args.input.file_name().unwrap_or(args.input.as_os_str()).to_string_lossy();
+        write(map, || format!("{road}\n"))?;
+        write(page, || map_page(&name, &found.about, &road))?;
         if left_out > 0 {
             found.warnings.push(format!(
                 "{left_out} segments, holes and bumps have no position near them and are not on the map"
@@ -139,11 +137,20 @@ pub(crate) fn run(args: &RoughnessArgs, screen: &Screen, interrupt: &Interrupt) 
     Ok(())
 }
 
-/// Starts the map's file, as [`output`] does the table's.
-fn map(args: &RoughnessArgs) -> Result<Option<AtomicFile>, Failure> {
-    let Some(path) = &args.geojson else { return Ok(None) };
+/// Writes a file that was begun.
+fn write(file: Option<AtomicFile>, content: impl FnOnce() -> String) -> Result<(), Failure> {
+    let Some(mut file) = file else { return Ok(()) };
+    file.append(content().as_bytes())?;
+    file.settle()?;
+    Ok(file.commit()?)
+}
+
+/// Starts a map's file, as [`output`] does the table's.
+fn map(args: &RoughnessArgs, path: Option<&Path>) -> Result<Option<AtomicFile>, Failure> {
+    let Some(path) = path else { return Ok(None) };
     let inputs = [(Some(args.input.as_path()), "the road"), (args.vehicle.as_deref(), "the vehicle file")];
-    names::check(&inputs, &[Some(path), args.output.as_deref()])?;
+    let others = [&args.geojson, &args.map, &args.output].map(Option::as_deref);
+    names::check(&inputs, &others)?;
     Ok(Some(AtomicFile::create(path)?))
 }
 
