@@ -171,7 +171,7 @@ pub fn unseen(radii: &RadiusReport<f64>) -> Vec<String> {
     }
     if known && radii.unseen.slippery {
         out.push(
-            "The driven wheels slip more than at the calibration, as on snow: a loss is reported after two minutes of usable driving."
+            "The driven wheels slip more than at the calibration, as on snow: a loss is reported after five minutes of usable driving."
                 .to_owned(),
         );
     }

@@ -90,6 +90,10 @@ impl<T: Real> Probabilities<T> {
         if self.lacks[tire.index()] { self.sum(|set| set & (1 << tire.index()) != 0) } else { T::zero() }
     }
 
+    pub(crate) fn none_low(&self) -> T {
+        self.sum(|set| set == 0)
+    }
+
     pub(crate) fn any_low(&self) -> T {
         self.sum(|set| set != 0)
     }

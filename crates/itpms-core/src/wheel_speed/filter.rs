@@ -20,7 +20,7 @@ const OUTLIER: usize = 5;
 
 /// Walk of a radius in thousandths per √s: by itself, and in a leak.
 const WALK: f64 = 0.01;
-const LEAK_WALK: f64 = 1.0;
+const LEAK_WALK: f64 = 4.0;
 /// Leaks that begin and end per s, share of outliers.
 const LEAK_BEGINS_PER_S: f64 = 1e-5;
 const LEAK_ENDS_PER_S: f64 = 0.1;
@@ -44,7 +44,7 @@ const ROAD_SIDE: f64 = 0.4;
 const BEND_STANDING_SD: f64 = 0.1;
 /// Slip beyond so many times that of a dry road is a road's on which left and right differ from place to place: by which share of what is
 /// beyond the wheels of a driven axle then slip unequally, from one place to the next, and per √s.
-const SNOW: f64 = 2.5;
+const SNOW: f64 = 1.8;
 const MAYBE_SD: f64 = 1.5;
 const SLIPPERY: f64 = 1.6;
 const PLACES_SHARE: f64 = 0.5;
@@ -150,8 +150,9 @@ impl<T: Real> Filter<T> {
 
     /// Whether the slip is surely beyond that of a dry road, and whether it may be.
     pub(super) fn is_slippery(&self) -> [bool; 2] {
-        let quiet = &self.modes[QUIET];
-        let (slip, sd) = (quiet.mean[SLIP].abs(), quiet.get(SLIP, SLIP).sqrt());
+        // By all hypotheses: a tire that has just lost air would be slip to one that knows of no loss.
+        let belief = self.belief();
+        let (slip, sd) = (belief.mean[SLIP].abs(), belief.get(SLIP, SLIP).sqrt());
         [slip - sd, slip + T::lit(MAYBE_SD) * sd].map(|slip| slip > T::lit(SNOW) * self.dry_slip)
     }
 

@@ -24,6 +24,9 @@ const MOST_RATIO: f64 = 150.0;
 const LATE_S: f64 = 0.06;
 const UNEQUAL_SLIP: f64 = 0.5;
 const DOUBTED_S: f64 = 0.03;
+/// By how many sds a delay is beyond that surely; how long what a place of the road does to a ratio lasts, in s.
+const SURELY: f64 = 3.0;
+const PLACE_S: f64 = 2.0;
 /// The same where front and rear show it against each other, as slip does where a front and a rear wheel are exchanged.
 const EXCHANGED_S: f64 = 0.03;
 const MAYBE_EXCHANGED_S: f64 = 0.012;
@@ -48,6 +51,8 @@ pub(super) struct Following<T> {
     /// Sums of what a bend leaves of each ratio times the acceleration over the speed, and of the square of that.
     late: [T; 3],
     speeding: T,
+    /// Sum of squares of what a bend leaves of the ratio of each axle.
+    left: [T; 2],
     /// Sums of each ratio times what bends make of it, and of the square of that.
     turned: [T; 3],
     bends: [T; 2],
@@ -108,7 +113,9 @@ impl<T: Real> Following<T> {
             let bend = follow(&mut self.usual_bend[i], bend[i]);
             let ratio = follow(&mut self.usual[i], ratio[i]);
             let known_bend = if self.yaw_known { bend } else { T::zero() };
-            self.late[i] = kept * self.late[i] + (ratio - known_bend) * speeding;
+            let left = ratio - known_bend;
+            self.late[i] = kept * self.late[i] + left * speeding;
+            self.left[i] = kept * self.left[i] + left * left;
             mean_bend += T::lit(0.5) * bend;
             self.turned[i] = kept * self.turned[i] + ratio * bend;
             self.bends[i] = kept * self.bends[i] + bend * bend;
@@ -133,6 +140,14 @@ impl<T: Real> Following<T> {
             (false, [false, false]) => Some([front - rear, T::zero()]),
             (false, _) => None,
         }
+    }
+
+    /// Sd of an axle's delay in s, by what neither bends nor the delay leave of its ratio: a place of the road, which does so for
+    /// [`PLACE_S`], is one sample of it.
+    fn delay_sd_s(&self, axle: usize) -> T {
+        let explained = self.late[axle] * self.late[axle] / self.speeding;
+        let left = (self.left[axle] - explained).at_least(T::zero());
+        (left * T::lit(PLACE_S / MEMORY_S) / self.speeding).sqrt() * T::lit(1.0 / SCALE)
     }
 
     /// Whether a ratio follows at least this share of what bends make of the ratio of an axle.
@@ -204,7 +219,8 @@ impl<T: Real> Following<T> {
         let is_driven = driven.axles()[axle];
         let slips = slips(axle, dry_slip_s - T::lit(0.25) * delay.abs());
         let by_slip_s = if is_driven { T::lit(UNEQUAL_SLIP) * slip_s } else { T::zero() };
-        let late = alone && delay.abs() > T::lit(LATE_S) + by_slip_s && !slips && !slippery;
+        let doubt_s = T::lit(SURELY) * self.delay_sd_s(axle);
+        let late = alone && delay.abs() > T::lit(LATE_S) + by_slip_s + doubt_s && !slips && !slippery;
         let corner = *Corner::ALL.get(2 * axle + usize::from(!(delay > T::zero())))?;
         late.then_some(Astray::Late(corner))
     }

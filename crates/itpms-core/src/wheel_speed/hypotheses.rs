@@ -14,8 +14,12 @@ pub(super) const FINE_DRIVING_SD: f64 = 0.1;
 pub(super) const FIFTH: f64 = 0.223_143_55;
 /// The sd of what a low tire has lost as `ln` of its pressure, in losses of a fifth: that of its share, over what such a tire has left.
 const LOW_LN_SD: f64 = LOW[1] * LOSS / (1.0 - LOW[0] * LOSS) / FIFTH;
+/// What a tire that is empty has lost, which is one alone, as `ln` in losses of a fifth, and its sd: half to all but a thirtieth of its pressure.
+const EMPTY: [f64; 2] = [9.0, 3.0];
+/// The sets of low tires, each of some nearly flat, and one that is empty.
+const HYPOTHESES: usize = 2 * SETS - 1 + 4;
 /// What none of these explains (snow, a coupling, another tire) may do to the three ratios, as sds in thousandths, and its prior over that
-/// of one wheel.
+/// of one wheel, of what does not pass.
 const UNEXPLAINED_SD: [f64; 3] = [4.0, 4.0, 10.0];
 pub(super) const UNEXPLAINED: f64 = 0.005;
 /// `ln (1 / ONE_LOSES) + ln 99`: what has to speak for a wheel until its probability is 0.99.
@@ -42,16 +46,18 @@ pub(super) struct Decision<T> {
 
 impl<T: Real> Decision<T> {
     /// The changes of the three ratios of radii with their covariance, in thousandths; how far radii move by themselves; `fifth`: by what a
-    /// loss of a fifth changes one; what tooth pulses say, by themselves.
+    /// loss of a fifth changes one; what tooth pulses say, by themselves; `unexplained`: the prior of what no loss explains over that of
+    /// one wheel.
     pub(super) fn of(
         change: &[T; 3],
         covariance: &Triangle<T>,
         fine_sd: f64,
         fifth: T,
         torsion: &TorsionEvidence<T>,
+        unexplained: T,
     ) -> Self {
-        let unexplained = unexplained(change, covariance) + torsion.log_likelihood(0);
-        let mut all = [(T::zero(), [T::zero(); 4], [T::zero(); 4]); 2 * SETS - 1];
+        let unexplained = left_unexplained(change, covariance, unexplained) + torsion.log_likelihood(0);
+        let mut all = [(T::zero(), [T::zero(); 4], [T::zero(); 4]); HYPOTHESES];
         let mut best = unexplained;
         for (number, (log, mean, variance)) in all.iter_mut().enumerate() {
             let (set, hypothesis) = Hypothesis::numbered(number, fine_sd, fifth);
@@ -102,11 +108,15 @@ struct Hypothesis<T> {
 }
 
 impl<T: Real> Hypothesis<T> {
-    /// The sixteen sets of low tires by their bits, then each nearly flat; with the set that it belongs to.
+    /// The sixteen sets of low tires by their bits, then each nearly flat, then each tire empty; with the set that it belongs to.
     fn numbered(number: usize, fine_sd: f64, fifth: T) -> (usize, Self) {
         match number.checked_sub(SETS) {
             None => (number, Self::of(number, fine_sd, [LOW[0], LOW_LN_SD], fifth)),
-            Some(before) => (before + 1, Self::of(before + 1, fine_sd, FLAT, fifth)),
+            Some(before) if before + 1 < SETS => (before + 1, Self::of(before + 1, fine_sd, FLAT, fifth)),
+            Some(before) => {
+                let set = 1 << ((before + 1) % SETS);
+                (set, Self::of(set, fine_sd, EMPTY, fifth))
+            }
         }
     }
 
@@ -146,7 +156,7 @@ impl<T: Real> Hypothesis<T> {
 }
 
 /// Log likelihood without constants, and prior, of ratios that no set of losses leaves.
-fn unexplained<T: Real>(change: &[T; 3], covariance: &Triangle<T>) -> T {
+fn left_unexplained<T: Real>(change: &[T; 3], covariance: &Triangle<T>, prior: T) -> T {
     let [front, rear, axles] = UNEXPLAINED_SD.map(|sd| T::lit(sd * sd));
     let mut expected = *covariance;
     for (entry, variance) in expected.iter_mut().zip([front, T::zero(), rear, T::zero(), T::zero(), axles]) {
@@ -154,7 +164,7 @@ fn unexplained<T: Real>(change: &[T; 3], covariance: &Triangle<T>) -> T {
     }
     let Some((inverse, determinant)) = inverse(&expected) else { return T::lit(-1e30) };
     let square = dot(change, &times(&inverse, change));
-    T::lit(-0.5) * (square + determinant.ln_fast()) + T::lit(UNEXPLAINED * ONE_LOSES).ln_fast()
+    T::lit(-0.5) * (square + determinant.ln_fast()) + (T::lit(ONE_LOSES) * prior).ln_fast()
 }
 
 /// The smallest loss of this wheel alone that would be found, as `-ln` of the share of the pressure that it leaves: its squared distance
@@ -256,7 +266,7 @@ mod tests {
     fn every_pattern_is_named_by_its_ratios_but_all_four() {
         for number in 1..15usize {
             let radius = core::array::from_fn(|i| if number & (1 << i) == 0 { 0.0 } else { -2.0 });
-            let decision = Decision::of(&seen(radius), &SHARP, FINE_SD, 1.6, &NO_PULSES);
+            let decision = Decision::of(&seen(radius), &SHARP, FINE_SD, 1.6, &NO_PULSES, UNEXPLAINED);
             let most = decision.sets.of_set().iter().copied().fold(0.0, f64::max);
             assert_eq!(decision.sets.of_set()[number], most, "{number:04b}");
             // Three at once are so seldom that something else, which nobody named, is not much less probable.
@@ -272,7 +282,7 @@ mod tests {
                 assert!((decision.change[wheel] - radius).abs() < 3.0 * decision.change_sd[wheel]);
             }
         }
-        let decision = Decision::of(&[0.0; 3], &SHARP, FINE_SD, 1.6, &NO_PULSES);
+        let decision = Decision::of(&[0.0; 3], &SHARP, FINE_SD, 1.6, &NO_PULSES, UNEXPLAINED);
         assert!(decision.sets.of_set()[0] > 0.99);
     }
 
@@ -287,7 +297,9 @@ mod tests {
         // What is found there has as good as reached the threshold, whatever of its size is expected.
         let at = |loss: f64| {
             let change = seen([-7.0 * loss, 0.0, 0.0, 0.0]);
-            Decision::of(&change, &covariance, FINE_SD, 1.56, &NO_PULSES).sets.low(Corner::ALL[0])
+            Decision::of(&change, &covariance, FINE_SD, 1.56, &NO_PULSES, UNEXPLAINED)
+                .sets
+                .low(Corner::ALL[0])
         };
         assert!(at(0.9 * found) < 0.99 && at(1.1 * found) > 0.99, "{} {}", at(0.9 * found), at(1.1 * found));
     }
@@ -301,7 +313,9 @@ mod tests {
         assert!((covariance[2] - (0.01 + 0.384 * 0.384 + 0.04)).abs() < 1e-12);
         let low = |wheel: usize| {
             let radius = core::array::from_fn(|i| if i == wheel { -2.0 } else { 0.0 });
-            Decision::of(&seen(radius), &covariance, FINE_SD, 1.6, &NO_PULSES).sets.low(Corner::ALL[wheel])
+            Decision::of(&seen(radius), &covariance, FINE_SD, 1.6, &NO_PULSES, UNEXPLAINED)
+                .sets
+                .low(Corner::ALL[wheel])
         };
         assert!(low(0) > 0.99 && low(0) > low(3), "{} {}", low(0), low(3));
     }
@@ -313,18 +327,18 @@ mod tests {
             information: [1.0 / 50.0; 4],
             reference_kpa: [240.0; 4],
         };
-        let alike = Decision::of(&[0.0; 3], &SHARP, FINE_SD, 1.6, &pulses([-56.0; 4]));
+        let alike = Decision::of(&[0.0; 3], &SHARP, FINE_SD, 1.6, &pulses([-56.0; 4]), UNEXPLAINED);
         assert!((0..4).all(|wheel| alike.sets.low(Corner::ALL[wheel]) > 0.99), "{:?}", alike.sets);
         // A tenth of the pressure, as of a cold morning, is nothing.
-        let cold = Decision::of(&[0.0; 3], &SHARP, FINE_SD, 1.6, &pulses([-24.0; 4]));
+        let cold = Decision::of(&[0.0; 3], &SHARP, FINE_SD, 1.6, &pulses([-24.0; 4]), UNEXPLAINED);
         assert!(cold.sets.of_set()[0] > 0.99, "{:?}", cold.sets.of_set());
         // With loads of unknown size the radii of an axle say little: a larger load may have done it.
         let mut covariance = SHARP;
         add_load(&mut covariance, &LoadUncertainty::unknown(), 1.0);
         let change = seen([0.0, 0.0, -2.0, -2.0]);
         let (without, with) = (
-            Decision::of(&change, &covariance, FINE_SD, 1.6, &NO_PULSES),
-            Decision::of(&change, &covariance, FINE_SD, 1.6, &pulses([0.0, 0.0, -58.0, -58.0])),
+            Decision::of(&change, &covariance, FINE_SD, 1.6, &NO_PULSES, UNEXPLAINED),
+            Decision::of(&change, &covariance, FINE_SD, 1.6, &pulses([0.0, 0.0, -58.0, -58.0]), UNEXPLAINED),
         );
         assert!(
             without.sets.low(Corner::ALL[2]) < 0.5

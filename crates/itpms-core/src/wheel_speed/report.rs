@@ -1,7 +1,7 @@
 //! What radius analysis says.
 
 use super::config::WheelSpeedConfig;
-use super::hypotheses::{Decision, Triangle};
+use super::hypotheses::{Decision, Triangle, UNEXPLAINED};
 use crate::memory::Blank;
 use crate::model::{Corner, Wheels};
 use crate::real::Real;
@@ -14,10 +14,9 @@ const SURE_FOR_S: f64 = 4.0;
 /// The same of what a road may do, too, that differs from left to right, or a load or a slip that moves the axles apart: those pass. And while
 /// it is open which tire it is: later it may be known.
 const PASSES_S: f64 = 30.0;
-/// The same of anything on a slippery road, on which wheels slip as the place has it; and for how long a road is slippery, in s, after it was
+/// The same of anything on a slippery road, on which wheels slip as the place has it, and for how long a road is slippery, in s, after it was
 /// seen to be.
-const SLIPPERY_S: f64 = 120.0;
-const SLIPPERY_FOR_S: f64 = 300.0;
+const SLIPPERY_S: f64 = 300.0;
 
 /// Loss that would have shown where a tire is called fine, as a share of its pressure.
 const SHOWN_LOSS: f64 = 0.3;
@@ -160,6 +159,8 @@ pub struct RadiusReport<T> {
     probable_s: T,
     /// Seconds for which the road is held to be slippery.
     slippery_s: T,
+    /// For how long a loss has been more probable than none, in s.
+    loss_s: T,
 }
 
 impl<T: Real> RadiusReport<T> {
@@ -189,8 +190,14 @@ impl<T: Real> RadiusReport<T> {
     /// `step_s` of usable driving later, on a road that is surely slippery, or may be.
     pub(super) fn drive_on(&mut self, [surely, maybe]: [bool; 2], step_s: T) {
         let left_s = (self.slippery_s - step_s).at_least(T::zero());
-        self.slippery_s = if surely { T::lit(SLIPPERY_FOR_S) } else { left_s };
+        self.slippery_s = if surely { T::lit(SLIPPERY_S) } else { left_s };
         self.unseen.slippery = maybe || self.slippery_s > T::zero();
+    }
+
+    /// Prior of what no loss explains over that of one wheel's: a place of the road that does so is as frequent as a tire that loses air, and
+    /// it passes.
+    pub(super) fn unexplained(&self) -> T {
+        (self.loss_s * T::lit(-1.0 / PASSES_S)).exp_fast().at_least(T::lit(UNEXPLAINED))
     }
 
     /// `step_s` of usable driving later.
@@ -224,6 +231,8 @@ impl<T: Real> RadiusReport<T> {
         }
         self.informed_s = self.time_s;
         self.any_low_probability = decision.sets.any_low();
+        let is_probable = self.any_low_probability > decision.sets.none_low();
+        self.loss_s = if is_probable { self.loss_s + step_s } else { T::zero() };
         let informed = self.wheels.iter().any(WheelRadius::informed);
         let probable = probable(decision, informed);
         if !self.contradicts(probable) {

@@ -111,11 +111,12 @@ impl<T: Real> RadiusMonitor<T> {
         let since = self.since_calibration();
         let nothing = TorsionEvidence::BLANK;
         let torsion = if since.is_some() { &nothing } else { &self.torsion };
-        let mut decision = Decision::of(&change, &covariance, FINE_DRIVING_SD, fifth, torsion);
+        let unexplained = self.report.unexplained();
+        let mut decision = Decision::of(&change, &covariance, FINE_DRIVING_SD, fifth, torsion, unexplained);
         let mut differ = (change, covariance);
         let least: [T; 4];
         if let Some((change, covariance)) = since {
-            let across = Decision::of(&change, &covariance, FINE_SD, fifth, &self.torsion);
+            let across = Decision::of(&change, &covariance, FINE_SD, fifth, &self.torsion, unexplained);
             if !(decision.sets.any_low() > across.sets.any_low()) {
                 decision = across;
             }
