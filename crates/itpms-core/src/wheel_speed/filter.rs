@@ -88,6 +88,8 @@ pub(super) struct Filter<T> {
     weight: [T; MODES],
     /// Slip of a dry road, in thousandths per m/s²: what the calibration found.
     dry_slip: T,
+    /// See [`is_slippery`](Self::is_slippery).
+    slippery: [bool; 2],
     /// Whether the last usable block had a yaw rate.
     pub yaw_known: bool,
     /// Whether its force was measured, grades included.
@@ -150,10 +152,15 @@ impl<T: Real> Filter<T> {
 
     /// Whether the slip is surely beyond that of a dry road, and whether it may be.
     pub(super) fn is_slippery(&self) -> [bool; 2] {
+        self.slippery
+    }
+
+    fn see_slip(&mut self) {
         // By all hypotheses: a tire that has just lost air would be slip to one that knows of no loss.
         let belief = self.belief();
         let (slip, sd) = (belief.mean[SLIP].abs(), belief.get(SLIP, SLIP).sqrt());
-        [slip - sd, slip + T::lit(MAYBE_SD) * sd].map(|slip| slip > T::lit(SNOW) * self.dry_slip)
+        let bounds = [slip - sd, slip + T::lit(MAYBE_SD) * sd];
+        self.slippery = bounds.map(|slip| slip > T::lit(SNOW) * self.dry_slip);
     }
 
     /// Whether the slip is surely beyond that of any dry road.
@@ -170,6 +177,7 @@ impl<T: Real> Filter<T> {
     fn start(&mut self, belief: Gaussian<T>) {
         self.modes.iter_mut().for_each(|mode| *mode = belief);
         self.forget_leaks();
+        self.slippery = [false; 2];
     }
 
     /// The car stood: tires may have lost air without a sample of it, and loads have changed. Whatever it was is in the offsets from which
@@ -298,6 +306,7 @@ impl<T: Real> Filter<T> {
         for weight in &mut self.weight {
             *weight /= total;
         }
+        self.see_slip();
     }
 
     /// What all hypotheses together believe.
