@@ -171,6 +171,7 @@ fn message(opcode: u8, data: &[u8]) -> Result<Option<Message<'_>>, McapError> {
                 bytes,
             }))
         }
+        op::SCHEMA | op::CHANNEL if !names_fit(opcode, data) => Err(McapError::UnexpectedEof),
         op::SCHEMA | op::CHANNEL => Ok(match ::mcap::parse_record(opcode, data)? {
             Record::Schema { header, data } => {
                 let records::SchemaHeader { id, name, encoding } = header;
@@ -180,5 +181,62 @@ fn message(opcode: u8, data: &[u8]) -> Result<Option<Message<'_>>, McapError> {
             _ => None,
         }),
         _ => Ok(None),
+    }
+}
+
+/// Whether the names of a schema or a channel, each after its length, end within the record, those of a channel's metadata included: the
+/// library takes as much memory as the lengths say before it looks.
+fn names_fit(opcode: u8, data: &[u8]) -> bool {
+    let is_channel = opcode == records::op::CHANNEL;
+    let after_names = || {
+        let rest = data.get(if is_channel { 4 } else { 2 }..)?;
+        after_name(after_name(rest)?)
+    };
+    let metadata_fits = |rest: &[u8]| {
+        let (length, mut rest) = rest.split_first_chunk::<4>()?;
+        let end = rest.len().checked_sub(u32::from_le_bytes(*length) as usize)?;
+        while rest.len() > end {
+            rest = after_name(rest)?;
+        }
+        Some(())
+    };
+    after_names().is_some_and(|rest| !is_channel || metadata_fits(rest).is_some())
+}
+
+/// What comes after a name that begins with its length.
+fn after_name(bytes: &[u8]) -> Option<&[u8]> {
+    let (length, rest) = bytes.split_first_chunk::<4>()?;
+    rest.get(u32::from_le_bytes(*length) as usize..)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ::mcap::records::op;
+
+    #[test]
+    fn a_name_that_is_longer_than_its_record_ends_the_file() {
+        let channel = |topic_bytes: u32, value_bytes: u32| {
+            let mut bytes = vec![1, 0, 0, 0];
+            bytes.extend(topic_bytes.to_le_bytes());
+            bytes.extend(*b"speed");
+            bytes.extend(4u32.to_le_bytes());
+            bytes.extend(*b"json");
+            bytes.extend(10u32.to_le_bytes());
+            bytes.extend(1u32.to_le_bytes());
+            bytes.extend(*b"k");
+            bytes.extend(value_bytes.to_le_bytes());
+            bytes.extend(*b"v");
+            bytes
+        };
+        assert!(
+            matches!(message(op::CHANNEL, &channel(5, 1)), Ok(Some(Message::Channel(channel))) if channel.topic == "speed")
+        );
+        for (topic, value) in [(u32::MAX, 1), (1 << 20, 1), (28, 1), (5, u32::MAX), (5, 2)] {
+            let read = message(op::CHANNEL, &channel(topic, value)).map(|_| ());
+            assert!(matches!(read, Err(McapError::UnexpectedEof)), "{topic} {value}");
+        }
+        assert!(matches!(message(op::CHANNEL, &[1, 0, 0]), Err(McapError::UnexpectedEof)));
+        assert!(matches!(message(op::SCHEMA, &[1, 0, 255, 255, 255, 255]), Err(McapError::UnexpectedEof)));
     }
 }
