@@ -69,7 +69,11 @@ fn run(
     let (vehicle, keep_road, save) = (&vehicle.0, options.road, options.save_reference.as_deref());
     // For a report the road is smoothed; the same report, whatever else was kept.
     let report = options.report;
-    let road = if report || keep_road { Heights::Smoothed } else { Heights::None };
+    let road = match options.roughness {
+        _ if report || keep_road => Heights::Smoothed,
+        true => Heights::Causal,
+        false => Heights::None,
+    };
     let result = work::run(py, progress, |meanwhile: &Meanwhile| -> Result<Estimated, DriveError> {
         let mut log = open()?;
         let corners = common_corners(&log, vehicle)?;

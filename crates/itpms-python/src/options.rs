@@ -36,6 +36,9 @@ pub(crate) struct Options {
     pub(crate) road: bool,
     #[pyo3(item)]
     pub(crate) report: bool,
+    /// The road's roughness, as the fleet has it.
+    #[pyo3(item)]
+    pub(crate) roughness: bool,
     #[pyo3(item)]
     trust_units: bool,
     #[pyo3(item)]
