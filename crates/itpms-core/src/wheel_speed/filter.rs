@@ -45,7 +45,7 @@ const BEND_STANDING_SD: f64 = 0.1;
 /// Slip beyond so many times that of a dry road is a road's on which left and right differ from place to place: by which share of what is
 /// beyond the wheels of a driven axle then slip unequally, from one place to the next, and per √s.
 const SNOW: f64 = 1.8;
-const MAYBE_SD: f64 = 1.5;
+const MAYBE_SD: f64 = 1.0;
 const SLIPPERY: f64 = 1.6;
 const PLACES_SHARE: f64 = 0.5;
 const PLACES_WALK: f64 = 0.1;
