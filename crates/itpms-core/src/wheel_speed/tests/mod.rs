@@ -74,6 +74,25 @@ fn a_healthy_car_is_not_warned_of() {
     }
 }
 
+/// A radius of 1 % less from one sample to the next, as where a tire bursts.
+#[test]
+fn a_burst_is_a_loss_and_no_outlier() {
+    for (seed, loss) in [(81, 0.01), (82, 0.01), (83, 0.006)] {
+        for corner in Corner::ALL {
+            let mut drive = Drive::new(seed, 60.0, 0.04);
+            let mut monitor = calibrated::<f32>(&mut drive, 300.0);
+            assert_eq!(found(&mut monitor, &mut drive, 30.0), None);
+            drive.radius[corner.index()] -= loss;
+            let alarm = found(&mut monitor, &mut drive, 60.0);
+            assert!(
+                matches!(alarm, Some((_, RadiusState::Low(wheels))) if wheels == Wheels::from(corner)),
+                "{loss} {corner:?}: {alarm:?} {:?}",
+                monitor.report()
+            );
+        }
+    }
+}
+
 /// Gravel under the left wheels for a minute, every other one: the driven left wheel slips by two thirds more.
 #[test]
 fn a_road_that_changes_at_once_is_no_loss() {
