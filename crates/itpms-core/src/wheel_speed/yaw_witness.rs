@@ -117,7 +117,8 @@ impl<T: Real> YawWitness<T> {
         let [left_front, left_rear, front, rear] = beyond;
         let coupled = self.coupled;
         if !self.doubted && (sensor - bias_rad_s).abs() * T::lit(WIDE_M) < v {
-            self.follow([(now[2], now[2] - now[0]), (now[3], now[3] - now[1])]);
+            let widest = [track_front, track_rear].map(|track_m| T::lit(SCALE / WIDE_M) * track_m);
+            self.follow([(now[2], now[2] - now[0]), (now[3], now[3] - now[1])], widest);
         }
         let per_square = v * v / (T::lit(SCALE * SCALE) * track_front * track_rear);
         let share = T::lit(OFF) + T::lit(BY_LOAD) * v * v / track_rear;
@@ -149,12 +150,16 @@ impl<T: Real> YawWitness<T> {
     }
 
     /// Each axle's ratio in a wide bend, and what the bend makes of one whose wheels are free; both from what they usually are in wide bends,
-    /// which is not what it is on leaving a sharp one.
-    fn follow(&mut self, axles: [(T, T); 2]) {
+    /// which is not what it is on leaving a sharp one. What leaves more than the widest bend could is a tire that bursts: usual from then on.
+    fn follow(&mut self, axles: [(T, T); 2], widest: [T; 2]) {
         let kept = T::lit(1.0 - BLOCK_S / COUPLING_MEMORY_S);
         for (i, (ratio, expected)) in axles.into_iter().enumerate() {
             let [usual_ratio, usual_expected] = &mut self.usual_wide[i];
             let (ratio, expected) = (ratio - *usual_ratio, expected - *usual_expected);
+            if (ratio - expected).abs() > widest[i] {
+                *usual_ratio += ratio - expected;
+                continue;
+            }
             *usual_ratio += T::lit(BLOCK_S / USUAL_S) * ratio;
             *usual_expected += T::lit(BLOCK_S / USUAL_S) * expected;
             self.followed[i] = kept * self.followed[i] + ratio * expected;

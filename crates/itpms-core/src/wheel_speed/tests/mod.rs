@@ -74,10 +74,10 @@ fn a_healthy_car_is_not_warned_of() {
     }
 }
 
-/// A radius of 1 % less from one sample to the next, as where a tire bursts.
+/// A radius of up to 2 % less from one sample to the next, as where a tire bursts.
 #[test]
 fn a_burst_is_a_loss_and_no_outlier() {
-    for (seed, loss) in [(81, 0.01), (82, 0.01), (83, 0.006)] {
+    for (seed, loss) in [(81, 0.01), (82, 0.02), (83, 0.006)] {
         for corner in Corner::ALL {
             let mut drive = Drive::new(seed, 60.0, 0.04);
             let mut monitor = calibrated::<f32>(&mut drive, 300.0);
