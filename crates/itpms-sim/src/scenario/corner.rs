@@ -169,6 +169,10 @@ impl CornerSpec {
         let map = self.tire.map()?;
         let mut config = CornerConfig::new(self.quarter_car()?, map, self.placard_kpa)?;
         config.uncertainty = ParameterUncertainty::of(confidence);
+        if confidence == Confidence::Measured {
+            // Friction was measured as well: the modelled strut has none unless the truth deviates.
+            config.uncertainty.friction_n = 0.0;
+        }
         let noise = self.accel_noise_m_s2.unwrap_or(self.wheel_sensor.unwrap_or(*usual).noise_m_s2);
         if noise > 0.0 {
             config = config.with_accel_noise(noise)?;
