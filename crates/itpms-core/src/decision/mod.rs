@@ -55,6 +55,8 @@ pub(crate) struct Probabilities<T> {
     of_set: [T; SETS],
     /// Whether each tire lacks enough to be low, as far as is known: what lacks a little less is neither low nor as it should be.
     lacks: [bool; 4],
+    /// By how much each tire's share may be off because another car, or nothing known, explains the levels: an sd, with the error's sign (eq. 5).
+    doubt: [T; 4],
 }
 
 impl<T: Real> Probabilities<T> {
@@ -69,7 +71,7 @@ impl<T: Real> Probabilities<T> {
 
     /// Of sets of these probabilities, whatever their tires lack.
     pub(crate) fn known(of_set: [T; SETS]) -> Self {
-        Self { of_set, lacks: [true; 4] }
+        Self { of_set, lacks: [true; 4], doubt: [T::zero(); 4] }
     }
 
     /// Of sets of these log-likelihoods, prior included, and that of pressures that no set explains.
@@ -77,7 +79,17 @@ impl<T: Real> Probabilities<T> {
         let best = log.iter().fold(unexplained, |best, &log| best.at_least(log));
         let weight = log.map(|log| (log - best).exp_fast());
         let total = weight.iter().fold((unexplained - best).exp_fast(), |sum, &weight| sum + weight);
-        Self { of_set: weight.map(|weight| weight / total), lacks }
+        Self { of_set: weight.map(|weight| weight / total), lacks, doubt: [T::zero(); 4] }
+    }
+
+    /// By how much a tire's share may be off for another reason than its air: an sd that adds to its level's, with the sign of the error.
+    pub(crate) fn doubt(&self, tire: Corner) -> T {
+        self.doubt[tire.index()]
+    }
+
+    /// The same with the doubt of others.
+    pub(crate) fn with_doubt_of(self, others: &Self) -> Self {
+        Self { doubt: others.doubt, ..self }
     }
 
     /// Of each set.

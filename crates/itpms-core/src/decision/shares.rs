@@ -1,4 +1,4 @@
-//! Shares of their pressures that tires lack, as one Gaussian, held against every set of low tires (docs/math/decision.md, eq. 1-4).
+//! Shares of their pressures that tires lack, as one Gaussian, held against every set of low tires (docs/math/decision.md, eq. 1-5).
 
 use nalgebra::{Matrix4, Vector4};
 
@@ -64,17 +64,28 @@ impl<T: Real> Shares<T> {
         let warmth = if since == Since::Beginning { T::zero() } else { T::lit(WARMTH_SD * WARMTH_SD) };
         let plain = self.covariance.map(|covariance| covariance + warmth);
         self.weigh(&plain, loss, since, T::zero(), &mut weighed)?;
+        let mut another = Weighed::new();
         if since == Since::EarlierDay {
             let (common, axle) = (T::lit(CHANGED_SD * CHANGED_SD), T::lit(CHANGED_AXLE_SD * CHANGED_AXLE_SD));
             let covariance = Matrix4::from_fn(|i, j| {
                 let same = Corner::ALL[i].axle() == Corner::ALL[j].axle();
                 plain[(i, j)] + common + if same { axle } else { -axle }
             });
-            self.weigh(&covariance, loss, since, T::lit(CHANGED).ln_fast(), &mut weighed)?;
+            self.weigh(&covariance, loss, since, T::lit(CHANGED).ln_fast(), &mut another)?;
         }
+        let unexplained = self.unexplained(&plain, since)?;
+        // What the tires of another car do not lack is the car's, and of what nothing explains all may be.
+        let all = log_sum(log_sum(weighed.total(), another.total()), unexplained);
+        let [changed, odd] = [another.total(), unexplained].map(|log| (log - all).exp_fast());
+        let off = self.lacking - another.lacking;
+        let square = |x: T| x * x;
+        let doubt = Vector4::from_fn(|i, _| {
+            (changed * square(off[i]) + odd * square(self.lacking[i])).sqrt().copysign(self.lacking[i])
+        });
+        weighed.add_all(&another);
         let least = T::lit(DECISIVE) * loss;
         let lacks = weighed.lacking.data.0[0].map(|lacking| lacking > least);
-        Some(Probabilities::of(&weighed.log, self.unexplained(&plain, since)?, lacks))
+        Some(Probabilities { doubt: doubt.data.0[0], ..Probabilities::of(&weighed.log, unexplained, lacks) })
     }
 
     /// Weighs every set of low tires, and of tires that are nearly flat.
@@ -172,10 +183,29 @@ impl<T: Real> Weighed<T> {
             (self.best, self.lacking) = (log, lacking);
         }
         if let Some(sum) = self.log.get_mut(set) {
-            let most = sum.at_least(log);
-            *sum = most + ((*sum - most).exp_fast() + (log - most).exp_fast()).ln_fast();
+            *sum = log_sum(*sum, log);
         }
     }
+
+    fn add_all(&mut self, other: &Self) {
+        (0..SETS).for_each(|set| self.log[set] = log_sum(self.log[set], other.log[set]));
+        if other.best > self.best {
+            (self.best, self.lacking) = (other.best, other.lacking);
+        }
+    }
+
+    fn total(&self) -> T {
+        self.log.iter().fold(T::lit(f64::NEG_INFINITY), |sum, &log| log_sum(sum, log))
+    }
+}
+
+/// Log of the sum of what these are the logs of.
+fn log_sum<T: Real>(one: T, other: T) -> T {
+    let most = one.at_least(other);
+    if most == T::lit(f64::NEG_INFINITY) {
+        return most;
+    }
+    most + ((one - most).exp_fast() + (other - most).exp_fast()).ln_fast()
 }
 
 #[cfg(test)]
@@ -243,6 +273,38 @@ mod tests {
         assert!(found([0.15, 0.15, 0.0, 0.0]).any_low() < 0.5);
         let one = found([0.15, 0.4, 0.15, 0.15]);
         assert!(one.low(Corner::FrontRight) > 0.99 && one.low(Corner::FrontLeft) < 0.5, "{one:?}");
+    }
+
+    /// Against the densities written out: of tires as they should be on the car as it was, and on another one.
+    #[test]
+    fn a_level_that_may_be_another_cars_is_known_less_well() {
+        let density = |lacking: f64, changed: bool| {
+            let covariance = Matrix4::from_fn(|i, j| {
+                let (one, same_axle) = (f64::from(i == j), i / 2 == j / 2);
+                let another = 0.04 + if same_axle { 0.01 } else { -0.01 };
+                0.0016 * (0.9 + 0.1 * one)
+                    + 0.018 * 0.018
+                    + 0.013 * 0.013 * one
+                    + if changed { another } else { 0.0 }
+            });
+            let off = Vector4::repeat(lacking);
+            let square = off.dot(&(covariance.try_inverse().unwrap() * off));
+            (-0.5 * square).exp() / covariance.determinant().sqrt()
+        };
+        for lacking in [-0.28, -0.16, -0.12, -0.06, 0.02] {
+            let found = shares([lacking; 4], 0.04, 0.9).probabilities(0.2, Since::EarlierDay).unwrap();
+            let (same, another) = (density(lacking, false), CHANGED * density(lacking, true));
+            let expected = (another / (same + another)).sqrt() * lacking;
+            for tire in Corner::ALL {
+                let doubt = found.doubt(tire);
+                assert!(
+                    (doubt - expected).abs() < 0.1 * expected.abs() + 0.001,
+                    "{lacking}: {doubt} {expected}"
+                );
+            }
+            let today = shares([lacking; 4], 0.04, 0.9).probabilities(0.2, Since::Ever).unwrap();
+            assert!(lacking < -0.1 || today.doubt(Corner::FrontLeft).abs() < 0.002);
+        }
     }
 
     #[test]

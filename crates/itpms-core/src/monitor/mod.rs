@@ -254,8 +254,9 @@ impl<T: Real> Monitor<T> {
             self.decided_s = time_s;
             self.cold.advance(step_s, self.speed_m_s);
             self.ahead_s = at.ahead_s;
-            self.decide(&steadied(estimate, time_s), step_s.min(MISSING_S));
+            self.decide(steadied(estimate, time_s), step_s.min(MISSING_S));
         }
+        self.doubt(estimate);
         // Of a time that nobody can place, nobody can say how long ago something was learned.
         let latest_s = at.latest_s;
         for i in Corner::ALL {
@@ -296,10 +297,10 @@ impl<T: Real> Monitor<T> {
 
     /// Weighs the pressures of the last `step_s` seconds and writes the report. Its frame is not to lie under the estimator's.
     #[inline(never)]
-    fn decide(&mut self, estimate: &CarEstimate<T>, step_s: f64) {
+    fn decide(&mut self, mut estimate: CarEstimate<T>, step_s: f64) {
         let limits = self.config.limits;
         self.reference_kpa = self.reference.update(
-            estimate,
+            &estimate,
             self.speed_m_s,
             self.configured_kpa,
             limits.reference_span,
@@ -313,9 +314,9 @@ impl<T: Real> Monitor<T> {
         // In a calibration no tire is held against the pressure that is stated.
         self.low = match self.reference.is_calibrating() {
             true => Probabilities::of_nothing(),
-            false => low_tires(estimate, self.reference_kpa, &limits),
+            false => low_tires(&estimate, self.reference_kpa, &limits),
         };
-        let mut around = Corner::ALL.map(|corner| self.around(estimate, corner, doubted[corner.side()]));
+        let mut around = Corner::ALL.map(|corner| self.around(&estimate, corner, doubted[corner.side()]));
         // Beside a tire that is as hard as a rim another one of the car may look soft.
         let hard = Corner::ALL.map(|i| around[i].is_hard(&limits) || self.wheels[i].flat.is_active());
         for i in Corner::ALL {
@@ -331,11 +332,31 @@ impl<T: Real> Monitor<T> {
             let learned = estimate.corners[i].as_ref().filter(|corner| is_learning(corner));
             learned.and_then(|corner| corner.loss).map(|loss| loss.lost_kpa)
         });
-        let leaking = leaking_tires(estimate, self.reference_kpa, &limits);
+        let leaking = leaking_tires(&estimate, self.reference_kpa, &limits);
         let (doubted, least) = (around.map(|around| around.doubted), limits.fast_leak_kpa_per_min);
         self.leaks.update(estimate.time_s, step_s, &lost_kpa, &leaking, doubted, least);
-        self.all_low.update(step_s, estimate, self.reference_kpa, &self.low, &limits);
-        self.write(estimate);
+        self.all_low.update(step_s, &estimate, self.reference_kpa, &self.low, &limits);
+        self.doubt(&mut estimate);
+        self.write(&estimate);
+    }
+
+    /// Adds to what the levels are known to what another car or nothing known would make of them (docs/math/decision.md, eq. 5).
+    fn doubt(&self, estimate: &mut CarEstimate<T>) {
+        let doubt = Corner::ALL.map(|i| self.low.doubt(i) * self.reference_kpa[i]);
+        if doubt.iter().all(|doubt| *doubt == T::zero()) {
+            return;
+        }
+        let sd =
+            Corner::ALL.map(|i| estimate.corners[i].as_ref().map_or(T::one(), |tire| tire.pressure_sd_kpa));
+        let both = Corner::ALL.map(|i| sd[i].hypot(doubt[i]));
+        for (i, row) in Corner::ALL.into_iter().zip(&mut estimate.correlation) {
+            for (j, correlation) in Corner::ALL.into_iter().zip(row).filter(|(j, _)| *j != i) {
+                *correlation = (*correlation * sd[i] * sd[j] + doubt[i] * doubt[j]) / (both[i] * both[j]);
+            }
+            if let Some(tire) = &mut estimate.corners[i] {
+                tire.pressure_sd_kpa = both[i];
+            }
+        }
     }
 
     /// What else is known when a wheel is looked at.

@@ -22,13 +22,17 @@ pub(crate) fn low_tires<T: Real>(
     let losses = losses(estimate, reference_kpa);
     let evidence =
         [(levels, &estimate.correlation, since), (losses, &estimate.loss_correlation, Since::Beginning)];
-    let found = evidence.into_iter().filter(|(lacking, ..)| lacking.iter().any(Option::is_some));
-    found
-        .filter_map(|(lacking, correlation, since)| {
-            Shares::new(&lacking, correlation).probabilities(limits.loss_share(), since)
-        })
-        .reduce(|one, other| if other.any_low() > one.any_low() { other } else { one })
-        .unwrap_or(Probabilities::of_nothing())
+    let [levels, losses] = evidence.map(|(lacking, correlation, since)| {
+        let is_known = lacking.iter().any(Option::is_some);
+        is_known
+            .then(|| Shares::new(&lacking, correlation).probabilities(limits.loss_share(), since))
+            .flatten()
+    });
+    match (levels, losses) {
+        (Some(levels), Some(losses)) if losses.any_low() > levels.any_low() => losses.with_doubt_of(&levels),
+        (Some(levels), _) => levels,
+        (None, losses) => losses.unwrap_or(Probabilities::of_nothing()),
+    }
 }
 
 /// Which tires have lost in this drive what makes a leak if it was fast.
