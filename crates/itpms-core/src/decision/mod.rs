@@ -19,6 +19,8 @@ pub(crate) const LOSS: f64 = 0.2;
 pub(crate) const LOW: [f64; 2] = [1.25, 0.42];
 pub(crate) const FLAT: [f64; 2] = [3.0, 1.5];
 pub(crate) const NEARLY_FLAT: f64 = 0.5;
+/// No one inflates a tire by so much of its reference more than that, or than the other one of its axle: what reads so is no pressure.
+pub(crate) const NOBODY_INFLATES: f64 = 0.5;
 /// Prior of one tire that loses its air in a drive, and of one that was low before: of the cars on the road one in ten has one that lacks a quarter.
 pub(crate) const ONE_LOSES: f64 = 1e-3;
 pub(crate) const ONE_IS_LOW: f64 = 0.025;
@@ -55,6 +57,8 @@ pub(crate) struct Probabilities<T> {
     of_set: [T; SETS],
     /// Whether each tire lacks enough to be low, as far as is known: what lacks a little less is neither low nor as it should be.
     lacks: [bool; 4],
+    /// That each tire is on its rim, which reads hard.
+    on_rim: [T; 4],
     /// By how much each tire's share may be off because another car, or nothing known, explains the levels: an sd, with the error's sign (eq. 5).
     doubt: [T; 4],
 }
@@ -62,24 +66,31 @@ pub(crate) struct Probabilities<T> {
 impl<T: Real> Probabilities<T> {
     /// Before anything is seen.
     pub(crate) fn of_nothing() -> Self {
-        Self::of(
-            &core::array::from_fn(|set| log_prior(set, ONE_IS_LOW)),
-            T::lit(f64::NEG_INFINITY),
-            [true; 4],
-        )
+        let none = T::lit(f64::NEG_INFINITY);
+        Self::of(&core::array::from_fn(|set| log_prior(set, ONE_IS_LOW)), none, &[none; 4])
     }
 
     /// Of sets of these probabilities, whatever their tires lack.
     pub(crate) fn known(of_set: [T; SETS]) -> Self {
-        Self { of_set, lacks: [true; 4], doubt: [T::zero(); 4] }
+        Self { of_set, ..Self::of_nothing() }
     }
 
-    /// Of sets of these log-likelihoods, prior included, and that of pressures that no set explains.
-    fn of(log: &[T; SETS], unexplained: T, lacks: [bool; 4]) -> Self {
-        let best = log.iter().fold(unexplained, |best, &log| best.at_least(log));
-        let weight = log.map(|log| (log - best).exp_fast());
-        let total = weight.iter().fold((unexplained - best).exp_fast(), |sum, &weight| sum + weight);
-        Self { of_set: weight.map(|weight| weight / total), lacks, doubt: [T::zero(); 4] }
+    /// Of these log-likelihoods, priors included: of the sets, of what no set explains, and of each tire on its rim.
+    fn of(sets: &[T; SETS], unexplained: T, rims: &[T; 4]) -> Self {
+        let all = || sets.iter().chain(rims).copied();
+        let best = all().fold(unexplained, T::at_least);
+        let weight = |log: T| (log - best).exp_fast();
+        let total = all().map(weight).fold(weight(unexplained), |sum, weight| sum + weight);
+        Self {
+            of_set: sets.map(|log| weight(log) / total),
+            lacks: [true; 4],
+            on_rim: rims.map(|log| weight(log) / total),
+            doubt: [T::zero(); 4],
+        }
+    }
+
+    pub(crate) fn on_rim(&self, tire: Corner) -> T {
+        self.on_rim[tire.index()]
     }
 
     /// By how much a tire's share may be off for another reason than its air: an sd that adds to its level's, with the sign of the error.

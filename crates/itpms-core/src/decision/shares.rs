@@ -2,13 +2,17 @@
 
 use nalgebra::{Matrix4, Vector4};
 
-use super::{DECISIVE, FLAT, LOW, NEARLY_FLAT, ONE_IS_LOW, ONE_LOSES, Probabilities, SETS, log_prior};
+use super::{
+    DECISIVE, FLAT, LOW, NEARLY_FLAT, NOBODY_INFLATES, ONE_IS_LOW, ONE_LOSES, Probabilities, SETS, log_prior,
+};
 use crate::model::Corner;
 use crate::real::Real;
 
 /// What nobody explains may do to each tire, as an sd of its share, and its prior over that of one low tire.
 const UNEXPLAINED_SD: f64 = 0.3;
 const UNEXPLAINED: f64 = 0.01;
+/// What a tire on its rim lacks by its stiffness, and the sd of that: it reads 1.6 to 2.3 times its pressure; and what others lack beside it.
+const RIM: [f64; 3] = [-0.95, 0.35, 0.1];
 /// What a tire that is not low lacks of its share, as an sd: gauges, and a little warmth of its own.
 const FINE_SD: f64 = 0.013;
 /// What all tires lack of their references because they are colder than these, as an sd: 5 K are 1.8 %.
@@ -73,10 +77,19 @@ impl<T: Real> Shares<T> {
             });
             self.weigh(&covariance, loss, since, T::lit(CHANGED).ln_fast(), &mut another)?;
         }
-        let unexplained = self.unexplained(&plain, since)?;
+        let none = T::lit(f64::NEG_INFINITY);
+        let unexplained = self.odd(&plain, since, None)?;
+        let mut rims = [none; 4];
+        for (tire, log) in rims.iter_mut().enumerate() {
+            // Against the other tire of the axle: a level that is not known well is common to both.
+            if self.lacking[tire] - self.lacking[tire ^ 1] < T::lit(-NOBODY_INFLATES) {
+                *log = self.odd(&plain, since, Some(tire))?;
+            }
+        }
         // What the tires of another car do not lack is the car's, and of what nothing explains all may be.
-        let all = log_sum(log_sum(weighed.total(), another.total()), unexplained);
-        let [changed, odd] = [another.total(), unexplained].map(|log| (log - all).exp_fast());
+        let odd = rims.iter().fold(unexplained, |sum, &log| log_sum(sum, log));
+        let all = log_sum(log_sum(weighed.total(), another.total()), odd);
+        let [changed, odd] = [another.total(), odd].map(|log| (log - all).exp_fast());
         let off = self.lacking - another.lacking;
         let square = |x: T| x * x;
         let doubt = Vector4::from_fn(|i, _| {
@@ -85,7 +98,11 @@ impl<T: Real> Shares<T> {
         weighed.add_all(&another);
         let least = T::lit(DECISIVE) * loss;
         let lacks = weighed.lacking.data.0[0].map(|lacking| lacking > least);
-        Some(Probabilities { doubt: doubt.data.0[0], ..Probabilities::of(&weighed.log, unexplained, lacks) })
+        Some(Probabilities {
+            lacks,
+            doubt: doubt.data.0[0],
+            ..Probabilities::of(&weighed.log, unexplained, &rims)
+        })
     }
 
     /// Weighs every set of low tires, and of tires that are nearly flat.
@@ -101,8 +118,9 @@ impl<T: Real> Shares<T> {
         for (kind, log) in [(LOW, log), (FLAT, flat)] {
             let [mean, sd] = kind.map(|losses| T::lit(losses) * loss);
             self.likelihoods(covariance, mean, sd * sd, |set, likelihood, lacking| {
-                // What is not low is not nearly flat either.
-                if set > 0 || kind == LOW {
+                // What is not low is not nearly flat either, and what is has lost and not gained air.
+                let has_lost = |i: usize| set & (1 << i) == 0 || lacking[i] > T::zero();
+                if (set > 0 || kind == LOW) && (0..4).all(has_lost) {
                     weighed.add(set, log + likelihood + log_prior(set, since.prior_of_one()), lacking);
                 }
             })?;
@@ -150,16 +168,23 @@ impl<T: Real> Shares<T> {
         Some(())
     }
 
-    /// Log-likelihood, with its prior, of pressures that no set explains.
-    fn unexplained(&self, covariance: &Matrix4<T>, since: Since) -> Option<T> {
-        let by_itself = Matrix4::from_diagonal_element(T::lit(UNEXPLAINED_SD * UNEXPLAINED_SD));
-        let root = (covariance + by_itself).cholesky()?;
+    /// Log-likelihood, with its prior, of pressures that no set explains, or beside a tire on its rim.
+    fn odd(&self, covariance: &Matrix4<T>, since: Since, rim: Option<usize>) -> Option<T> {
+        let [mean, sd, beside] = RIM.map(T::lit);
+        let by_itself = |i: usize| match rim {
+            Some(tire) if tire == i => sd,
+            Some(_) => beside,
+            None => T::lit(UNEXPLAINED_SD),
+        };
+        let own = Vector4::from_fn(|i, _| by_itself(i) * by_itself(i));
+        let root = (covariance + Matrix4::from_diagonal(&own)).cholesky()?;
         let half_log_determinant =
             root.l_dirty().diagonal().iter().fold(T::zero(), |sum, x| sum + x.ln_fast());
-        let square = self.lacking.dot(&root.solve(&self.lacking));
+        let off = Vector4::from_fn(|i, _| self.lacking[i] - if rim == Some(i) { mean } else { T::zero() });
+        let prior = if rim.is_some() { NEARLY_FLAT } else { UNEXPLAINED };
         Some(
-            T::lit(-0.5) * square - half_log_determinant
-                + T::lit(UNEXPLAINED * since.prior_of_one()).ln_fast(),
+            T::lit(-0.5) * off.dot(&root.solve(&off)) - half_log_determinant
+                + T::lit(prior * since.prior_of_one()).ln_fast(),
         )
     }
 }
@@ -305,6 +330,20 @@ mod tests {
             let today = shares([lacking; 4], 0.04, 0.9).probabilities(0.2, Since::Ever).unwrap();
             assert!(lacking < -0.1 || today.doubt(Corner::FrontLeft).abs() < 0.002);
         }
+    }
+
+    /// One tire reads as a rim; two of a side do not, nor does one that is harder than its air makes it by the sd of what is known.
+    #[test]
+    fn a_rim_reads_hard_and_hides_what_is_beside_it() {
+        let on_rim = |lacking, sd| {
+            let found = shares(lacking, sd, 0.3).probabilities(0.2, Since::Ever).unwrap();
+            assert!(Corner::ALL.iter().all(|tire| found.low(*tire) < 0.02), "{found:?}");
+            Corner::ALL.map(|tire| found.on_rim(tire))
+        };
+        assert!(on_rim([0.0, -0.9, 0.1, 0.0], 0.05)[1] > 0.99);
+        assert!(on_rim([-0.9, 0.0, -0.9, 0.0], 0.05).iter().all(|p| *p < 0.6));
+        assert!(on_rim([0.0, -0.4, 0.0, 0.0], 0.05).iter().all(|p| *p == 0.0));
+        assert!(on_rim([0.0, -0.6, 0.0, 0.0], 0.3).iter().all(|p| *p < 0.5));
     }
 
     #[test]

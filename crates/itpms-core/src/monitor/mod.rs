@@ -24,7 +24,7 @@ use crate::cold_pressure::ColdTires;
 use crate::conditioning::Moment;
 use crate::conditioning::clock::stamp_s;
 use crate::conditioning::pauses::MISSING_S;
-use crate::decision::Probabilities;
+use crate::decision::{NOBODY_INFLATES, Probabilities};
 use crate::diagnosis::debounce::Debouncer;
 use crate::diagnosis::decorrelation::DecorrelationDetector;
 use crate::diagnosis::standstill::Standstill;
@@ -37,7 +37,7 @@ use crate::model::{
 };
 use crate::real::Real;
 use crate::warning::all_low::AllLow;
-use crate::warning::all_tires::{leaking_tires, low_tires, weighted_share};
+use crate::warning::all_tires::{leaking_tires, low_tires};
 use crate::warning::leak::LeakWatch;
 use crate::warning::low::{Around, WheelWatch, is_learning, reading};
 use crate::warning::reference_pressure::ReferencePressure;
@@ -265,8 +265,9 @@ impl<T: Real> Monitor<T> {
             estimate.warning = wheel.warning;
             estimate.cold = self.cold.cold(estimate.pressure_kpa, estimate.pressure_sd_kpa);
             let watch = &self.wheels[i];
-            // A rim has no pressure.
-            let rim = watch.flat.is_active() || watch.side_is_off;
+            // A rim has no pressure, and no tire has so much.
+            let most_kpa = T::lit(1.0 + NOBODY_INFLATES) * self.reference_kpa[i];
+            let rim = watch.flat.is_active() || estimate.pressure_kpa > most_kpa;
             let (validity, doubt) = if watch.is_forgotten(latest_s) {
                 (Validity::NoInformation, watch.forgotten())
             } else if rim {
@@ -288,7 +289,7 @@ impl<T: Real> Monitor<T> {
                 wheel.validity = validity;
             }
             // Nothing is fine whose pressure may not be shown.
-            if wheel.state == WheelState::Fine {
+            if matches!(wheel.state, WheelState::Fine | WheelState::Unknown(Doubt::Uncertain)) {
                 wheel.state = WheelState::Unknown(doubt);
             }
         }
@@ -316,12 +317,9 @@ impl<T: Real> Monitor<T> {
             true => Probabilities::of_nothing(),
             false => low_tires(&estimate, self.reference_kpa, &limits),
         };
-        let mut around = Corner::ALL.map(|corner| self.around(&estimate, corner, doubted[corner.side()]));
-        // Beside a tire that is as hard as a rim another one of the car may look soft.
-        let hard = Corner::ALL.map(|i| around[i].is_hard(&limits) || self.wheels[i].flat.is_active());
+        let around = Corner::ALL.map(|corner| self.around(&estimate, corner, doubted[corner.side()]));
         for i in Corner::ALL {
             if let Some(corner) = &estimate.corners[i] {
-                around[i].doubted |= i.others().into_iter().any(|other| hard[other]);
                 self.wheels[i].update(step_s, corner, self.reference_kpa[i], &around[i], &limits);
                 if self.wheels[i].is_unfit(corner) {
                     self.leaks.retract(i);
@@ -361,22 +359,15 @@ impl<T: Real> Monitor<T> {
 
     /// What else is known when a wheel is looked at.
     fn around(&self, estimate: &CarEstimate<T>, corner: Corner, doubted: bool) -> Around<T> {
-        let (rear, partner) = (corner.same_side(), corner.same_axle());
-        let own = estimate.corners[corner].as_ref();
-        let other = estimate.corners[rear].as_ref();
-        let valid = other.filter(|corner| corner.validity.is_valid());
+        let other = estimate.corners[corner.same_side()].as_ref();
         let is_silent = |corner: &CornerEstimate<T>| {
             matches!(corner.validity, Validity::BadSignal | Validity::Diverged | Validity::Starting)
         };
-        let mut weights = [T::zero(); 4];
-        (weights[corner], weights[partner]) = (T::one(), -T::one());
         Around {
             speed_m_s: self.speed_m_s,
-            share: own.map_or(T::lit(f64::NAN), |own| own.pressure_kpa / self.reference_kpa[corner]),
-            other_share: valid.map(|corner| corner.pressure_kpa / self.reference_kpa[rear]),
             other_is_silent: other.is_some_and(is_silent),
-            above_partner: weighted_share(estimate, weights, self.reference_kpa),
             low: self.low.low(corner),
+            on_rim: self.low.on_rim(corner),
             doubted,
         }
     }

@@ -13,11 +13,7 @@ const VERY_SURELY_LOW: f64 = 0.999;
 /// Seconds in which something was learned, for and against.
 const LOW: DebounceTimes = DebounceTimes { set_s: 2.0, clear_s: 10.0 };
 const OVER: DebounceTimes = DebounceTimes { set_s: 60.0, clear_s: 10.0 };
-const FLAT: DebounceTimes = DebounceTimes { set_s: 5.0, clear_s: 10.0 };
-/// No one inflates one tire of an axle by so much of its reference more than the other; a tire on its rim is harder than that.
-const NOBODY_INFLATES: f64 = 0.5;
-/// By how much less a second counts of a tire that nothing is held against as the other one of its side is silent, and where both seem hard as
-/// rims: then the side's level is off.
+/// By how much less a second counts of a tire that nothing is held against as the other one of its side is silent.
 const TOGETHER: f64 = 75.0;
 /// Reported of a wheel of which nothing is known although the car drives.
 const UNINFORMED: DebounceTimes = DebounceTimes { set_s: 0.0, clear_s: 1.0 };
@@ -44,34 +40,14 @@ const NOT_HEALTHY: f64 = 4.0;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Around<T> {
     pub(crate) speed_m_s: T,
-    /// Pressure over its reference.
-    pub(crate) share: T,
-    /// Pressure of the side's other tire over its reference, if there is one.
-    pub(crate) other_share: Option<T>,
     /// Whether there is another tire on the side whose sensors say nothing, so that nothing is held against this one.
     pub(crate) other_is_silent: bool,
-    /// By how much the tire's share of its reference is above that of the other tire of its axle, and the sd of that, if both are known.
-    pub(crate) above_partner: Option<[T; 2]>,
     /// Probability that it has too little air.
     pub(crate) low: T,
+    /// And that it is on its rim.
+    pub(crate) on_rim: T,
     /// Whether what front and rear of the side disagree by may be the road's or a sensor's.
     pub(crate) doubted: bool,
-}
-
-impl<T: Real> Around<T> {
-    /// Whether the tire is harder than an inflated one can be: overfull, and surely so seen from the other one of its axle.
-    pub(crate) fn is_hard(&self, limits: &Limits<T>) -> bool {
-        let over = self.share > limits.over_share;
-        over && self.above_partner.is_some_and(|[above, sd]| {
-            above > T::lit(NOBODY_INFLATES)
-                && above - T::lit(ONE_SIDED_95) * sd > limits.over_share - T::one()
-        })
-    }
-
-    /// Whether the side's other tire reads as overfull, too: its level is off and not two rims are on the road.
-    pub(crate) fn is_side_over(&self, limits: &Limits<T>) -> bool {
-        self.other_share.is_some_and(|other| other > limits.over_share)
-    }
 }
 
 /// What is remembered of a wheel.
@@ -92,8 +68,6 @@ pub(crate) struct WheelWatch {
     /// Seconds for which it has stood since then, and all in which something was learned.
     stood_s: f64,
     fitted_s: f64,
-    /// Whether the tire seems hard as a rim and the other one of its side overfull, which is no pressure.
-    pub(crate) side_is_off: bool,
 }
 
 impl WheelWatch {
@@ -109,7 +83,6 @@ impl WheelWatch {
             driven_s: 0.0,
             stood_s: 0.0,
             fitted_s: 0.0,
-            side_is_off: false,
         }
     }
 
@@ -155,13 +128,16 @@ impl WheelWatch {
             return;
         }
         let (p, sd) = (estimate.pressure_kpa, estimate.pressure_sd_kpa);
-        let low = if around.low > T::lit(SURELY_LOW) {
-            if around.doubted { Evidence::NoData } else { Evidence::Prefailed }
-        } else if around.low < T::lit(HARDLY_LOW) {
-            Evidence::Prepassed
-        } else {
-            Evidence::Undecided
+        let probable = |probability: T, doubted: bool| {
+            if probability > T::lit(SURELY_LOW) {
+                if doubted { Evidence::NoData } else { Evidence::Prefailed }
+            } else if probability < T::lit(HARDLY_LOW) {
+                Evidence::Prepassed
+            } else {
+                Evidence::Undecided
+            }
         };
+        let low = probable(around.low, around.doubted);
         let weight = match low {
             Evidence::Prefailed if around.other_is_silent => 1.0 / TOGETHER,
             Evidence::Prefailed if around.low > T::lit(VERY_SURELY_LOW) => 2.0,
@@ -176,14 +152,7 @@ impl WheelWatch {
             Evidence::Undecided
         };
         self.over.update(time_s, step_s, over, OVER);
-        let flat = match around.above_partner {
-            Some(_) if around.is_hard(limits) => Evidence::Prefailed,
-            Some([above, _]) if above < limits.over_clears_share - T::one() => Evidence::Prepassed,
-            _ => Evidence::Undecided,
-        };
-        self.side_is_off = around.is_hard(limits) && around.is_side_over(limits);
-        let weight = if self.side_is_off { 1.0 / TOGETHER } else { 1.0 };
-        self.flat.update(time_s, weight * step_s, flat, FLAT);
+        self.flat.update(time_s, step_s, probable(around.on_rim, false), LOW);
     }
 
     /// Whether the corner does not fit, and has not for longer than before: nothing that was seen of it was a tire.

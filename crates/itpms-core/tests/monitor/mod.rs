@@ -22,7 +22,9 @@ fn a_low_tire_is_named_with_its_numbers_and_taken_back_when_it_is_over() {
     let alert = *report.alerts().next().unwrap();
     assert!(alert.wheels.iter().eq([Corner::RearLeft]));
     let Cause::UnderInflated(reading) = alert.cause else { panic!("{alert}") };
-    assert_eq!((reading.pressure_kpa, reading.sd_kpa, reading.reference_kpa), (185.0, 8.0, 241.3));
+    assert_eq!((reading.pressure_kpa, reading.reference_kpa), (185.0, 241.3));
+    // That nothing explains it adds little.
+    assert!((8.0..8.01).contains(&reading.sd_kpa), "{}", reading.sd_kpa);
     assert!((reading.limit_kpa - 212.344).abs() < 1e-9);
     // Decided ten times a second.
     assert!((29.8..30.21).contains(&alert.since_s) && (alert.reported_s - at_s).abs() < 1e-9, "{alert:?}");
@@ -370,16 +372,16 @@ fn a_tire_as_hard_as_a_rim_is_flat() {
     let hard = |kpa: f64| Reported { sd: 15.0, ..low(kpa) };
     let flat = |report: &MonitorReport<f64>| report.alerts().any(|a| matches!(a.cause, Cause::Flat(_)));
     let mut drive = Drive::new();
-    assert!(!flat(drive.on(4.0, &hard(380.0))));
-    let report = *drive.on(4.0, &hard(380.0));
+    assert!(!flat(drive.on(1.5, &hard(400.0))));
+    let report = *drive.on(4.0, &hard(400.0));
     assert!(flat(&report));
     assert_eq!(state(&report, Corner::RearLeft), WheelState::Low);
     // It is one thing that is reported of it, and a rim has no pressure.
-    let report = *drive.on(80.0, &hard(380.0));
+    let report = *drive.on(80.0, &hard(400.0));
     assert_eq!(report.alerts().count(), 1);
     assert_eq!(report.wheels[Corner::RearLeft.index()].unwrap().validity, Validity::Misfit);
     // Overfull on both sides, or less than a rim: inflated.
-    let both = Reported { sd: 15.0, kpa: [241.3, 241.3, 380.0, 380.0], ..FINE };
+    let both = Reported { sd: 15.0, kpa: [241.3, 241.3, 400.0, 400.0], ..FINE };
     assert!(!flat(Drive::new().on(90.0, &both)));
     assert!(!flat(Drive::new().on(90.0, &hard(315.0))));
     // A soft tire makes the other of its axle no rim.
