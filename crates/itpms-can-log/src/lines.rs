@@ -144,7 +144,6 @@ impl<'a> Iterator for Words<'a> {
     }
 }
 
-/// The beginning of a line, for a message.
 pub(super) fn beginning(line: &[u8]) -> String {
     const MOST: usize = 60;
     let line = line.trim_ascii();

@@ -21,12 +21,9 @@ use thiserror::Error;
 
 /// The end of a command that did not complete.
 #[derive(Debug, Error)]
-#[allow(missing_docs, reason = "the messages say it")]
 pub enum Failure {
-    /// A file in or out.
     #[error("{error}{hint}", error = .0, hint = remedy(.0))]
     Data(#[from] DataError),
-    /// A scenario.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
     /// The directory for several outputs.
@@ -87,7 +84,6 @@ impl From<DriveError> for Failure {
 }
 
 impl Failure {
-    /// The exit code.
     pub fn code(&self) -> ExitCode {
         match self {
             Failure::Data(_)

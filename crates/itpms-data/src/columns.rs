@@ -15,7 +15,6 @@ use crate::log::{Lines, cells, number, separator, shortened};
 #[cfg(feature = "parquet")]
 use crate::parquet_columns::ParquetColumns;
 
-/// Columns of equal length.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Columns {
     names: Vec<String>,
@@ -34,21 +33,17 @@ impl Columns {
         read(path, needed, optional).map_err(|problem| DataError::new(path, problem))
     }
 
-    /// The column of this name, if it is there.
-    #[must_use]
     pub fn get(&self, name: &str) -> Option<&[f64]> {
         let place = self.names.iter().position(|n| n == name)?;
         self.values.get(place).map(Vec::as_slice)
     }
 
     /// The column of this name; empty if it is not there, which for a needed one cannot be.
-    #[must_use]
     pub fn column(&self, name: &str) -> &[f64] {
         self.get(name).unwrap_or_default()
     }
 
     /// Line of the file that holds each row; of a Parquet file the row, from one.
-    #[must_use]
     pub fn lines(&self) -> &[u64] {
         &self.lines
     }

@@ -12,7 +12,6 @@ use crate::log::{Lines, number, shortened};
 #[cfg(feature = "parquet")]
 use crate::parquet_columns::ParquetColumns;
 
-/// Heights along the road.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RoadProfile {
     /// Distance in m, increasing.
@@ -59,7 +58,6 @@ enum Slot {
 
 impl RoadTrack {
     /// Whether a wheel has felt this road: then a tire has smoothed it already.
-    #[must_use]
     pub fn is_wheel(&self) -> bool {
         !matches!(self.name, "left" | "right" | "road")
     }
@@ -67,7 +65,6 @@ impl RoadTrack {
 
 impl RoadProfile {
     /// Rows per second, from the median step in time; `None` without times.
-    #[must_use]
     pub fn rate_hz(&self) -> Option<f64> {
         let mut steps: Vec<f64> = self.time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
         steps.sort_by(f64::total_cmp);
@@ -106,7 +103,6 @@ impl RoadProfile {
         }
     }
 
-    /// Adds a row of values with what they are.
     fn add(&mut self, place: Place, row: impl Iterator<Item = (Slot, f64)>) -> Result<(), Problem> {
         let mut heights = vec![f64::NAN; self.tracks.len()];
         let (mut distance_m, mut time_s) = (f64::NAN, None);
@@ -183,7 +179,6 @@ fn read_text(path: &Path) -> Result<RoadProfile, Problem> {
     Ok(profile)
 }
 
-/// The cells of a line.
 fn parts(line: &[u8]) -> impl Iterator<Item = &[u8]> {
     let separated = line.iter().any(|byte| b",;".contains(byte));
     line.split(move |byte| if separated { b",;".contains(byte) } else { byte.is_ascii_whitespace() })

@@ -69,7 +69,6 @@ impl Events {
     }
 
     /// What there is to list. Alerts that still stand have their newest numbers.
-    #[must_use]
     pub fn complete(mut self) -> Alerts {
         for now in self.before.iter().flat_map(MonitorReport::alerts) {
             let standing = self.listed.iter_mut().rev().find(|listed| {
@@ -119,13 +118,10 @@ impl Alerts {
     }
 
     /// Those that are listed, in the order in which they were reported.
-    #[must_use]
     pub fn listed(&self) -> &[Listed] {
         &self.listed
     }
 
-    /// The same as JSON.
-    #[must_use]
     pub fn json(&self) -> Value {
         let one = |listed: &Listed| {
             let mut object = alert_object(&listed.alert);

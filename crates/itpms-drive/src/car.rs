@@ -42,8 +42,6 @@ impl AnyCar {
         Ok(Self { car, paper })
     }
 
-    /// The default estimator, where it is that one.
-    #[must_use]
     pub fn estimator(&self) -> Option<&CarEstimator<f64>> {
         self.paper.is_none().then(|| self.car.estimator())
     }
@@ -104,7 +102,6 @@ impl AnyCar {
     }
 
     /// The monitor of the wheel speeds, where they are used.
-    #[must_use]
     pub fn wheels(&self) -> Option<&MonitoredWheels<f64>> {
         self.car.wheels()
     }
@@ -115,13 +112,11 @@ impl AnyCar {
     }
 
     /// What the monitors report after the last sample.
-    #[must_use]
     pub fn report(&self) -> &MonitorReport<f64> {
         self.paper.as_ref().map_or_else(|| self.car.report(), |paper| paper.report())
     }
 
     /// Whether the speed says that the car stands while its wheels roll.
-    #[must_use]
     pub fn denies_standstill(&self) -> bool {
         self.paper.as_ref().map_or_else(|| self.car.denies_standstill(), |paper| paper.denies_standstill())
     }

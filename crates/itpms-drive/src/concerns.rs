@@ -91,7 +91,6 @@ fn labels(corners: &[Corner]) -> String {
     corners.iter().map(|corner| corner.label()).collect::<Vec<_>>().join(" ")
 }
 
-/// The same of wheel speeds.
 fn of_wheel_speeds(job: &Job<'_>, log: &LogReader, drive: &Drive) -> Option<String> {
     let (vehicle, settings) = (job.vehicle, job.settings);
     let wheel_speeds = match wheel_speed_use(log.columns(), vehicle, job.corners) {

@@ -12,15 +12,12 @@ use thiserror::Error;
 /// Why a drive was not estimated. Its message is complete.
 #[derive(Debug, Error)]
 #[non_exhaustive]
-#[allow(missing_docs, reason = "the messages say it")]
 pub enum DriveError {
-    /// A file in or out.
     #[error(transparent)]
     Data(#[from] DataError),
     /// A parameter that the estimator or its monitor refuses.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// A scenario.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
     /// Nothing can be learned of these drives.
@@ -32,7 +29,6 @@ pub enum DriveError {
     /// Settings and inputs that do not go together.
     #[error("{0}")]
     Mismatch(String),
-    /// The page about the drive.
     #[error("the report cannot be made: {0}")]
     Report(io::Error),
     #[error("interrupted")]

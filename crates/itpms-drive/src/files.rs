@@ -22,14 +22,12 @@ use crate::road::LateRow;
 use crate::run::{Done, Heights, Sink};
 use crate::settings::Settings;
 
-/// Which files are wanted.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct FilePaths {
     /// Pressures: .csv or .parquet.
     pub estimates: Option<PathBuf>,
     /// The road under each wheel: .csv or .parquet.
     pub road: Option<PathBuf>,
-    /// The page about the drive.
     pub report: Option<PathBuf>,
     /// Warnings and malfunctions as they come and go.
     pub events: Option<PathBuf>,
@@ -42,7 +40,6 @@ pub struct FilePaths {
 
 impl FilePaths {
     /// The heights of the road that they need.
-    #[must_use]
     pub fn heights(&self) -> Heights {
         #[cfg(feature = "mcap")]
         let mcap = self.mcap.is_some();
@@ -52,7 +49,6 @@ impl FilePaths {
     }
 }
 
-/// The files in the making.
 #[derive(Debug)]
 pub struct Files {
     estimates: Option<EstimateWriter>,

@@ -23,7 +23,6 @@ const PASSENGER: [f64; 3] = [-3e-4, -2e-4, 2e-4];
 /// What drives at known pressures show of a car with wheel speeds alone.
 #[derive(Debug, Clone)]
 pub struct LearnedRadius {
-    /// The vehicle to go on with.
     pub vehicle: Vehicle,
     /// `d ln R / d ln p` before and after, each with its standard deviation.
     pub before: [f64; 2],
@@ -84,7 +83,6 @@ pub fn learn_radius(
     Ok(LearnedRadius { vehicle, before, after, concerns })
 }
 
-/// To a millionth.
 fn rounded(value: f64) -> f64 {
     (1e6 * value).round() * 1e-6
 }

@@ -27,7 +27,6 @@ const LEAST_BODY_SHARE: f64 = 0.03;
 /// they read 10 kPa low, at two fifths 30 to 50 kPa.
 const CLIPPED: f64 = 0.05;
 
-/// See the [module](self).
 #[derive(Debug, Default)]
 pub(crate) struct Plausibility {
     /// Sum of the logarithm of wheel speeds over speed.

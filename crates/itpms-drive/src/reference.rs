@@ -18,21 +18,15 @@ use crate::settings::{LOG_END_S, Settings};
 /// What a calibration drive taught.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Taught {
-    /// Of corners with accelerations.
     pub corners: Option<VehicleCalibration<f64>>,
-    /// Of wheel speeds.
     pub wheel_speeds: Option<RadiusCalibration<f64>>,
-    /// Of tooth pulses.
     pub torsion: LearnedTorsion,
-    /// Of struts and body.
     pub suspension: Option<SuspensionReference>,
     /// What the days since the calibration of the wheel speeds show, with this one, or why it does not count; `None` without one.
     pub days: Option<Result<RadiusDays<f64>, &'static str>>,
 }
 
 impl Taught {
-    /// Whether it taught nothing.
-    #[must_use]
     pub fn is_nothing(&self) -> bool {
         self.corners.is_none() && self.wheel_speeds.is_none()
     }

@@ -22,7 +22,6 @@ type Recorder = RoadRecorder<f64, Vec<RoadRow<f64>>, Vec<Segment<f64>>>;
 /// A row with everything that is known of it once its road is there.
 #[derive(Debug, Clone)]
 pub struct LateRow {
-    /// The row itself.
     pub row: LogRow,
     /// The speed in m/s to go by; NaN while it is unknown.
     pub speed_m_s: f64,

@@ -70,9 +70,7 @@ pub type Fit = (BodyFit<f64>, Option<Misfit>);
 /// A drive that was estimated.
 #[derive(Debug)]
 pub struct Done {
-    /// Figures and curves.
     pub data: ReportData,
-    /// What the monitor reported.
     pub alerts: Alerts,
     /// What should be known before believing it, a sentence each.
     pub concerns: Vec<String>,
@@ -99,7 +97,6 @@ pub struct Done {
 
 impl Done {
     /// Why nothing of the drive's calibration of corners is to be kept: a sensor that was reported to the end, or a corner that does not fit.
-    #[must_use]
     pub fn calibration_doubt(&self) -> Option<String> {
         self.learned.corners?;
         let stands = |listed: &&Listed| {
@@ -179,7 +176,6 @@ pub(crate) fn begin(log: &LogReader, job: &Job<'_>) -> Result<(Drive, Record), D
     ))
 }
 
-/// All rows are taken.
 pub(crate) fn conclude(
     log: &LogReader,
     job: &Job<'_>,

@@ -44,7 +44,6 @@ pub fn take_crg(scenario: &mut Scenario) -> Result<(), DriveError> {
 
 /// A simulated row as a log holds it: the pressure is the reference sensor's where the scenario has one, the road's
 /// truth the profile under the axle.
-#[must_use]
 pub fn log_row(row: &SimRow) -> LogRow {
     LogRow {
         time_s: row.time_s,
@@ -73,7 +72,6 @@ fn motion(row: &WheelSpeedRow) -> LogMotion {
 }
 
 /// The columns of a scenario's log, with this truth of each corner that has accelerations.
-#[must_use]
 pub fn columns(scenario: &Scenario, truth: CornerColumns) -> LogColumns {
     let wheels = scenario.wheel_speeds.as_ref();
     let accelerations = !wheels.is_some_and(|wheels| wheels.alone);

@@ -37,7 +37,6 @@ const ROUGH_M_S: f64 = 1.5;
 const ROUGH_SHARE: f64 = 0.1;
 const ROUGH_SECONDS: f64 = 0.5;
 
-/// See the [module](self).
 #[derive(Debug)]
 pub(crate) struct TimeAxis {
     wheelbase_m: Option<f64>,
@@ -318,7 +317,6 @@ mod tests {
             .collect()
     }
 
-    /// The rows with other wheels' accelerations.
     fn exchanged(rows: &[LogRow], wheels: [usize; 4]) -> Vec<LogRow> {
         rows.iter().map(|row| LogRow { corners: wheels.map(|wheel| row.corners[wheel]), ..*row }).collect()
     }

@@ -21,7 +21,6 @@ const UNLIKE: f64 = 1.2;
 /// Steps of the readings that are told apart, per kPa.
 const PER_KPA: f64 = 10.0;
 
-/// What was sent.
 pub struct SentPressures {
     /// Medians in kPa, in the order of [`Corner::ALL`]; `None` of one that sends nothing plausible.
     pub kpa: [Option<f64>; 4],

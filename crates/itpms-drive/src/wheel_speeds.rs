@@ -34,7 +34,6 @@ pub fn wheel_speed_use(
     Ok(if corners.is_empty() { WheelSpeedUse::Alone } else { WheelSpeedUse::Beside })
 }
 
-/// See the [module](self).
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct WheelSpeeds {
@@ -152,7 +151,6 @@ impl WheelSpeeds {
         self.turns.fault().or_else(|| wheels.doubts_yaw_rate().then_some(YawFault::LeftOut))
     }
 
-    /// The log ends with its calibration.
     pub(crate) fn end_calibration(&mut self) {
         if let Some(torsion) = &mut self.torsion {
             torsion.end_calibration();
@@ -200,9 +198,7 @@ const FASTEST_DEG_S: f64 = 115.0;
 /// What is wrong with a yaw rate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum YawFault {
-    /// Its sign is the other one.
     Reversed,
-    /// It is in degrees per second.
     InDegrees,
     /// It is so many times what the wheels show.
     Scaled(f64),

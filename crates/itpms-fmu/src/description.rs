@@ -20,7 +20,6 @@ pub enum Fmi {
 }
 
 /// What tells this unit from any other: of the program's version and the vehicle file. A tool hands it back.
-#[must_use]
 pub fn token(vehicle: &Vehicle) -> String {
     let text = vehicle.to_toml();
     let of = |salt: &str| crc64(&[salt.as_bytes(), env!("CARGO_PKG_VERSION").as_bytes(), text.as_bytes()]);
@@ -30,7 +29,6 @@ pub fn token(vehicle: &Vehicle) -> String {
 }
 
 /// The description of a vehicle's unit; `step_s` is the step that a tool takes unless stated otherwise.
-#[must_use]
 pub fn description(fmi: Fmi, vehicle: &Vehicle, step_s: f64) -> String {
     let table = variables(vehicle);
     let mut xml = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
@@ -178,7 +176,6 @@ fn outputs(table: &[Variable]) -> impl Iterator<Item = usize> + '_ {
         .map(|(place, _)| place)
 }
 
-/// Text inside an attribute.
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

@@ -26,14 +26,11 @@ const STACK_BYTES: usize = 32 << 20;
 
 /// Why a step, or what comes before it, did not happen.
 #[derive(Debug, Error)]
-#[allow(missing_docs, reason = "the messages say it")]
 pub enum ModelError {
     #[error("{0}")]
     Vehicle(String),
-    /// A parameter that the estimator refuses.
     #[error(transparent)]
     Refused(#[from] itpms_core::ParameterError),
-    /// The drive cannot begin.
     #[error(transparent)]
     Drive(#[from] DriveError),
     /// A step that is no time between two samples.
@@ -62,7 +59,6 @@ pub struct Model {
 /// What a tool has done with a unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Phase {
-    /// Made, or reset.
     Made,
     /// Initialized: it can be stepped.
     Initialized,
@@ -72,7 +68,6 @@ pub enum Phase {
 
 impl Model {
     /// A car as its vehicle file has it, before anything is set.
-    #[must_use]
     pub fn new(file: Vehicle) -> Self {
         let variables = variables(&file);
         let values = variables.iter().map(|variable| variable.start).collect();
@@ -88,27 +83,21 @@ impl Model {
         Vehicle::read(&path).map(Self::new).map_err(|error| ModelError::Vehicle(error.to_string()))
     }
 
-    /// The vehicle file's car.
-    #[must_use]
     pub fn vehicle(&self) -> &Vehicle {
         &self.file
     }
 
     /// The variables; a value reference is a place among them.
-    #[must_use]
     pub fn variables(&self) -> &[Variable] {
         &self.variables
     }
 
-    /// A variable and its value, if there is one of this reference.
-    #[must_use]
     pub fn get(&self, reference: u32) -> Option<(&Variable, f64)> {
         let index = usize::try_from(reference).ok()?;
         self.variables.get(index).zip(self.values.get(index).copied())
     }
 
     /// Sets a variable. Whether it may be set now: inputs always, parameters until the first step.
-    #[must_use]
     pub fn set(&mut self, reference: u32, value: f64) -> bool {
         let Ok(index) = usize::try_from(reference) else { return false };
         let may = match self.variables.get(index).map(|variable| variable.causality) {
@@ -176,7 +165,6 @@ impl Model {
         place.and_then(|place| self.values.get(place)).copied().unwrap_or(f64::NAN)
     }
 
-    /// The corners whose accelerations are there.
     fn measured(&self) -> Vec<Corner> {
         let is = |corner: &Corner| self.value(Role::Corner(*corner, OfCorner::IsMeasured)) > 0.5;
         Corner::ALL.into_iter().filter(is).collect()
@@ -230,7 +218,6 @@ impl Model {
         Ok(())
     }
 
-    /// The inputs as a row of a log.
     fn row(&self, time_s: f64, corners: &[Corner]) -> LogRow {
         let car = |of| self.value(Role::Car(of));
         let of_corner = |corner, of| self.value(Role::Corner(corner, of));

@@ -14,21 +14,18 @@ use crate::description::{Fmi, MODEL_IDENTIFIER, description};
 pub const VEHICLE_FILE: &str = "vehicle.toml";
 
 /// The shared library's name as cargo builds it.
-#[must_use]
 pub fn library_name() -> String {
     format!("{}itpms_fmu{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX)
 }
 
 /// Why there is no package.
 #[derive(Debug, Error)]
-#[allow(missing_docs, reason = "the messages say it")]
 pub enum PackageError {
     /// The shared library is not where it is looked for.
     #[error(
         "{searched}: the shared library {name} is not there; expected where cargo build --release -p itpms-fmu leaves it, or --library PATH"
     )]
     NoLibrary { name: String, searched: String },
-    /// A file cannot be read.
     #[error("{}: cannot be read: {}", .0.display(), .1)]
     Read(PathBuf, std::io::Error),
     /// The archive cannot be made.

@@ -24,13 +24,10 @@ const LONGEST_PAUSE: Duration = Duration::from_secs(5);
 /// `mqtt://[USER@]HOST[:PORT]/TOPIC`, or `mqtts://` with encryption.
 #[derive(Debug, Clone)]
 pub struct BrokerAddress {
-    /// Name or address.
     pub host: String,
     /// 1883 unless given, 8883 with encryption.
     pub port: u16,
-    /// Topic, or what topics begin with.
     pub topic: String,
-    /// Who we are for the broker.
     pub user: Option<String>,
     /// What it wants to hear from that user.
     password: Option<Password>,
@@ -42,8 +39,6 @@ pub struct BrokerAddress {
 pub struct Password(String);
 
 impl Password {
-    /// Takes it as it is.
-    #[must_use]
     pub fn new(text: String) -> Self {
         Self(text)
     }
@@ -129,7 +124,6 @@ impl BrokerAddress {
     }
 
     /// Whether someone on the way could read a password of this address.
-    #[must_use]
     pub fn shows_password(&self) -> bool {
         let host = self.host.as_str();
         let here = host == "localhost" || host.parse::<std::net::IpAddr>().is_ok_and(|ip| ip.is_loopback());

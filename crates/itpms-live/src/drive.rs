@@ -124,19 +124,16 @@ impl Drive {
     }
 
     /// What the monitor says after the last row.
-    #[must_use]
     pub fn report(&self) -> &MonitorReport<f64> {
         self.car.report()
     }
 
     /// What was estimated after the last row.
-    #[must_use]
     pub fn latest(&self) -> Option<&CarEstimate<f64>> {
         self.latest.as_ref()
     }
 
     /// Why the speed of the car is unknown; `None` where it is known.
-    #[must_use]
     pub fn speed_doubt(&self) -> Option<SpeedDoubt> {
         match self.progress.odometer.speed_m_s().is_nan() {
             true if self.car.denies_standstill() => Some(SpeedDoubt::Contradicted),
@@ -146,7 +143,6 @@ impl Drive {
     }
 
     /// Time of the last row in s; NaN before the first.
-    #[must_use]
     pub fn time_s(&self) -> f64 {
         self.progress.time_s
     }

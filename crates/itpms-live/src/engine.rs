@@ -38,13 +38,11 @@ const MOST_PULSES: usize = 1 << 18;
 /// What leaves the estimating thread.
 #[derive(Debug, Clone)]
 pub enum Published {
-    /// What is known now.
     Estimate(Arc<Snapshot>),
     /// An alert began or ended.
     Warning(Arc<Transition>),
 }
 
-/// The estimating thread's own.
 pub struct Engine {
     vehicle: Vehicle,
     options: DriveOptions,
@@ -79,7 +77,6 @@ enum Stage {
 
 impl Engine {
     /// An engine that has seen nothing yet; with a drive that was saved, it goes on where that stopped, if the rows fit it.
-    #[must_use]
     pub fn new(
         vehicle: Vehicle,
         options: DriveOptions,
@@ -124,7 +121,6 @@ impl Engine {
     }
 
     /// The same, knowing what was doubtful about the source's signals.
-    #[must_use]
     pub fn knowing(self, doubts: Vec<String>) -> Self {
         Self { doubts, ..self }
     }
@@ -404,7 +400,6 @@ impl Engine {
     }
 
     /// The drive, once it runs.
-    #[must_use]
     pub fn drive(&self) -> Option<&Drive> {
         match &self.stage {
             Stage::Surveying(_) => None,
@@ -413,14 +408,12 @@ impl Engine {
     }
 
     /// The bytes of the state file, once there is something to save.
-    #[must_use]
     pub fn saved(&self) -> Option<Vec<u8>> {
         let drive = self.drive().filter(|drive| drive.latest.is_some())?;
         SavedDrive::of(drive, &self.options).to_bytes(&self.vehicle)
     }
 
     /// Rows left out because their time was not after the last one's.
-    #[must_use]
     pub fn out_of_order(&self) -> u64 {
         self.past.left_out()
     }

@@ -10,18 +10,14 @@ use thiserror::Error;
 /// The end of the monitor.
 #[derive(Debug, Error)]
 #[non_exhaustive]
-#[allow(missing_docs, reason = "the messages say it")]
 pub enum LiveError {
-    /// A file in or out.
     #[error(transparent)]
     Data(#[from] DataError),
-    /// What the estimator was given.
     #[error("{0}")]
     Refused(String),
     /// The source has none of the corners of the vehicle.
     #[error("{source_name} has the corners {found}, but the vehicle {vehicle:?} describes {described}")]
     NoCorner { source_name: String, found: String, vehicle: String, described: String },
-    /// An address of a broker.
     #[error(
         "{found:?} is no address of an MQTT broker, expected mqtt://[USER@]HOST[:PORT]/TOPIC, or mqtts://"
     )]

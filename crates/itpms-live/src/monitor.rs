@@ -25,17 +25,14 @@ use crate::state;
 pub const STALE_AFTER: Duration = Duration::from_secs(1);
 /// How often an old state is published again.
 const STALE_EVERY: Duration = Duration::from_secs(1);
-/// How often the state is saved.
 const SAVE_EVERY: Duration = Duration::from_secs(60);
 /// How long the thread sleeps at most without looking at the clock.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
 
-/// Why the monitor ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum End {
     /// The source has nothing more.
     SourceEnded,
-    /// It was asked for.
     Stopped,
 }
 
@@ -62,7 +59,6 @@ pub struct Monitor {
 
 impl Monitor {
     /// Puts the parts together.
-    #[must_use]
     pub fn new(
         engine: Engine,
         hub: Arc<Hub>,
@@ -90,7 +86,6 @@ impl Monitor {
     }
 
     /// The same for a source of frames.
-    #[must_use]
     pub fn with_feed(self, feed: Feed) -> Self {
         Self { feed: Some(feed), ..self }
     }

@@ -5,7 +5,6 @@
 /// Rows of the past, each later than the one before it, after which the clock is believed to have been set back.
 const SET_BACK: u32 = 16;
 
-/// What to do with a row.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Place {
     /// It follows the one before.

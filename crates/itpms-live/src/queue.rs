@@ -25,7 +25,6 @@ struct Inner<T> {
 /// What came of waiting for items.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Taken {
-    /// There were some.
     Some,
     /// None in the time given.
     Nothing,
@@ -34,8 +33,6 @@ pub enum Taken {
 }
 
 impl<T> Queue<T> {
-    /// An empty queue for so many items.
-    #[must_use]
     pub fn new(capacity: usize) -> Self {
         let inner = Inner { items: VecDeque::new(), closed: false, dropped: 0 };
         Self { inner: Mutex::new(inner), filled: Condvar::new(), emptied: Condvar::new(), capacity }
@@ -108,7 +105,6 @@ impl<T> Queue<T> {
     }
 
     /// Items lost for want of room.
-    #[must_use]
     pub fn dropped(&self) -> u64 {
         self.lock().dropped
     }

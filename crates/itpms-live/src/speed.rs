@@ -16,7 +16,6 @@ pub enum SpeedDoubt {
 
 impl SpeedDoubt {
     /// One word: `missing` or `contradicted`.
-    #[must_use]
     pub fn label(self) -> &'static str {
         match self {
             SpeedDoubt::Missing => "missing",
@@ -25,7 +24,6 @@ impl SpeedDoubt {
     }
 }
 
-/// What was reported of the speed.
 #[derive(Debug, Default)]
 pub(crate) struct SpeedDoubts {
     /// What is doubted now, since when, and when that was looked at last.

@@ -110,7 +110,6 @@ impl SavedDrive {
 
     /// Whether a file begins as a saved state does, damaged or not, is empty or begins with zeros as a power cut may leave it, or
     /// is not there yet: no other is to be written over.
-    #[must_use]
     pub fn is_one(path: &Path) -> bool {
         let mut beginning = Vec::new();
         match File::open(path) {
@@ -171,8 +170,6 @@ impl SavedDrive {
         self.wheels.as_ref().is_some_and(|wheels| wheels.torsion.is_some())
     }
 
-    /// The estimator and its monitor as they were.
-    #[must_use]
     pub fn car(&self) -> &MonitoredCar<f64> {
         &self.car
     }

@@ -38,7 +38,6 @@ fn input(row: LogRow) -> Input {
     Input::Row { row: Box::new(row), arrived: Instant::now() }
 }
 
-/// An engine and what it has to say.
 fn telling_engine(saved: Option<SavedDrive>) -> (Engine, Arc<Mutex<Vec<String>>>) {
     let said = Arc::new(Mutex::new(Vec::new()));
     let say: NoteSink = Arc::new({

@@ -44,7 +44,6 @@ impl Fault {
     }
 }
 
-/// The frame of a block.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Frame {
     pub(super) id: [u8; 4],
@@ -59,7 +58,6 @@ pub(super) struct Frame {
 pub(super) struct Kind {
     pub(super) name: &'static str,
     pub(super) id: &'static [u8; 4],
-    /// Links it has at least.
     pub(super) links: usize,
     /// Bytes behind the links it has at least.
     pub(super) data: usize,
@@ -130,7 +128,6 @@ impl BlockFile {
         Ok(Self { file, length, budget: length.saturating_mul(2).saturating_add(1 << 16) })
     }
 
-    /// Length of the file in bytes.
     pub(super) fn length(&self) -> u64 {
         self.length
     }

@@ -117,7 +117,6 @@ pub fn has_frames(reader: &Mdf4Reader) -> bool {
     reader.groups().iter().any(|group| group.samples != Some(0) && is_data(group))
 }
 
-/// The name of the channel that a group of frames has.
 fn kind(group: &ChannelGroup) -> Option<(&'static str, FrameGroupKind)> {
     let has = |name: &str| group.channels.iter().any(|channel: &Channel| channel.name == name);
     KINDS.into_iter().find(|(name, _)| group.has_time && has(name))

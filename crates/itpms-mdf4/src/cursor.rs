@@ -23,7 +23,6 @@ pub struct GroupCursor {
     finished: bool,
 }
 
-/// What a cursor is made of.
 #[derive(Debug)]
 pub(super) struct Parts {
     pub(super) values: Records,

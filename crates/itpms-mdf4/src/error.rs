@@ -126,86 +126,32 @@ pub enum Mdf4Problem {
 /// What was mended or left out while reading.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say it")]
 pub enum Mdf4Repair {
     /// The program that wrote the file did not come to its end.
-    Unfinalised {
-        /// What it had not written yet.
-        missing: String,
-    },
+    Unfinalised { missing: String },
     /// A list of groups or channels that breaks off.
-    ListCut {
-        /// What the list is of.
-        list: String,
-        /// How many were read.
-        read: usize,
-        /// Where it breaks off.
-        damage: Damage,
-    },
+    ListCut { list: String, read: usize, damage: Damage },
     /// A text, a unit or a comment that cannot be read.
     Text(Damage),
     /// More text than is kept.
-    TextsLeftOut {
-        /// The bound in bytes.
-        most: usize,
-    },
+    TextsLeftOut { most: usize },
     /// A clock in another unit than the standard's.
-    ClockUnit {
-        /// Name of the group.
-        group: String,
-        /// The unit as stated.
-        unit: String,
-    },
+    ClockUnit { group: String, unit: String },
     /// Data without a count.
-    CountZero {
-        /// Name of the group.
-        group: String,
-    },
+    CountZero { group: String },
     /// A group with fewer samples than it claims.
-    FewerSamples {
-        /// Name of the group.
-        group: String,
-        /// Samples read.
-        read: u64,
-        /// Samples claimed.
-        claimed: u64,
-    },
+    FewerSamples { group: String, read: u64, claimed: u64 },
     /// A group with more samples than it claims.
-    MoreSamples {
-        /// Name of the group.
-        group: String,
-        /// Samples claimed.
-        claimed: u64,
-    },
+    MoreSamples { group: String, claimed: u64 },
     /// Samples in the middle that cannot be read.
-    SamplesLost {
-        /// Name of the group.
-        group: String,
-        /// How many, in part or whole.
-        lost: u64,
-    },
+    SamplesLost { group: String, lost: u64 },
     /// A data block that cannot be read, or not to its end.
-    Data {
-        /// Name of the group.
-        group: String,
-        /// The block.
-        damage: Damage,
-    },
+    Data { group: String, damage: Damage },
     /// The last record is incomplete.
-    PartialRecord {
-        /// Name of the group.
-        group: String,
-        /// Bytes of it that are there.
-        bytes: usize,
-    },
+    PartialRecord { group: String, bytes: usize },
     /// A record of a group that does not exist: what follows cannot be separated.
-    UnknownRecord {
-        /// Name of the group that was read.
-        group: String,
-        /// The record id.
-        id: u64,
-        /// Samples read up to there.
-        read: u64,
-    },
+    UnknownRecord { group: String, id: u64, read: u64 },
     /// More repairs than are listed.
     More(u64),
 }
@@ -257,11 +203,9 @@ impl fmt::Display for Mdf4Repair {
     }
 }
 
-/// Repairs, a bounded number of them.
 #[derive(Debug, Default)]
 pub(super) struct Repairs(Vec<Mdf4Repair>);
 
-/// Repairs that are listed one by one.
 const LISTED: usize = 50;
 
 impl Repairs {

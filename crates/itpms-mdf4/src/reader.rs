@@ -103,7 +103,6 @@ impl Mdf4Reader {
         Ok(GroupCursor::new(&self.path, &group.name, parts, group.samples))
     }
 
-    /// Whether the records of a group have bytes.
     pub(super) fn has_records(&self, group: usize) -> bool {
         self.structure.layouts.get(group).is_some_and(|layout| layout.value_bytes > 0)
     }
@@ -237,7 +236,6 @@ fn mixed(data: &DataGroup, own: u64) -> Shape {
     Shape::Mixed { id_bytes: data.id_bytes, own, varies, known }
 }
 
-/// Opens a file for reading.
 fn open(path: &Path) -> Result<BlockFile, Mdf4Problem> {
     Ok(BlockFile::new(input::open_regular(path, "MDF4")?.0).map_err(FileProblem::Read)?)
 }

@@ -8,7 +8,6 @@ use super::data::{DataStream, Piece};
 use super::error::{Damage, Mdf4Problem};
 use super::structure::Record;
 
-/// Bytes of a record.
 pub(super) const MOST_RECORD: u64 = 4 << 20;
 
 /// Samples of a group whose records have no bytes.
@@ -166,7 +165,6 @@ impl Records {
         self.next
     }
 
-    /// Records in gaps.
     pub(super) fn lost(&self) -> u64 {
         self.lost
     }

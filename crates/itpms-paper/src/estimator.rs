@@ -297,9 +297,7 @@ fn corrected_estimate<T: Real>(
 // An estimator lives where its owner puts it; there is no heap to box the larger one in.
 #[allow(clippy::large_enum_variant)]
 pub enum AnyEstimator<T: Real> {
-    /// The default one.
     Informed(EstimatorOnRepeatedRoad<T>),
-    /// One of the paper's.
     Paper(PaperEstimator<T>),
 }
 

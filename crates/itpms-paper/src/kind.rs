@@ -20,13 +20,11 @@ impl EstimatorKind {
     pub const ALL: [Self; 4] = [Self::Informed, Self::AekfUiInformed, Self::AekfUi, Self::EkfUi];
 
     /// Whether it is a filter as published, which cannot find the stiffness: it is never valid and never warns.
-    #[must_use]
     pub fn is_as_published(self) -> bool {
         matches!(self, Self::AekfUi | Self::EkfUi)
     }
 
     /// The name on the command line.
-    #[must_use]
     pub fn label(self) -> &'static str {
         match self {
             Self::Informed => "informed",
@@ -36,8 +34,6 @@ impl EstimatorKind {
         }
     }
 
-    /// The kind of that name.
-    #[must_use]
     pub fn from_label(label: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|kind| kind.label() == label)
     }

@@ -6,13 +6,11 @@
 use itpms_core::Real;
 use itpms_core::model::ParameterError;
 
-/// When and how strongly to forget.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum ParameterForgetting<T> {
     /// Never: only the parameter's random walk lets it move.
     Off,
-    /// The adaptive factor.
     Adaptive {
         /// Number of measurements over which the innovation's variance is averaged while nothing changes;
         /// infinite as published.
@@ -24,7 +22,6 @@ pub enum ParameterForgetting<T> {
 
 impl<T: Real> ParameterForgetting<T> {
     /// Equations (28)-(33) as they are: memory without end, every excess counts.
-    #[must_use]
     pub fn published() -> Self {
         ParameterForgetting::Adaptive { memory: T::lit(f64::INFINITY), significance: T::zero() }
     }
@@ -99,7 +96,6 @@ impl<T: Real> ParameterMemory<T> {
         self.lambda
     }
 
-    /// The last factor.
     pub fn lambda(&self) -> T {
         self.lambda
     }

@@ -94,7 +94,6 @@ impl<T: Real> RoadUnderCar<T> {
 
     /// Memory for the roads, as a constant: for a `static`, to be [configured](Self::configure) where it lies. Until then no road is
     /// known.
-    #[must_use]
     pub const fn unconfigured() -> Self {
         Self { clock: None, wheels: [const { None }; 4] }
     }

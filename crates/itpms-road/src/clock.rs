@@ -62,7 +62,6 @@ impl<T: Real> Clock<T> {
         }
     }
 
-    /// One more sample's time.
     pub(crate) fn take(&mut self, time_s: f64) -> Arrival<T> {
         let arrival = self.arrival(time_s);
         if arrival == Arrival::Ignored {

@@ -21,7 +21,6 @@ pub enum RoadLevel<T> {
 impl<T: Real> RoadLevel<T> {
     /// The level at long waves of a road whose velocity has the density `e^c (f / 10 Hz)^(2 - waviness)`, drawn out to
     /// 0.07 Hz, where it matters.
-    #[must_use]
     pub fn of_power_law(log_level_at_10_hz: T, waviness: T) -> Self {
         RoadLevel::Fixed(log_level_at_10_hz + (waviness - T::lit(2.0)) * T::lit(10.0 / 0.07).ln())
     }
@@ -34,17 +33,13 @@ impl<T: Real> RoadLevel<T> {
 pub enum SensorDelay<T> {
     /// A Butterworth low-pass of fourth order before sampling, its cutoff as a share of the sampling rate. Its
     /// delay at low frequencies is `2.613 / (2 pi cutoff)`.
-    AntiAlias {
-        /// Cutoff over sampling rate.
-        cutoff_per_rate: T,
-    },
+    AntiAlias { cutoff_per_rate: T },
     /// A known delay in s; 0 for a chain without one (a zero-phase filter in a simulation).
     Seconds(T),
 }
 
 impl<T: Real> SensorDelay<T> {
     /// The drive log's anti-alias filter: 0.3 of the sampling rate.
-    #[must_use]
     pub fn default_anti_alias() -> Self {
         SensorDelay::AntiAlias { cutoff_per_rate: T::lit(0.3) }
     }

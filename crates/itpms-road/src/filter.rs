@@ -41,7 +41,6 @@ pub struct RoadEstimate<T> {
     /// model's road has a limited bandwidth (eq. 2), and good sensors see that. A hundred and more is a broken signal
     /// or wrong parameters.
     pub nis: T,
-    /// Whether to believe it.
     pub validity: Validity,
 }
 
@@ -83,8 +82,6 @@ pub struct RoadFilter<T: Real> {
 }
 
 impl<T: Real> RoadFilter<T> {
-    /// A filter that knows nothing yet.
-    #[must_use]
     pub fn new(config: &RoadConfig<T>) -> Self {
         let log_level = match config.level {
             RoadLevel::Fixed(log_level) => log_level,
@@ -326,7 +323,6 @@ impl<T: Real> RoadFilter<T> {
         error * error
     }
 
-    /// Height given out, m.
     pub(crate) fn road_m(&self) -> T {
         self.recursion.mean()[state::ROAD]
     }

@@ -18,7 +18,6 @@ const HIGHEST: f64 = 2.0;
 
 /// Corner in Hz above which the height's power is taken.
 const SLOW_HIGH_PASS_HZ: f64 = 0.3;
-/// Memory of that power in s.
 const SLOW_MEMORY_S: f64 = 20.0;
 /// The level matters where noise and road are alike, near 0.07 Hz, the height's power sits near 0.4 Hz and the
 /// wheel's near 10: `ln(10/0.07) / ln(10/0.4)` draws a power law out.
@@ -34,7 +33,6 @@ pub(crate) struct LevelTracker<T> {
     power: T,
     weight: T,
     seen_s: T,
-    /// Level at wheel hop.
     log_level: T,
     slow: SlowPower<T>,
 }

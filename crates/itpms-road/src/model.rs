@@ -22,11 +22,9 @@ pub(crate) type CoreMatrix<T> = SMatrix<T, CORE, CORE>;
 pub(crate) mod state {
     /// Suspension deflection `x_w - x_b` in m.
     pub(crate) const SUSPENSION: usize = 0;
-    /// Its rate in m/s.
     pub(crate) const SUSPENSION_RATE: usize = 1;
     /// Tire deflection `x_r - x_w` in m.
     pub(crate) const TIRE: usize = 2;
-    /// Wheel velocity in m/s.
     pub(crate) const WHEEL_VELOCITY: usize = 3;
     /// Road velocity `v_r` in m/s, noise of limited bandwidth.
     pub(crate) const ROAD_VELOCITY: usize = 4;

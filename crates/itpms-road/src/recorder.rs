@@ -21,7 +21,6 @@ use thiserror::Error;
 const SEGMENT_S: f64 = 0.02;
 /// Rows kept behind the block for interpolation.
 const HISTORY: usize = WIDTH;
-/// Fewest rows that make a window.
 const FEWEST_ROWS: usize = 64;
 const FEWEST_SEGMENTS: usize = 16;
 /// Segments kept free of the extra cuts at gaps.
@@ -38,9 +37,7 @@ const SILENT_INTERVALS: f64 = 3.5;
     "memory for {rows} rows and {segments} segments, expected at least {FEWEST_ROWS} and {FEWEST_SEGMENTS}"
 )]
 pub struct RecorderMemoryError {
-    /// Rows given.
     pub rows: usize,
-    /// Segments given.
     pub segments: usize,
 }
 
@@ -68,7 +65,6 @@ pub struct RoadRecorder<T: Real, R, S> {
 
 /// Window for a look-ahead of `lookahead_s` ([`RoadConfig::lookahead_s`]) at `rate_hz`: numbers of rows and segments to
 /// provide. In `f64`, at 500 Hz and with the default of 27 s, they take 0.9 and 1.8 MB.
-#[must_use]
 pub fn window_for(rate_hz: f64, lookahead_s: f64) -> (usize, usize) {
     let rows = (rate_hz * lookahead_s / 0.75) as usize + FEWEST_ROWS;
     let per_segment = (rate_hz * SEGMENT_S) as usize;

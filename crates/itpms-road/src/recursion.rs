@@ -15,11 +15,8 @@ const STEP_TOLERANCE: f64 = 1e-3;
 /// A measured acceleration's way into the state, kept for the backward pass.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Correction<T> {
-    /// Row of the measurement.
     pub(crate) row: CoreState<T>,
-    /// Kalman gain.
     pub(crate) gain: CoreState<T>,
-    /// Innovation in m/s².
     pub(crate) innovation: T,
     pub(crate) variance: T,
 }

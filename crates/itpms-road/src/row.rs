@@ -7,15 +7,12 @@ use itpms_core::Real;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RoadRow<T> {
     pub(crate) time_s: f64,
-    /// The forward filter's height, m.
     pub(crate) forward_m: T,
     /// Variance beside the filter's own: the stiffness's uncertainty, and time spent blind, m².
     pub(crate) extra_m2: T,
     /// The smoothed height at the sample, m.
     pub(crate) smooth_m: T,
-    /// Its variance, m².
     pub(crate) variance_m2: T,
-    /// Whether the wheel was measured.
     pub(crate) observed: bool,
 }
 

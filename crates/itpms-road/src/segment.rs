@@ -15,7 +15,6 @@ use itpms_core::Real;
 pub struct Segment<T: Real> {
     /// Number of the row after which the snapshot was taken.
     pub(crate) first_row: u64,
-    /// Its time in s.
     pub(crate) time_s: f64,
     /// Covariance of the height's expectation with the core states at the snapshot.
     road_covariance: CoreState<T>,

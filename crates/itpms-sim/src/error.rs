@@ -11,9 +11,7 @@ use thiserror::Error;
 pub struct InvalidValue {
     /// The field as it is written in a scenario file, for example `road.surface.iso8608.slope`.
     pub field: String,
-    /// What was given.
     pub found: String,
-    /// What would be accepted.
     pub expected: &'static str,
 }
 
@@ -65,7 +63,6 @@ pub(crate) fn not_negative(field: &str, value: f64) -> Result<(), InvalidValue> 
 
 /// A measured road profile that cannot be used.
 #[derive(Debug, Error)]
-#[allow(missing_docs, reason = "the messages say it")]
 pub enum ProfileError {
     /// The file could not be read.
     #[error("{}: {source}", path.display())]
@@ -94,7 +91,6 @@ pub enum ProfileError {
 
 /// A scenario that cannot be driven.
 #[derive(Debug, Error)]
-#[allow(missing_docs, reason = "the messages say it")]
 pub enum ScenarioError {
     /// Neither a built-in name nor a file.
     #[error("no scenario `{name}`{}; built in: {}; or give a TOML file", did_you_mean(nearest.as_deref()), known.join(", "))]

@@ -15,15 +15,12 @@ pub(crate) enum Purpose {
     SensorNoise = 2,
     /// Lost samples of a sensor.
     Dropout = 3,
-    /// Sampling instants.
     Clock = 4,
-    /// Noise of a pressure sensor.
     PressureNoise = 5,
     /// What a line beside a track has for itself.
     RoadBeside = 6,
     /// Where a wheel's imbalance is when a drive starts.
     Imbalance = 7,
-    /// What a journey is composed of.
     Journey = 8,
     /// What a sensor's fault draws.
     Fault = 9,

@@ -34,8 +34,6 @@ impl PartialEq for Found {
 }
 
 impl TimeProfile {
-    /// The same value at all times.
-    #[must_use]
     pub fn constant(value: f64) -> Self {
         let found = Found::default();
         Self { times_s: vec![0.0], values: vec![value], integrals: vec![0.0], integral_to_zero: 0.0, found }
@@ -75,7 +73,6 @@ impl TimeProfile {
         Ok(profile)
     }
 
-    /// Value at a time in s.
     pub fn value(&self, time_s: f64) -> f64 {
         self.value_after(self.last_point(time_s), time_s)
     }
@@ -125,7 +122,6 @@ impl TimeProfile {
 /// The car's speed over time, as written in a scenario.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Speed {
-    /// One speed in km/h.
     #[serde(rename = "constant_km_h")]
     ConstantKmH(f64),
     /// Points `[time in s, speed in km/h]`, straight between them; zero is a stop.
@@ -159,7 +155,6 @@ impl Speed {
 /// A tire's gauge pressure over time, as written in a scenario.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Pressure {
-    /// One pressure in kPa.
     #[serde(rename = "constant_kpa")]
     ConstantKpa(f64),
     /// Points `[time in s, pressure in kPa]`, straight between them.
@@ -169,7 +164,6 @@ pub enum Pressure {
 
 impl Pressure {
     /// Holds `from_kpa` until `start_s`, then goes straight to `to_kpa` within `duration_s`.
-    #[must_use]
     pub fn ramp(from_kpa: f64, to_kpa: f64, start_s: f64, duration_s: f64) -> Self {
         Pressure::PointsSKpa(vec![[start_s, from_kpa], [start_s + duration_s, to_kpa]])
     }
@@ -214,19 +208,16 @@ impl Pressure {
     }
 
     /// The paper's Fig. 6: 241.3 kPa until 20 s, down to 137.9 within 2.5 s.
-    #[must_use]
     pub fn paper_drop() -> Self {
         Self::ramp(241.3, 137.9, 20.0, 2.5)
     }
 
     /// The paper's Fig. 9a: the same down to 41.4 kPa.
-    #[must_use]
     pub fn paper_deep_drop() -> Self {
         Self::ramp(241.3, 41.4, 20.0, 2.5)
     }
 
     /// The paper's Fig. 9b: 241.3 kPa until 15 s, 138 at 17.5 s, 195 at 27.5 s, held.
-    #[must_use]
     pub fn paper_drop_recover() -> Self {
         Pressure::PointsSKpa(vec![[15.0, 241.3], [17.5, 138.0], [27.5, 195.0]])
     }

@@ -8,10 +8,8 @@ use common::{Bench, table};
 use serde_json::Value;
 
 struct Car {
-    /// What its owner knows.
     init: &'static str,
     placard_kpa: f64,
-    /// What nobody gives.
     wheelbase_m: f64,
 }
 

@@ -26,7 +26,6 @@ pub enum Sensors {
 }
 
 impl Sensors {
-    #[must_use]
     pub fn are_of_wheels(self) -> bool {
         self != Self::Accelerations
     }
@@ -35,7 +34,6 @@ impl Sensors {
     pub const ALL: [Self; 3] = [Self::Accelerations, Self::WheelSpeeds, Self::Pulses];
 
     /// The name on the command line.
-    #[must_use]
     pub fn label(self) -> &'static str {
         match self {
             Self::Accelerations => "accelerations",

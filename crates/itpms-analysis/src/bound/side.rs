@@ -43,7 +43,6 @@ impl SideBound {
 
     /// Fisher information per second about (pressure in front, pressure at the rear in kPa, natural logarithm of the road's
     /// level at 10 Hz, slope `w`) at these gauge pressures in kPa.
-    #[must_use]
     pub fn information_matrix_per_second(&self, pressures_kpa: [f64; 2]) -> Matrix4<f64> {
         over_the_band(self.setting.band_hz, |frequency_hz| {
             let (phi, derivatives) = self.model(frequency_hz, pressures_kpa);
@@ -89,7 +88,6 @@ impl SideBound {
     /// Bound on the standard deviations in kPa, `[front, rear]`, at each time (s, increasing) of a drive with these true
     /// pressures, as [`CornerBound::history`](super::CornerBound::history). Up to `calibrated_until_s` the
     /// pressures are given, as during a reset.
-    #[must_use]
     pub fn history(
         &self,
         times_s: &[f64],

@@ -90,7 +90,6 @@ pub(super) struct BlockFit {
     pub(super) covariance: DMatrix<f64>,
     /// Effective degrees of freedom of each coefficient's variance.
     pub(super) dof: DVector<f64>,
-    /// Root of the mean squared residual.
     pub(super) residual_rms: f64,
 }
 

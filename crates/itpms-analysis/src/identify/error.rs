@@ -6,7 +6,6 @@ use thiserror::Error;
 /// Why an identification is refused.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
-#[allow(missing_docs, reason = "the messages say it")]
 pub enum IdentifyError {
     #[error("columns of {first} and {second} rows, expected equal lengths")]
     Lengths { first: usize, second: usize },
@@ -51,10 +50,8 @@ pub enum IdentifyError {
         "the longest stretch of one steady sine has {found} periods, expected at least {expected} of the same frequency and amplitude"
     )]
     TooFewPeriods { found: usize, expected: usize },
-    /// Too few samples in a period.
     #[error("{rows_per_period:.1} rows per period at {frequency_hz:.3} Hz, expected at least {expected}")]
     SampledTooSlowly { frequency_hz: f64, rows_per_period: f64, expected: usize },
-    /// Energy comes out of a damper.
     #[error(
         "the damping is {value:.1} N s/m with the sign in which the spring pulls back: force_n and displacement_m are not of the same instant, or not of this part"
     )]

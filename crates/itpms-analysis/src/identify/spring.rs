@@ -12,7 +12,6 @@ use super::guard::{self, Units, plain};
 use super::strokes::{Stroke, strokes};
 use super::{IdentifyError, loops};
 
-/// Rows needed in all.
 const FEWEST_ROWS: usize = 6;
 /// Share of the travel by which the displacement must come back to have turned.
 const TURN: f64 = 0.1;
@@ -55,13 +54,10 @@ pub struct SpringResult {
     pub nonlinearity: Option<Nonlinearity>,
     /// Lowest and highest displacement in m that was used.
     pub travel_m: (f64, f64),
-    /// Strokes used.
     pub strokes: usize,
-    /// Rows used.
     pub rows: usize,
     /// Rows left out: next to turning points, or in strokes too short to use.
     pub rows_left_out: usize,
-    /// Root mean square of the residuals in N.
     pub residual_rms_n: f64,
     /// What a careful reader should know before using the number.
     pub concerns: Vec<String>,

@@ -26,11 +26,8 @@ pub struct WheelReading {
 /// A strut averaged over a drive, for the file's sprung mass.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StrutMean {
-    /// Damping in N s/m.
     pub damping_n_s_per_m: f64,
-    /// Spring in N/m.
     pub spring_n_per_m: f64,
-    /// Friction in N.
     pub friction_n: f64,
 }
 
@@ -114,7 +111,6 @@ impl Listener {
         })
     }
 
-    /// Takes a sample.
     pub fn take(&mut self, sample: &CarSample<f64>) {
         let estimate = self.car.update(sample);
         if self.first_s.is_nan() {
@@ -148,8 +144,6 @@ impl Listener {
         }
     }
 
-    /// What the drive has shown.
-    #[must_use]
     pub fn finish(self) -> DriveReading {
         let strut = |i: usize| {
             let (sum, stated) = (&self.struts[i], self.config.corners[i].as_ref()?.quarter_car);

@@ -16,7 +16,6 @@ const SAME: f64 = 0.9999;
 
 impl Found {
     /// What looks wrong, corner by corner; empty where nothing does.
-    #[must_use]
     pub fn doubts(&self) -> Vec<String> {
         let mut out = Vec::new();
         if self.speed.is_none() && (self.wheels.is_none() || !self.corners.is_empty()) {
@@ -114,7 +113,6 @@ impl FoundCorner {
     }
 }
 
-/// Of one acceleration.
 fn signal(name: &str, s: &Statistics) -> Vec<String> {
     if s.samples == 0 {
         return vec![format!("{name}: never has a value")];

@@ -15,7 +15,6 @@ enum Scale {
     Logarithmic,
 }
 
-/// One axis of a panel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
     label: String,
@@ -27,27 +26,23 @@ pub struct Axis {
 
 impl Axis {
     /// Evenly spaced. `unit` may be empty.
-    #[must_use]
     pub fn linear(label: impl Into<String>, unit: impl Into<String>) -> Self {
         Self { label: label.into(), unit: unit.into(), scale: Scale::Linear, range: None, hold: vec![] }
     }
 
     /// Every factor of ten as long as the next. Values that are not positive are not drawn.
-    #[must_use]
     pub fn logarithmic(label: impl Into<String>, unit: impl Into<String>) -> Self {
         Self { scale: Scale::Logarithmic, ..Self::linear(label, unit) }
     }
 
     /// From `low` to `high`, whatever the data: what lies beyond is cut off and marked. Without this the range is that
     /// of the data.
-    #[must_use]
     pub fn within(mut self, low: f64, high: f64) -> Self {
         self.range = Some((low, high));
         self
     }
 
     /// A value that must be on the axis where its range is that of the data.
-    #[must_use]
     pub fn holding(mut self, value: f64) -> Self {
         self.hold.push(value);
         self

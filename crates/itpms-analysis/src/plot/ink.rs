@@ -4,13 +4,10 @@
 /// Who or what is drawn. The same thing has the same color in every figure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Ink {
-    /// What really is.
     Truth,
-    /// The default estimator.
     Default,
     /// The published filter, corrected and informed.
     Mended,
-    /// The published adaptive filter.
     Adaptive,
     /// The published filter without forgetting.
     Plain,
@@ -20,13 +17,11 @@ pub enum Ink {
     Extra,
     /// Sky blue, for what has no color of its own.
     Light,
-    /// Limits and remarks.
     Muted,
 }
 
 impl Ink {
     /// As SVG and CSS take it.
-    #[must_use]
     pub fn color(self) -> &'static str {
         match self {
             Self::Truth => "#1b1b1b",
@@ -76,15 +71,10 @@ pub(crate) fn night_style() -> String {
 /// How a line is drawn: a second way, beside color, to tell lines apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Stroke {
-    /// Unbroken.
     Solid,
-    /// Unbroken and broad.
     Bold,
-    /// Unbroken and thin, for many of a kind.
     Thin,
-    /// Long dashes.
     Dashed,
-    /// Dots.
     Dotted,
 }
 

@@ -20,7 +20,6 @@ use crate::spectrum::PowerLaw;
 
 /// Buckets of every curve over time; at most twice as many points are drawn.
 const BUCKETS: usize = 2000;
-/// Finest bucket in s.
 const FINEST_S: f64 = 0.01;
 /// Below this speed in m/s a car learns nothing.
 const STANDING_M_S: f64 = 2.5;
@@ -52,7 +51,6 @@ mod channel {
     pub(super) const PER_CORNER: usize = 13;
 }
 
-/// What the report takes for granted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReportOptions {
     /// Comparisons with the truth begin this long after the first row, in s.
@@ -88,10 +86,8 @@ impl Default for ReportOptions {
     }
 }
 
-/// One corner at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CornerRow {
-    /// What the estimator says.
     pub estimate: CornerEstimate<f64>,
     /// True pressure in kPa; NaN when unknown.
     pub truth_kpa: f64,
@@ -128,7 +124,6 @@ pub struct ReportCollector {
 
 impl ReportCollector {
     /// A collector for the corners that have a configuration, in the order of [`Corner::ALL`].
-    #[must_use]
     pub fn new(corners: &[Option<CornerConfig<f64>>; 4], options: ReportOptions) -> Self {
         let corners: Vec<CornerCollector> = Corner::ALL
             .into_iter()
@@ -233,8 +228,6 @@ impl ReportCollector {
         hole
     }
 
-    /// The drive is over.
-    #[must_use]
     pub fn finish(self, provenance: Provenance) -> ReportData {
         let drive = DriveFigures {
             samples: self.samples,

@@ -11,26 +11,18 @@ use super::words::corner_name;
 use super::{CornerReport, ReportData};
 use crate::plot::escape;
 
-/// A parameter of a corner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Parameter {
-    /// Sprung mass.
     SprungMass,
-    /// Unsprung mass.
     UnsprungMass,
     /// Stiffness of the tire at placard pressure.
     Tire,
-    /// That over the unsprung mass.
     TireOverMass,
     /// Slope of stiffness over pressure.
     Slope,
-    /// Damping.
     Damping,
-    /// Spring.
     Spring,
-    /// Friction of the strut.
     Friction,
-    /// Damping of the tire.
     TireDamping,
 }
 

@@ -28,7 +28,6 @@ pub struct WatchReport {
     /// Each wheel's stretches `(from s, to s, code)`, in the order of [`Corner::ALL`]: 0 fine, 1 unknown, 2 uncertain,
     /// 3 over, 4 malfunction, 5 low.
     pub states: [Vec<(f64, f64, f64)>; 4],
-    /// Each wheel's state at the end.
     pub last: [Option<WheelState>; 4],
     /// The alerts in the order in which they were reported.
     pub alerts: Vec<AlertSpan>,

@@ -25,7 +25,6 @@ const CHANNELS: usize = DIFFERENCES + 3 * 3;
 /// A value over time with its 95 % band.
 #[derive(Debug, Clone, Default)]
 pub struct BandCurve {
-    /// The value.
     pub value: Vec<f64>,
     /// Lower and upper edge.
     pub band: [Vec<f64>; 2],
@@ -42,7 +41,6 @@ pub struct WheelSpeedReport {
     pub lost_percent: [BandCurve; 4],
     /// Change of the ratios of the radii in thousandths: front left over right, rear left over right, front over rear.
     pub difference_1e3: [BandCurve; 3],
-    /// What was reported last.
     pub last: RadiusReport<f64>,
 }
 
@@ -94,7 +92,6 @@ impl WheelSpeedCollector {
 }
 
 /// What the wheel speeds say of the tires, in one sentence without a full stop.
-#[must_use]
 pub fn found(radii: &RadiusReport<f64>) -> String {
     let names = |wheels: itpms_core::model::Wheels| {
         let names: Vec<String> = wheels.iter().map(|corner| corner_name(corner).to_lowercase()).collect();
@@ -128,7 +125,6 @@ pub fn found(radii: &RadiusReport<f64>) -> String {
 }
 
 /// What the wheel speeds cannot show, a sentence each.
-#[must_use]
 pub fn unseen(radii: &RadiusReport<f64>) -> Vec<String> {
     let known = !matches!(radii.state, RadiusState::Uncalibrated | RadiusState::Calibrating);
     let mut out = Vec::new();
@@ -179,7 +175,6 @@ pub fn unseen(radii: &RadiusReport<f64>) -> Vec<String> {
 }
 
 /// A wheel's radius and loss, as one reads them.
-#[must_use]
 pub fn wheel_line(wheel: &WheelRadius<f64>) -> String {
     if !wheel.change.is_finite() {
         return "not compared with anything".to_owned();
@@ -220,7 +215,6 @@ pub(super) fn title(data: &ReportData, wheels: &WheelSpeedReport) -> String {
     text[..1].to_uppercase() + &text[1..]
 }
 
-/// The section of the page.
 pub(super) fn section(data: &ReportData) -> String {
     let Some(wheels) = &data.wheel_speeds else { return String::new() };
     let mut out = format!(

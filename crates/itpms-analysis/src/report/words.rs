@@ -78,7 +78,6 @@ impl Status {
         }
     }
 
-    /// The same of what is so now.
     pub(super) fn word(self) -> &'static str {
         match self {
             Self::Low => "LOW",
@@ -93,7 +92,6 @@ impl Status {
 
 impl CornerReport {
     /// Why the wheel was not known at the end, if the monitor reported that it was not: words that follow on its state and a colon.
-    #[must_use]
     pub fn doubt(&self) -> Option<&'static str> {
         match self.state? {
             WheelState::Unknown(doubt) => Some(match doubt {

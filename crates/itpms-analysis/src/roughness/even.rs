@@ -21,7 +21,6 @@ const MOST_MISSING: f64 = 1e7;
 
 /// Profiles that cannot be made even.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
-#[allow(missing_docs, reason = "the messages say it")]
 pub enum EvenError {
     /// There is no distance between them.
     #[error("found {0} points, expected 2 or more")]
@@ -40,7 +39,6 @@ pub enum EvenError {
     },
 }
 
-/// Heights at even distances.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EvenProfile {
     /// Where the first height is, in m.
@@ -49,7 +47,6 @@ pub struct EvenProfile {
     pub spacing_m: f64,
     /// Heights in m; NaN is missing.
     pub heights_m: Vec<f64>,
-    /// What the heights are.
     pub sampling: Sampling,
     /// Heights that were missing and are bridged.
     pub bridged: usize,
@@ -57,7 +54,6 @@ pub struct EvenProfile {
 
 impl EvenProfile {
     /// From heights `spacing_m` apart.
-    #[must_use]
     pub fn of_even(start_m: f64, spacing_m: f64, heights_m: Vec<f64>) -> Self {
         let mut even = Self { start_m, spacing_m, heights_m, sampling: Sampling::Points, bridged: 0 };
         even.bridge();

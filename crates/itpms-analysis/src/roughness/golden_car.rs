@@ -155,7 +155,6 @@ pub fn segment_iri_m_per_km(
 /// The share of a road's IRI that is left when waves longer than `longest_m` are missing from it, for a road of slope
 /// `waviness`: a Gaussian road's mean rectified slope goes with its rms, which is an integral over the golden car's
 /// response. With all waves from 0.25 to 1000 m it is 1; up to 10 m it is 0.95 (slope 2), up to 20 m 0.99.
-#[must_use]
 pub fn share_of_iri(longest_m: f64, waviness: f64) -> f64 {
     const STEPS: i32 = 400;
     let power = |wavelength_m: f64| {

@@ -7,7 +7,6 @@ use super::cells::Cells;
 use super::golden_car::Enveloping;
 use super::survey::{Sampling, SegmentRoughness, SurveyError, SurveyOptions, TrackRoughness, TrackSurvey};
 
-/// Length of a cell in m.
 const CELL_M: f64 = 0.05;
 /// A longer step from sample to sample is a hole in the log.
 const LONGEST_STEP_M: f64 = 1.0;
@@ -49,7 +48,6 @@ impl WheelSurvey {
     }
 
     /// The same, and looks for holes and bumps.
-    #[must_use]
     pub fn with_anomalies(mut self) -> Self {
         self.anomalies = Some(AnomalySearch::new(CELL_M));
         self
@@ -86,14 +84,11 @@ impl WheelSurvey {
         self.survey.take_newest()
     }
 
-    /// The drive is over.
-    #[must_use]
     pub fn finish(self) -> TrackRoughness {
         self.survey.finish()
     }
 
     /// The same with the holes and bumps, if they were [looked for](Self::with_anomalies).
-    #[must_use]
     pub fn finish_with_anomalies(self) -> (TrackRoughness, Vec<Anomaly>) {
         (self.survey.finish(), self.anomalies.map(AnomalySearch::finish).unwrap_or_default())
     }

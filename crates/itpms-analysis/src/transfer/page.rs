@@ -7,8 +7,6 @@ use crate::plot::{Axis, Figure, Ink, Panel, Stroke, escape};
 
 use crate::page::figures_page;
 
-/// The page about one drive of one vehicle.
-#[must_use]
 pub fn page(vehicle: &str, log: &str, corners: &[CornerCheck]) -> String {
     let cards: String = corners.iter().map(card).collect();
     let mut body = format!("<div class=\"corners\">{cards}</div>\n");

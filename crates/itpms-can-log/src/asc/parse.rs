@@ -74,7 +74,6 @@ fn unstamped(first: &[u8], words: &mut Words<'_>) -> Result<AscLine, &'static st
     }
 }
 
-/// What begins with a time.
 fn stamped(stamp_s: f64, words: &mut Words<'_>, base: Base) -> Result<AscLine, &'static str> {
     let bus = match words.next() {
         Some(b"CANFD") => return fd(stamp_s, words, base),

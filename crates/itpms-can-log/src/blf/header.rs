@@ -13,7 +13,6 @@ pub(super) const LEAST: usize = 72;
 /// Bytes of the header that is written.
 pub(super) const SIZE: usize = 144;
 
-/// What matters of a header.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Header {
     /// Its size in bytes as it says.

@@ -31,7 +31,6 @@ const EXTENDED: u32 = 0x8000_0000;
 /// Unit of the stamps in s.
 const TEN_MICROSECONDS: u32 = 1;
 
-/// Whether objects of this type hold frames.
 pub(super) fn is_frame(object_type: u32) -> bool {
     matches!(
         object_type,
@@ -45,7 +44,6 @@ pub(super) fn is_frame(object_type: u32) -> bool {
     )
 }
 
-/// What an object of a frame's type is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Object {
     /// A frame; its time is the time since the measurement's beginning.

@@ -162,7 +162,6 @@ fn is_whole(line: &[u8]) -> bool {
     matches!(line, [.., b' ', b'R' | b'T' | b'r' | b't']) || line.contains(&b'[') || line.contains(&b'{')
 }
 
-/// Fewer stamps than this are taken as times.
 const FEWEST_STAMPS: usize = 16;
 
 /// Whether stamps are differences from frame to frame. Times grow: the middle one of the later half lies beyond all of

@@ -133,7 +133,6 @@ impl<'a> Cursor<'a> {
         earlier.rest.len().saturating_sub(self.rest.len())
     }
 
-    /// The beginning of what comes, for a message.
     pub(super) fn beginning(&self) -> String {
         let line = self.rest.lines().next().unwrap_or_default();
         let clean: String = line.chars().filter(|c| !c.is_control()).take(31).collect();

@@ -9,7 +9,6 @@ pub enum NoValue {
     RawEnd,
 }
 
-/// See the [module](self).
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Missing {
     pub(super) labelled: Vec<u64>,

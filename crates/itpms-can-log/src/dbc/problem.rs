@@ -138,7 +138,6 @@ impl Problems {
         }
     }
 
-    /// By their lines.
     pub(super) fn finish(self) -> Vec<DbcProblem> {
         let mut problems = self.0;
         problems.sort_by_key(|problem| (matches!(problem.fault, Fault::More(_)), problem.line));

@@ -11,7 +11,6 @@ const RISE_SD: f64 = 0.3;
 const ROLLING_S: f64 = 660.0;
 const STANDING_S: f64 = 1800.0;
 const LAG_SD: f64 = 0.3;
-/// Speed in m/s from which a wheel rolls.
 const ROLLS_M_S: f64 = 1.0;
 /// Standard deviation in K of a tire's temperature against the air's at the start: it may have been driven before, or have stood in a garage.
 const HISTORY_SD_K: f64 = 6.0;
@@ -20,7 +19,6 @@ const AMBIENT_SD_K: f64 = 1.5;
 /// What stands for a speed in m/s that is not known, as its standard deviation, too.
 const UNKNOWN_M_S: f64 = 14.0;
 
-/// See the [module](self). All in K but for the air.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct WarmUp<T> {

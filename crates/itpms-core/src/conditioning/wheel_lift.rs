@@ -6,7 +6,6 @@ use crate::memory::Blank;
 use crate::model::QuarterCar;
 use crate::real::Real;
 
-/// Gravity in m/s².
 const GRAVITY_M_S2: f64 = 9.81;
 /// Share of the corner's weight by which the force of the tire is less than at rest when the wheel has surely lifted, and
 /// when it may have: the body's mass, its pitch and roll and the load are not known to the percent.
@@ -34,7 +33,6 @@ pub(crate) struct Contact {
     pub(crate) hopping: bool,
 }
 
-/// The watch on one wheel.
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct ContactWatch<T> {

@@ -19,7 +19,6 @@ pub(crate) enum SwapPattern {
     Crossed,
 }
 
-/// A debounced fault and what it is called.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct FaultLatch<T: Real> {

@@ -21,7 +21,6 @@ const PART_S: f64 = 0.1;
 /// Sum of squares of the fourth difference's weights 1, -4, 6, -4, 1.
 const FOURTH_DIFFERENCE: f64 = 70.0;
 
-/// What a sensor was like in a block.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct SensorBlock<T> {
     /// Power in (m/s²)² per sample of white noise with the fourth differences of the block's quietest part; `None` when
@@ -33,7 +32,6 @@ pub(crate) struct SensorBlock<T> {
     pub(crate) spikes: u32,
     /// For how long the value has not changed, in s.
     pub(crate) unchanged_s: f64,
-    /// Whether every value of the block came.
     pub(crate) complete: bool,
 }
 
@@ -166,7 +164,6 @@ fn roughness<T: Real>(window: &[T; WINDOW]) -> T {
     window.windows(5).map(fourth_difference).fold(T::zero(), |sum, fourth| sum + fourth * fourth)
 }
 
-/// Of five values.
 fn fourth_difference<T: Real>(w: &[T]) -> T {
     w[0] + w[4] + T::lit(6.0) * w[2] - T::lit(4.0) * (w[1] + w[3])
 }

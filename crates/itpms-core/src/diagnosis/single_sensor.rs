@@ -70,7 +70,6 @@ impl<T: Real> SingleSensorMonitor<T> {
         self.watch.interrupted();
     }
 
-    /// Whether its value has changed of late.
     pub(crate) fn changes(&self, time_s: f64) -> bool {
         self.watch.unchanged_s(time_s) < STUCK_DOUBT_S
     }

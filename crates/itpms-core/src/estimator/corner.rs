@@ -134,7 +134,6 @@ impl<T: Real> CornerEstimator<T> {
         (sd_n_per_m * sd_n_per_m + self.friction_variance).sqrt()
     }
 
-    /// The car as it seems to be now.
     pub(crate) fn quarter_car(&self) -> QuarterCar<T> {
         self.informed.quarter_car()
     }

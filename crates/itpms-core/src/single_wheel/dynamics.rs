@@ -7,7 +7,6 @@ use crate::memory::Blank;
 use crate::real::Real;
 
 pub(crate) const LEAK_MODES: usize = 5;
-/// Level modes of the road.
 pub(crate) const LEVEL_MODES: usize = 3;
 /// Cells that a mode's kernel reaches on each side.
 pub(crate) const REACH: usize = 2;

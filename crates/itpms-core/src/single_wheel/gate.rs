@@ -23,7 +23,6 @@ const SLOW: f64 = 0.006;
 /// Velocity power in (m/s)²/Hz beyond any road: ISO 8608 class H at 70 km/h reaches two at 10 Hz.
 const NO_ROAD: f64 = 3.0;
 
-/// Whether the speed is known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum SpeedKnowledge {
     Known,

@@ -39,7 +39,6 @@ pub(crate) struct Evidence<T> {
     pub(crate) c: [T; BINS],
     /// Log power lost per unit of [`ENVELOPE`] in each bin, at the speed of this frame.
     pub(crate) envelope: [T; BINS],
-    /// Bins in use.
     pub(crate) bins: usize,
     /// One-sided accelerometer noise density in (m/s²)²/Hz.
     pub(crate) noise_density: T,
@@ -221,7 +220,6 @@ pub(crate) struct RoadPrior<T: Real> {
 /// A road fitted to a frame.
 pub(crate) struct Fitted<T: Real> {
     pub(crate) road: Road<T>,
-    /// The frame's log evidence.
     pub(crate) log_evidence: T,
 }
 

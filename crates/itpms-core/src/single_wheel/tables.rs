@@ -36,12 +36,10 @@ const AT_ONCE: usize = 2;
 /// Points of one bin's window, and of those that are filled at once.
 const WINDOW: usize = 2 * KERNEL_HALF as usize + 1;
 const POINTS: usize = WINDOW + (AT_ONCE - 1) * KERNEL_DENSITY as usize;
-/// Lowest frequency in Hz of these averages.
 const LOWEST_HZ: f64 = 0.1;
 /// Exponents on each side of zero through which the power law's parabola is drawn.
 const SHAPE_REACH: f64 = 0.6;
 
-/// The pressure grid.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Grid<T> {

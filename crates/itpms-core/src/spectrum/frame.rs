@@ -78,7 +78,6 @@ impl<T: Real, const BINS: usize, const SIGNALS: usize> FrameClock<T, BINS, SIGNA
         self.restart();
     }
 
-    /// Time between frames in s.
     pub(crate) fn hop_s(&self) -> f64 {
         f64::from(self.hop) * self.grid_period_s
     }

@@ -23,7 +23,6 @@ pub(super) enum Edge<T> {
     Lost,
 }
 
-/// A ring.
 #[derive(Debug, Clone, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Teeth<T> {

@@ -22,7 +22,6 @@ const PER_M: f64 = 200.0;
 /// Seconds at the first speed before the first row.
 const WARM_UP_S: f64 = 3.0;
 
-/// What a drive is made of.
 #[derive(Clone, Copy)]
 pub struct CarRide {
     pub seed: u64,

@@ -143,7 +143,6 @@ fn low_pass(edge: f64) -> Vec<f64> {
     taps.iter().map(|w| w / sum).collect()
 }
 
-/// Root mean square.
 pub fn rms(values: impl IntoIterator<Item = f64>) -> f64 {
     let (sum, count) = values.into_iter().fold((0.0, 0.0f64), |(s, n), v| (s + v * v, n + 1.0));
     (sum / count).sqrt()

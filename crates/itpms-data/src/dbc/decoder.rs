@@ -11,10 +11,8 @@ use crate::error::DataError;
 use crate::log::Slot;
 use crate::signals::{Conversion, Reading, Resolved, SignalMap, resolve_among};
 
-/// What became of the frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct FrameCounts {
-    /// All that were handed in.
     pub frames: u64,
     /// Data frames of messages with a column's signal.
     pub used: u64,
@@ -28,7 +26,6 @@ pub struct FrameCounts {
     pub other_bus: u64,
     /// Used parameter groups of SAE J1939 that came from another source address than the first time; not decoded.
     pub other_sender: u64,
-    /// Remote and error frames.
     pub without_data: u64,
     /// Values sent as not available (`SNA`, SAE J1939), handed on as NaN.
     pub not_available: u64,
@@ -59,7 +56,6 @@ struct Wanted {
 /// A signal that is a column.
 #[derive(Debug, Clone)]
 struct Carried {
-    /// Its place in the message.
     place: usize,
     slot: Slot,
     conversion: Conversion,
@@ -100,37 +96,31 @@ impl Decoder {
     }
 
     /// The columns that can come, in the order of [`Slot::all`].
-    #[must_use]
     pub fn slots(&self) -> Vec<Slot> {
         self.resolved.slots()
     }
 
     /// Which signal is which column, and what is doubtful about it.
-    #[must_use]
     pub fn resolved(&self) -> &Resolved {
         &self.resolved
     }
 
     /// The description of the bus.
-    #[must_use]
     pub fn dbc(&self) -> &Dbc {
         &self.dbc
     }
 
     /// What is wrong with the description; see [`Dbc::problems`].
-    #[must_use]
     pub fn problems(&self) -> &[DbcProblem] {
         self.dbc.problems()
     }
 
     /// What became of the frames so far.
-    #[must_use]
     pub fn counts(&self) -> &FrameCounts {
         &self.counts
     }
 
     /// Which signals came as an end of their raw numbers beyond the stated range, in words; `None` if there are none.
-    #[must_use]
     pub fn raw_ends(&self) -> Option<String> {
         let carried =
             self.wanted.values().flat_map(|wanted| wanted.signals.iter().map(move |of| (wanted, of)));

@@ -13,17 +13,14 @@ use crate::signals::{Conversion, SignalMap, resolve};
 /// What became of the rows.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct EncodeCounts {
-    /// Frames made.
     pub frames: u64,
     /// Frames not made because a value was missing and the description has no code for that.
     pub without_value: u64,
     /// Values beyond what their signal can say, which were sent as its nearest.
     pub saturated: u64,
-    /// The first signal with such a value.
     pub first_saturated: Option<String>,
 }
 
-/// Makes the frames.
 #[derive(Debug, Clone)]
 pub struct Encoder {
     outgoing: Vec<Outgoing>,
@@ -68,19 +65,16 @@ impl Encoder {
     }
 
     /// Columns for which the description has no signal.
-    #[must_use]
     pub fn left_out(&self) -> &[Slot] {
         &self.left_out
     }
 
     /// Whether a corner's two accelerations, or anything at all, can be sent.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.outgoing.is_empty()
     }
 
     /// Signals that share a message with a column without being one, as `message.signal`: they are sent as zero.
-    #[must_use]
     pub fn zeros(&self) -> Vec<String> {
         let mut zeros = Vec::new();
         for Outgoing { message, columns } in &self.outgoing {
@@ -91,7 +85,6 @@ impl Encoder {
     }
 
     /// What became of the rows so far.
-    #[must_use]
     pub fn counts(&self) -> &EncodeCounts {
         &self.counts
     }

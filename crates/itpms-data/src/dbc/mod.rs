@@ -28,7 +28,6 @@ pub fn described(path: &Path) -> Result<Dbc, DataError> {
 }
 
 /// All signals of all messages, as candidates for columns. A signal that a message has in several layouts is one.
-#[must_use]
 pub fn candidates(dbc: &Dbc) -> Vec<Candidate> {
     let signals =
         dbc.messages().iter().flat_map(|m| m.first_layouts().map(move |place| (m, &m.signals[place])));
@@ -41,7 +40,6 @@ pub fn candidates(dbc: &Dbc) -> Vec<Candidate> {
 }
 
 /// Message and place of the signal in it, in its first layout, of the candidate with this number.
-#[must_use]
 pub fn of_candidate(dbc: &Dbc, number: usize) -> Option<(&Message, usize)> {
     dbc.messages().iter().flat_map(|m| m.first_layouts().map(move |place| (m, place))).nth(number)
 }

@@ -6,10 +6,8 @@ use thiserror::Error;
 use super::hints::{hint, one_by_one, other_unit};
 use crate::reference::problem::ReferenceProblem;
 
-/// One kind of problem with a file.
 #[derive(Debug, Error)]
 #[non_exhaustive]
-#[allow(missing_docs, reason = "the messages say it")]
 pub enum Problem {
     /// One that a file of any format may have.
     #[error(transparent)]
@@ -33,13 +31,11 @@ pub enum Problem {
     /// A problem in one of several part files.
     #[error("{part}: {problem}")]
     InPart { part: String, problem: Box<Problem> },
-    /// A column that has to be there.
     #[error("column {column} is missing{}", hint(.nearest))]
     MissingColumn { column: String, nearest: Option<String> },
     /// A Parquet column of another type.
     #[error("column {column} holds {found}, expected numbers{}", one_by_one(.found))]
     ColumnType { column: String, found: String },
-    /// Text where a number belongs.
     #[error(
         "{place}, column {column}: found {found:?}, expected a number, or NaN or nothing where it is missing{hint}"
     )]
@@ -69,7 +65,6 @@ pub enum Problem {
         rows: u64,
         place: Place,
     },
-    /// The rows of two drives in turns.
     #[error(
         "from {from_s} to {to_s} s rows differ from their neighbors {ratio:.0} times as much as from those before: two recordings in turns, or more, expected \
          one ({way_out})"
@@ -77,7 +72,6 @@ pub enum Problem {
     TwoRecordings {
         /// Mean square between neighbors over that between the rows that go on from each other.
         ratio: f64,
-        /// Where that is so: from here, in s.
         from_s: f64,
         to_s: f64,
         way_out: String,

@@ -14,7 +14,6 @@ pub(super) struct CanFeed {
     frames: Frames,
     decoder: Decoder,
     echoes: Echoes,
-    /// Each bus has its own clock.
     buses: Vec<(u16, Strays<Reading>)>,
 }
 

@@ -17,7 +17,6 @@ const TO_ONE: usize = 9;
 /// Of the steps of an identifier sorted by their lengths, the one that is its cycle: so up to four copies of each frame are no matter.
 const CYCLE_AT: f64 = 0.8;
 
-/// See the [module](self).
 #[derive(Debug, Default)]
 pub(super) struct Echoes {
     /// The identifiers of buses that have echoes.

@@ -13,7 +13,6 @@ use super::packed::{GZIP, Packed};
 use super::wide::{Order, Wide};
 use crate::error::{FileProblem, Problem};
 
-/// Zeros that are passed over, at most.
 const MOST_ZEROS: u64 = 1 << 26;
 /// Bytes read at a time.
 const BUFFER: usize = 1 << 16;

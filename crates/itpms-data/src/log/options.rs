@@ -21,7 +21,6 @@ pub struct LogOptions {
 }
 
 impl LogOptions {
-    /// The map, if there is one.
     pub(crate) fn any_map(&self) -> Result<Option<SignalMap>, DataError> {
         self.signals.as_deref().map(SignalMap::read).transpose()
     }

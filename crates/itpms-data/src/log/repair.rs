@@ -3,9 +3,7 @@
 /// Counts over the rows read so far; complete once the reader has returned `None`.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RepairReport {
-    /// Rows in the file.
     pub rows_read: u64,
-    /// Rows handed out.
     pub rows_kept: u64,
     /// Acceleration cells without a value, over all corners.
     pub missing_accelerations: u64,
@@ -39,13 +37,11 @@ pub struct RepairReport {
 
 impl RepairReport {
     /// Whether the log was flawless.
-    #[must_use]
     pub fn is_clean(&self) -> bool {
         self.warnings().is_empty()
     }
 
     /// What was found how often, leaving out what was not found at all.
-    #[must_use]
     pub fn counts(&self) -> Vec<(&'static str, u64)> {
         let all = [
             ("missing acceleration values", self.missing_accelerations),
@@ -62,7 +58,6 @@ impl RepairReport {
     }
 
     /// One sentence per kind of repair, without the file's name.
-    #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let mut out = self.format.clone();
         let mut say = |count: u64, one: &str, many: &str| {

@@ -15,7 +15,6 @@ pub struct Selection {
     value: String,
 }
 
-/// What stands for any value.
 const ANY: &str = "*";
 
 impl Selection {
@@ -29,7 +28,6 @@ impl Selection {
         self.value == ANY || cell == self.value || cell.parse().is_ok_and(|value| self.takes_number(value))
     }
 
-    /// The same of a number.
     pub(crate) fn takes_number(&self, value: f64) -> bool {
         self.value == ANY || self.value.parse::<f64>().is_ok_and(|wanted| wanted == value)
     }

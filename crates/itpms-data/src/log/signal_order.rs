@@ -29,7 +29,6 @@ impl Stamped for Reading {
     }
 }
 
-/// See the [module](self).
 #[derive(Debug)]
 pub(super) struct SignalOrder {
     series: [Series<Reading>; SLOTS],

@@ -193,7 +193,6 @@ impl SignalSource {
         self.aligner.report()
     }
 
-    /// The table that it is made of, if it is one.
     pub(super) fn of_table(&self) -> Option<&TableSource> {
         match &self.feed {
             Feed::Table(table) => Some(table),

@@ -114,7 +114,6 @@ impl Slot {
     }
 
     /// Its place in [`Slot::all`].
-    #[must_use]
     pub fn index(self) -> usize {
         match self {
             Slot::Time => 0,
@@ -126,8 +125,6 @@ impl Slot {
         }
     }
 
-    /// The column's name.
-    #[must_use]
     pub fn name(self) -> String {
         match self {
             Slot::Time => "time_s".to_owned(),
@@ -150,7 +147,6 @@ impl Slot {
         self.is_tire_sensor() || matches!(self, Slot::Air(_) | Slot::Position(_))
     }
 
-    /// Whether it is of a sensor in a tire.
     pub(crate) fn is_tire_sensor(self) -> bool {
         matches!(self, Slot::Corner(_, Field::TireSensor | Field::TireTemperature))
     }

@@ -11,7 +11,6 @@ const FAR: f64 = 10.0;
 const FAR_SI: f64 = 50.0;
 /// Share of an acceleration's values that it is at most.
 const RARE: f64 = 0.01;
-/// Such numbers that a column has at most.
 const MOST: usize = 3;
 
 /// The numbers of a table that are no values, and how often they came. See the [module](self).
@@ -49,7 +48,6 @@ impl StandIns {
         }
     }
 
-    /// What was taken out, a sentence each.
     pub(super) fn sentences(&self) -> impl Iterator<Item = String> {
         self.0.iter().map(|(slot, value, count)| {
             format!(

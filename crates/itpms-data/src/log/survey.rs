@@ -22,7 +22,6 @@ const POSSIBLE_WHEEL_SPEED_RATES_HZ: std::ops::RangeInclusive<f64> = 9.5..=50_00
 /// What the first rows say about the clock.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Survey {
-    /// Rows looked at.
     pub rows: usize,
     /// Median step of the time in s.
     pub sample_period_s: f64,
@@ -36,7 +35,6 @@ pub struct Survey {
 impl Survey {
     /// The rate for which an estimator is made, in Hz: the fastest it is for where samples come faster, and where every tenth or so is
     /// lost that of the others.
-    #[must_use]
     pub fn estimator_rate_hz(&self) -> f64 {
         let median_hz = 1.0 / self.sample_period_s;
         let lossy = self.sample_rate_hz < *SAMPLE_RATES_HZ.start() && median_hz >= *SAMPLE_RATES_HZ.start();

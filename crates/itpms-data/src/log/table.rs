@@ -38,7 +38,6 @@ const GAP_STEPS: usize = 3;
 /// What the rows of a table are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Rows {
-    /// Samples of all sensors.
     Samples,
     /// Messages: two of the columns are hardly ever filled in the same row.
     Messages,
@@ -103,7 +102,6 @@ pub(super) struct TableSource {
     table: Table,
     /// The rows that were looked at, and why there are no more.
     ahead: VecDeque<Result<(RawRow, Place), Problem>>,
-    /// Messages that were left out.
     without_time: u64,
     rows: Rows,
     clock: Clock,

@@ -21,7 +21,6 @@ pub(crate) struct TextHead {
     pub(crate) names: Vec<String>,
     /// The unit of each column, empty where none is stated; without elements where the table has no such row.
     pub(crate) units: Vec<String>,
-    /// The line of the names.
     pub(super) line: Vec<u8>,
     /// Lines before the names that belong to no table.
     pub(super) before: usize,

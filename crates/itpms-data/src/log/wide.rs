@@ -28,7 +28,6 @@ impl Order {
     }
 }
 
-/// See the [module](self).
 #[derive(Debug)]
 pub(super) struct Wide<R> {
     input: R,

@@ -27,12 +27,10 @@ pub(crate) enum Message<'a> {
     Data { channel: u16, log_ns: u64, published_ns: u64, bytes: &'a [u8] },
 }
 
-/// What is next in a file.
 enum Next {
     Over,
     /// So many more bytes are needed.
     Wants(usize),
-    /// A record with this code.
     Record(u8),
     Fails(McapError),
 }

@@ -43,7 +43,6 @@ enum List {
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Kind {
-    /// Bytes, and how they are a number.
     Unsigned(usize),
     Signed(usize),
     Float(usize),

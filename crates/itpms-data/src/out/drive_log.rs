@@ -45,7 +45,6 @@ enum Sink {
 /// Whether a format that can be compressed is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Packing {
-    /// Small.
     #[default]
     Packed,
     /// For programs that cannot read it otherwise.
@@ -135,7 +134,6 @@ impl LogWriter {
     }
 
     /// What of the rows did not get into the file so far, a sentence each.
-    #[must_use]
     pub fn losses(&self) -> Vec<String> {
         match &self.sink {
             #[cfg(feature = "can")]

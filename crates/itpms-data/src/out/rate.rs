@@ -17,7 +17,6 @@ pub struct RateGate {
 
 impl RateGate {
     /// A gate that lets this many rows a second through.
-    #[must_use]
     pub fn new(rate_hz: f64) -> Self {
         Self { rate_hz, start_s: None, due: 0.0 }
     }

@@ -110,7 +110,6 @@ impl EstimateColumns {
 pub const COLD_COLUMNS: [&str; 2] = ["cold_pressure_kpa", "cold_pressure_sd_kpa"];
 
 /// What is in them, in kPa; NaN where it is not known.
-#[must_use]
 pub fn cold_values(estimate: &CornerEstimate<f64>) -> [f64; 2] {
     estimate.cold.map_or([f64::NAN; 2], |cold| [cold.pressure_kpa, cold.sd_kpa])
 }
@@ -160,7 +159,6 @@ impl EstimateWriter {
 pub struct RoadPoint {
     /// Height in m, within the wavelengths the sensors can see: no hill, no drift, no pebble.
     pub road_m: f64,
-    /// Its standard deviation in m.
     pub road_sd_m: f64,
 }
 

@@ -33,7 +33,6 @@ pub(crate) enum Quantity {
 /// How a cell is laid down.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Stored {
-    /// As the physical type has it.
     Plain,
     /// An integer without a sign.
     Unsigned,
@@ -41,7 +40,6 @@ enum Stored {
     BigEndian,
     /// Two bytes, IEEE 754, least significant first.
     HalfPrecision,
-    /// Whole days.
     Days,
     /// Months, days and milliseconds, least significant first.
     Interval,

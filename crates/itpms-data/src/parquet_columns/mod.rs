@@ -39,7 +39,6 @@ pub(crate) struct ParquetColumns {
     names: Vec<String>,
     /// Of those that are durations, units per s.
     durations: HashMap<String, f64>,
-    /// Those that were chosen.
     columns: Vec<Column>,
     next_group: usize,
     /// Rows of the current row group that are not decoded yet.
@@ -242,7 +241,6 @@ impl ParquetColumns {
         self.columns.iter().map(|column| column.values[self.now])
     }
 
-    /// The same of one of them.
     pub(crate) fn value(&self, place: usize) -> f64 {
         self.columns[place].values[self.now]
     }

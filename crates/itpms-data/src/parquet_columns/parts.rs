@@ -19,7 +19,6 @@ const MIDNIGHT_S: f64 = 60.0;
 
 /// A file or a folder of files.
 pub(crate) struct ParquetParts {
-    /// The names of all columns of all parts.
     names: Vec<String>,
     /// The parts that have some first, for what these are, and for each name the part among them.
     first: Vec<ParquetColumns>,
@@ -42,7 +41,6 @@ pub(crate) struct ParquetParts {
 /// What is read of every part.
 #[derive(Debug, Default)]
 struct Wanted {
-    /// Names of the chosen columns.
     columns: Vec<String>,
     /// Which of the chosen ones is the clock.
     clock: Option<usize>,
@@ -51,7 +49,6 @@ struct Wanted {
 
 /// A part that is read.
 struct Open {
-    /// Within a folder, its name.
     name: Option<String>,
     columns: ParquetColumns,
     /// Where each of the wanted columns is among those of this part, if it has it.
@@ -118,7 +115,6 @@ impl ParquetParts {
         }
     }
 
-    /// The names of all columns.
     pub(crate) fn names(&self) -> &[String] {
         &self.names
     }

@@ -36,7 +36,6 @@ const MOST_WAITING: usize = 1 << 18;
 pub struct Pulse {
     /// When it passed, in s, by the clock of the drive's log.
     pub time_s: f64,
-    /// Whose.
     pub wheel: Corner,
 }
 
@@ -96,8 +95,6 @@ impl PulseReader {
         })
     }
 
-    /// The file.
-    #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -133,8 +130,6 @@ impl PulseReader {
         }
     }
 
-    /// What was repaired, a sentence each.
-    #[must_use]
     pub fn repairs(&self) -> Vec<String> {
         let counted = |count: u64, what: &str| (count > 0).then(|| format!("{count} {what}"));
         [
@@ -187,7 +182,6 @@ impl PulseReader {
     }
 }
 
-/// Writes a table of pulses.
 #[derive(Debug)]
 pub struct PulseWriter(Table);
 

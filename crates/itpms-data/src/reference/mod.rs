@@ -85,7 +85,6 @@ fn implausible(error: CalibrationError, vehicle: &Vehicle, found_m: Option<f64>)
 /// A learned reference with its car and its date.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StoredReference {
-    /// The car it was learned on.
     pub vehicle: VehicleIdentity,
     /// When the calibration was over, in s since 1970-01-01 UTC, as the caller's clock had it.
     pub learned_unix_s: u64,
@@ -93,7 +92,6 @@ pub struct StoredReference {
     pub wheelbase_m: Option<f64>,
     /// What was learned of corners with accelerations; of no corner where there were none.
     pub reference: VehicleCalibration<f64>,
-    /// What was learned of the wheel speeds.
     pub wheel_speeds: Option<RadiusCalibration<f64>>,
     /// What was learned of tooth pulses, in the order of [`Corner::ALL`](itpms_core::model::Corner::ALL); never without wheel speeds.
     pub torsion: LearnedTorsion,
@@ -130,7 +128,6 @@ impl StoredReference {
     }
 
     /// What the wheel speeds of `vehicle` were found to be at the given time, its accelerations not being known.
-    #[must_use]
     pub fn of_wheel_speeds(vehicle: &Vehicle, learned: RadiusCalibration<f64>, learned_unix_s: u64) -> Self {
         Self {
             vehicle: VehicleIdentity::of(vehicle),
@@ -145,32 +142,27 @@ impl StoredReference {
     }
 
     /// The same with what was learned of the wheel speeds.
-    #[must_use]
     pub fn with_wheel_speeds(self, wheel_speeds: Option<RadiusCalibration<f64>>) -> Self {
         Self { wheel_speeds, ..self }
     }
 
     /// The same with what was learned of struts and body.
-    #[must_use]
     pub fn with_suspension(self, suspension: Option<SuspensionReference>) -> Self {
         Self { suspension, ..self }
     }
 
     /// The same with what was learned of tooth pulses.
-    #[must_use]
     pub fn with_torsion(self, torsion: LearnedTorsion) -> Self {
         Self { torsion, ..self }
     }
 
     /// The same after another day.
-    #[must_use]
     pub fn with_days(self, days: &RadiusDays<f64>) -> Self {
         let calibrated_unix_s = self.days.calibrated_unix_s;
         Self { days: RadiusDays { calibrated_unix_s, ..*days }, ..self }
     }
 
     /// Whether anything was learned of corners with accelerations.
-    #[must_use]
     pub fn has_corners(&self) -> bool {
         self.reference.corners.iter().any(Option::is_some)
     }
@@ -187,7 +179,6 @@ impl StoredReference {
     }
 
     /// The bytes of its file.
-    #[must_use]
     pub fn to_text(&self) -> String {
         text::sealed(self)
     }
@@ -249,7 +240,6 @@ impl StoredReference {
     }
 
     /// The day it was learned, `2026-03-01`, UTC.
-    #[must_use]
     pub fn day(&self) -> String {
         text::day(self.learned_unix_s)
     }

@@ -6,7 +6,6 @@ use thiserror::Error;
 /// Why a reference is not used.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
-#[allow(missing_docs, reason = "the messages say it")]
 pub enum ReferenceProblem {
     #[error("is no learned reference: its beginning is {found:?}, expected \"itpms-reference\"")]
     Foreign { found: String },

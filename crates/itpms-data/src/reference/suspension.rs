@@ -31,11 +31,9 @@ pub struct SuspensionReference {
     pub asymmetry_n_s_per_m: [f64; 4],
     /// Force over the square of the speed in N s²/m²: negative where dampers are digressive.
     pub knee_n_s2_per_m2: [f64; 4],
-    /// Springs in N/m.
     pub spring_n_per_m: [f64; 4],
     /// Anti-roll bars at a wheel, in N/m.
     pub bar_n_per_m: [f64; 2],
-    /// Slip forces in N of the friction's elements.
     pub friction_n: [[f64; FRICTION_ELEMENTS]; 4],
     /// Time in s by which each wheel's sensor is later than the body's.
     pub lateness_s: [f64; 4],
@@ -43,7 +41,6 @@ pub struct SuspensionReference {
     pub hydraulic_n_s_per_m: [f64; 4],
     /// Share of dry friction in what the struts damped meanwhile, the largest of the four.
     pub friction_share: f64,
-    /// Seconds of driving that it was learned from.
     pub driving_s: f64,
 }
 
@@ -106,7 +103,6 @@ impl SuspensionReference {
     }
 
     /// Whether a car may be so.
-    #[must_use]
     pub fn is_sane(&self) -> bool {
         let mut copy = *self;
         let is_finite = copy.numbers().iter().all(|(_, value)| value.is_finite());

@@ -81,7 +81,6 @@ fn body(stored: &StoredReference) -> String {
     out
 }
 
-/// What accelerations have taught.
 fn corners(out: &mut String, stored: &StoredReference) {
     let reference = &stored.reference;
     let _ = writeln!(out, "driving_s = {:?}", reference.learned_s);

@@ -33,7 +33,6 @@ pub(crate) fn conversion_to(unit: &str, slot: Slot) -> Option<Conversion> {
     Unit::of(unit).conversion_to(slot)
 }
 
-/// Seconds per unit, of a unit of time.
 pub(crate) fn seconds(unit: &str) -> Option<f64> {
     match Unit::of(unit) {
         Unit::Known(Quantity::Time, conversion) => Some(conversion.factor),
@@ -123,7 +122,6 @@ fn split(name: &str) -> (&str, String) {
     (name, String::new())
 }
 
-/// Whether this is the spelling of a unit.
 pub(crate) fn is_unit(text: &str) -> bool {
     matches!(Unit::of(text), Unit::Known(..))
 }

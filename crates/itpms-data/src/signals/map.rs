@@ -47,7 +47,6 @@ pub(super) enum Scale {
     /// From the unit that the file states.
     AsStated,
     Unit(String, Conversion),
-    /// By these numbers.
     Numbers(Conversion),
 }
 
@@ -71,7 +70,6 @@ impl SignalMap {
         Ok(Self { path: path.to_owned(), entries, time })
     }
 
-    /// What messages call it.
     pub(crate) fn path(&self) -> &Path {
         &self.path
     }

@@ -45,7 +45,6 @@ enum Word {
     Air,
     Barometer,
     Altitude,
-    /// Of where the car is.
     Gps,
     Latitude,
     Longitude,
@@ -252,7 +251,6 @@ fn mass(words: &[Word]) -> Option<Field> {
     }
 }
 
-/// The one corner that is named.
 fn corner(words: &[Word]) -> Option<Corner> {
     let has = |word| words.contains(&word);
     let side = match (has(Word::Front), has(Word::Rear), has(Word::Left), has(Word::Right)) {

@@ -14,20 +14,15 @@ use super::{Candidate, Conversion, Entry, Scale, SignalMap, Unread, not_there, s
 use crate::error::DataError;
 use crate::log::{Field, Quantity, SLOTS, Slot};
 
-/// One column's signal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chosen {
-    /// The column.
     pub slot: Slot,
-    /// Its place among the candidates.
     pub candidate: usize,
     /// From the signal's value to the column's unit.
     pub conversion: Conversion,
-    /// Group, dot, name.
     pub signal: String,
     /// The unit as stated by the log.
     pub unit: String,
-    /// By what.
     pub source: Source,
 }
 
@@ -44,8 +39,6 @@ pub struct Resolved {
 }
 
 impl Resolved {
-    /// What this column gets.
-    #[must_use]
     pub fn get(&self, slot: Slot) -> Option<&Chosen> {
         self.chosen[slot.index()].as_ref()
     }
@@ -56,13 +49,11 @@ impl Resolved {
     }
 
     /// The columns that would get something if it had samples.
-    #[must_use]
     pub fn without_samples(&self) -> &[Slot] {
         &self.without_samples
     }
 
     /// The columns that get something, in the order of [`Slot::all`].
-    #[must_use]
     pub fn slots(&self) -> Vec<Slot> {
         self.iter().map(|chosen| chosen.slot).collect()
     }
@@ -158,7 +149,6 @@ impl Unread {
 
 /// The candidates of which only one can be taken, in the order of their places: several fit one column, or are what the map calls one.
 #[cfg(any(feature = "can", feature = "mdf4"))]
-#[must_use]
 pub(crate) fn contested(candidates: &[Candidate], map: Option<&SignalMap>) -> Vec<usize> {
     let mut contested = Vec::new();
     let mut several = |places: Vec<usize>| {

@@ -14,11 +14,9 @@ pub(crate) enum Unit {
     Silent,
     /// A unit of this quantity, and how it becomes the quantity's own.
     Known(Quantity, Conversion),
-    /// Some word.
     Unknown,
 }
 
-/// Standard gravity in m/s².
 const STANDARD_GRAVITY_M_S2: f64 = 9.806_65;
 
 impl Unit {

@@ -66,7 +66,6 @@ pub use itpms_core::model::{Confidence, ParameterUncertainty};
 /// A vehicle as its file describes it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Vehicle {
-    /// What people call it.
     pub name: String,
     /// Which of the cars of that name it is, where that matters: a VIN, a fleet number.
     pub id: Option<String>,
@@ -138,14 +137,12 @@ const CORNER_KEYS: [&str; 16] = [
 ];
 
 /// The `[tire]` table of a vehicle file for this map, with the uncertainty of its coefficients where it has one.
-#[must_use]
 pub fn tire_table(map: &PressureMap<f64>) -> String {
     write::tire_table(map)
 }
 
 impl Vehicle {
     /// The paper's simulated vehicle: Table 2 at all four corners, eq. (5), wheelbase 2.7 m.
-    #[must_use]
     pub fn paper() -> Self {
         Self {
             name: "paper, Table 2".to_owned(),
@@ -158,26 +155,22 @@ impl Vehicle {
     }
 
     /// The corner's parameters, if the vehicle has that corner.
-    #[must_use]
     pub fn corner(&self, corner: Corner) -> Option<&CornerConfig<f64>> {
         self.corners[corner.index()].as_ref()
     }
 
     /// Pressure of the air in kPa where the tires are filled.
-    #[must_use]
     pub fn home_kpa(&self) -> f64 {
         standard_atmosphere_kpa(self.details.home_altitude_m.unwrap_or(0.0))
     }
 
     /// What an estimator of these corners is given; corners that the vehicle does not have are left out.
-    #[must_use]
     pub fn car_config(&self, corners: &[Corner]) -> CarConfig<f64> {
         let chosen = |corner: Corner| self.corner(corner).copied().filter(|_| corners.contains(&corner));
         CarConfig { corners: Corner::ALL.map(chosen), wheelbase_m: self.wheelbase_m }
     }
 
     /// The same with other details, and with what they say of how well its parameters are known.
-    #[must_use]
     pub fn with_details(mut self, details: VehicleDetails) -> Self {
         self.details = details;
         for (corner, stated) in self.corners.iter_mut().zip(&details.corners) {
@@ -189,14 +182,12 @@ impl Vehicle {
     }
 
     /// Pressure on the placard of this corner's tire in kPa, where the file has it.
-    #[must_use]
     pub fn placard_kpa(&self, corner: Corner) -> Option<f64> {
         let alone = self.details.corners[corner.index()].placard_kpa;
         self.corner(corner).map(|config| config.placard_kpa).or(alone)
     }
 
     /// Rolling radius in m of the tires, where the file has one.
-    #[must_use]
     pub fn rolling_radius_m(&self) -> Option<f64> {
         self.details.corners.iter().find_map(|corner| corner.tire.rolling_radius_m)
     }
@@ -249,21 +240,18 @@ impl Vehicle {
 
     /// Whether the wheelbase is that of other cars: its standard deviation says that it was not measured. `itpms vehicle learn` and a
     /// calibration find it then.
-    #[must_use]
     pub fn assumes_wheelbase(&self) -> bool {
         self.wheelbase_m.is_some()
             && self.details.wheelbase_sd_m.is_some_and(|sd_m| sd_m > MEASURED_WHEELBASE_SD_M)
     }
 
     /// How well the parameters of this corner are known; those of the file's confidence for a corner that it does not have.
-    #[must_use]
     pub fn uncertainty(&self, corner: Corner) -> ParameterUncertainty<f64> {
         let usual = || ParameterUncertainty::of(self.details.confidence);
         self.corner(corner).map_or_else(usual, |corner| corner.uncertainty)
     }
 
     /// Standard deviation in kPa that the file leaves in the level of a pressure before a calibration, the largest of these corners.
-    #[must_use]
     pub fn level_sd_kpa(&self, corners: &[Corner]) -> f64 {
         let of = |config: &CornerConfig<f64>| {
             let stiffness = config.tire.stiffness_n_per_m(config.placard_kpa);
@@ -333,13 +321,11 @@ impl Vehicle {
     }
 
     /// The text of a vehicle file that reads back as this vehicle.
-    #[must_use]
     pub fn to_toml(&self) -> String {
         write::vehicle(self)
     }
 
     /// The same with these lines of comment at its head, and beside each value what `comment` says of it by its table and key.
-    #[must_use]
     pub fn to_commented_toml(
         &self,
         head: &[String],

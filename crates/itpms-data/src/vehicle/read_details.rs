@@ -143,7 +143,6 @@ fn teeth(table: &Table<'_>) -> Result<Option<u32>, Problem> {
     }
 }
 
-/// One of several words.
 fn word<T: Copy>(
     table: &Table<'_>,
     key: &'static str,

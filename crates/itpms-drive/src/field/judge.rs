@@ -38,7 +38,6 @@ const SENSOR_KPA: f64 = 35.0;
 /// What was found, each a sentence.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(super) struct Findings {
-    /// What the log has.
     pub(super) facts: Vec<String>,
     /// Why it is not good enough.
     pub(super) faults: Vec<String>,

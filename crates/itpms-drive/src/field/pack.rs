@@ -13,7 +13,6 @@ use zip::{CompressionMethod, ZipWriter};
 
 use crate::error::DriveError;
 
-/// Names in the archive.
 pub(super) const LOG: &str = "drive.csv";
 pub(super) const VEHICLE: &str = "vehicle.toml";
 pub(super) const MANIFEST: &str = "manifest.json";

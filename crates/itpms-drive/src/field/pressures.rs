@@ -13,7 +13,6 @@ use crate::learn::no_pressure;
 pub struct KnownFrom {
     /// Time in s since the log's first row.
     pub from_s: f64,
-    /// The pressures in kPa.
     pub kpa: [Option<f64>; 4],
 }
 

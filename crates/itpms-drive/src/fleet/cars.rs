@@ -13,23 +13,18 @@ use itpms_data::reference::crc64;
 use super::found::natural;
 use crate::error::DriveError;
 
-/// A car.
 #[derive(Debug)]
 pub struct Car {
-    /// What it is called.
     pub id: String,
     /// Its parameters, or why they cannot be used.
     pub vehicle: Result<Vehicle, String>,
-    /// A checksum of its file.
     pub fingerprint: String,
     /// What an earlier calibration drive taught of it.
     pub reference: Option<PathBuf>,
 }
 
-/// All cars.
 #[derive(Debug)]
 pub enum Cars {
-    /// All drives are of this one.
     One(Box<Car>),
     /// A car per vehicle file, in natural order.
     Many(Vec<Car>),

@@ -33,7 +33,6 @@ fn tail(path: &str, parts: usize) -> &str {
     &path[cut..]
 }
 
-/// A path as the address of a link.
 fn address(path: &str) -> String {
     let mut out = String::with_capacity(path.len());
     for byte in path.bytes() {

@@ -20,7 +20,6 @@ const KEY: &str = "itpms_fleet";
 /// What a drive has shown of its day since the calibration with which it began.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DayRecord {
-    /// Days since the calibration.
     pub day: f64,
     /// Changes of the three ratios of radii in thousandths, with their covariance.
     pub change_1e3: [f64; 3],
@@ -40,13 +39,9 @@ impl DayRecord {
 /// What a drive's results depend on; with the same inputs it is not estimated again.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Inputs {
-    /// Length of the log.
     pub bytes: u64,
-    /// When it was last changed.
     pub modified: String,
-    /// Checksum of the vehicle file.
     pub vehicle: String,
-    /// Whether it is a calibration drive.
     pub calibrate: bool,
     /// Checksum of the stored reference it starts with, if it does.
     pub reference: Option<String>,
@@ -54,23 +49,17 @@ pub struct Inputs {
     pub pulses: Option<String>,
 }
 
-/// A pressure at one time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Pressure {
-    /// When, in s.
     pub time_s: f64,
-    /// Pressure in kPa.
     pub pressure_kpa: f64,
-    /// Its standard deviation in kPa.
     pub sd_kpa: f64,
 }
 
 /// What a tire has lost since the calibration, by wheel speeds alone: shares of its pressure.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Loss {
-    /// What it has lost.
     pub share: f64,
-    /// Its standard deviation.
     pub sd: f64,
     /// The smallest loss that would have shown.
     pub detectable: f64,
@@ -87,7 +76,6 @@ pub struct WheelRecord {
     pub state: String,
     /// The last row's warning: `none`, `low` or `malfunction`.
     pub warning: String,
-    /// The last valid pressure.
     pub last: Option<Pressure>,
     /// The valid pressure with the lowest upper end of its 95 % interval.
     pub lowest: Option<Pressure>,
@@ -95,11 +83,9 @@ pub struct WheelRecord {
     pub share_valid: f64,
     /// How often `low` was begun to be warned of, and when first, in s.
     pub warnings: u32,
-    /// When first, in s.
     pub first_warning_s: Option<f64>,
     /// How often `malfunction` was begun to be warned of.
     pub malfunctions: u32,
-    /// When first, in s.
     pub first_malfunction_s: Option<f64>,
     /// What wheel speeds alone say of it at the end.
     pub lost: Option<Loss>,
@@ -107,7 +93,6 @@ pub struct WheelRecord {
     pub iri_m_per_km: Option<f64>,
     /// How well body and wheel go together.
     pub fit: Option<FitRecord>,
-    /// What its damper does.
     #[serde(default)]
     pub damper: Option<DamperRecord>,
 }
@@ -132,22 +117,16 @@ pub struct FitRecord {
     pub unexplained: Option<f64>,
     /// How much more front and rear disagree about their road near wheel hop than beside it.
     pub hop_excess: Option<f64>,
-    /// Friction of the strut in N.
     pub friction_n: f64,
     /// What does not fit: `incoherent`, `unexplained` or `hop`.
     pub misfit: Option<String>,
 }
 
-/// What is kept of a drive.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DriveRecord {
-    /// The log, as it was named.
     pub file: String,
-    /// The car.
     pub car: String,
-    /// The vehicle's name.
     pub vehicle: String,
-    /// What it was computed from.
     pub inputs: Inputs,
     /// Whether it is a calibration drive that taught something, for later drives to start with.
     pub taught: bool,
@@ -157,11 +136,9 @@ pub struct DriveRecord {
     pub origin_s: f64,
     /// From the first row to the last, in s.
     pub duration_s: f64,
-    /// Rows per second.
     pub rate_hz: f64,
     /// Distance in m; `None` where the speed was never known.
     pub distance_m: Option<f64>,
-    /// The wheels that were estimated.
     pub wheels: Vec<WheelRecord>,
     /// The wheels of the vehicle file that were not.
     #[serde(default)]
@@ -174,14 +151,12 @@ pub struct DriveRecord {
     pub day: Option<DayRecord>,
     /// Its report and its estimates, as paths within the folder of the results.
     pub report: Option<String>,
-    /// Its estimates, likewise.
     pub estimates: Option<String>,
 }
 
 impl DriveRecord {
     /// What it has to do with calibration: `drive` (it taught the car), `carried` (it starts with what an earlier one taught)
     /// or `none`.
-    #[must_use]
     pub fn calibration(&self) -> &'static str {
         match (self.taught, &self.inputs.reference) {
             (true, _) => "drive",
@@ -235,7 +210,6 @@ impl Records {
         })
     }
 
-    /// What is kept of a drive.
     pub(super) fn of(&self, name: &str) -> Option<&DriveRecord> {
         self.drives.get(name)
     }

@@ -18,7 +18,6 @@ pub enum State {
     Uncertain,
     /// Not enough is known.
     Unknown,
-    /// Nothing is wrong.
     Fine,
 }
 
@@ -27,8 +26,6 @@ impl State {
     pub const ALL: [Self; 6] =
         [Self::Low, Self::Malfunction, Self::Over, Self::Uncertain, Self::Unknown, Self::Fine];
 
-    /// One word.
-    #[must_use]
     pub fn label(self) -> &'static str {
         match self {
             Self::Low => "low",
@@ -41,7 +38,6 @@ impl State {
     }
 
     /// That of a wheel in a drive, as the drive's report shows it: what was warned of counts to the end of the drive.
-    #[must_use]
     pub fn of_wheel(wheel: &WheelRecord) -> Self {
         if wheel.first_warning_s.is_some() {
             Self::Low
@@ -61,17 +57,14 @@ impl State {
     }
 
     /// That of a drive: its worst wheel's. A wheel that was not estimated may be the one that is low.
-    #[must_use]
     pub fn of_drive(drive: &DriveRecord) -> Self {
         let missing = (!drive.not_estimated.is_empty()).then_some(Self::Unknown);
         drive.wheels.iter().map(Self::of_wheel).chain(missing).min().unwrap_or(Self::Unknown)
     }
 }
 
-/// A car and its drives.
 #[derive(Debug, Clone)]
 pub struct CarStanding<'a> {
-    /// The car.
     pub car: &'a str,
     /// That of its last drive that could be estimated; unknown if none could.
     pub state: State,
@@ -83,7 +76,6 @@ pub struct CarStanding<'a> {
 
 impl<'a> CarStanding<'a> {
     /// All cars, the worst first: by state, then by the lowest share of the placard's pressure.
-    #[must_use]
     pub fn of_all(drives: &'a [DriveRecord], failed: &'a [Failed]) -> Vec<Self> {
         let mut cars: BTreeMap<&str, Self> = BTreeMap::new();
         let unseen = |car| Self { car, state: State::Unknown, drives: Vec::new(), failed: 0 };
@@ -101,7 +93,6 @@ impl<'a> CarStanding<'a> {
     }
 
     /// Its last drive that could be estimated.
-    #[must_use]
     pub fn last(&self) -> Option<&'a DriveRecord> {
         self.drives.last().copied()
     }

@@ -50,7 +50,6 @@ macro_rules! asset {
     };
 }
 
-/// Everything there is.
 const ASSETS: &[Asset] = &[
     Asset { path: "/", kind: HTML, text: include_str!("../../dashboard/index.html") },
     asset!("style.css", STYLE),
@@ -74,7 +73,6 @@ const ASSETS: &[Asset] = &[
     Asset { path: "/assets/uplot.LICENSE", kind: TEXT, text: PLOT_LICENSE },
 ];
 
-/// A route for every file.
 pub(super) fn routes<S: Clone + Send + Sync + 'static>(unit: PressureUnit) -> Router<S> {
     ASSETS.iter().fold(Router::new(), |router, asset| {
         let (mark, text) = match asset.kind {

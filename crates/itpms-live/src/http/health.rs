@@ -14,7 +14,6 @@ const FRESH_S: f64 = 3.0;
 const OVERDUE: f64 = 2.5;
 const SLOWEST_S: f64 = 60.0;
 
-/// Whether what is shown is now.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct Health {
     /// `fresh`, `waiting` (nothing yet), `stale` or `ended`.

@@ -36,7 +36,6 @@ use tokio::sync::oneshot;
 
 use crate::hub::Hub;
 
-/// What a server is given.
 #[derive(Debug, Clone)]
 pub struct Options {
     /// Where to listen; port 0 takes a free one.
@@ -52,7 +51,6 @@ pub struct Options {
 
 impl Options {
     /// Own pages only, at this address, in kPa.
-    #[must_use]
     pub fn new(address: SocketAddr) -> Self {
         Self { address, hosts: Vec::new(), origins: Vec::new(), pressure_unit: PressureUnit::Kpa }
     }
@@ -60,7 +58,6 @@ impl Options {
 
 /// Why the page cannot be served.
 #[derive(Debug, thiserror::Error)]
-#[allow(missing_docs, reason = "the messages say it")]
 pub enum HttpError {
     /// The address is taken, not ours, or needs more rights.
     #[error("cannot listen on {address}: {source}")]
@@ -103,14 +100,11 @@ impl Server {
         Ok(Self { address, stop: Some(stop), thread: Some(thread) })
     }
 
-    /// Where it listens.
-    #[must_use]
     pub fn address(&self) -> SocketAddr {
         self.address
     }
 
     /// Whether other machines can reach it: to be reported loudly, as there is no password.
-    #[must_use]
     pub fn is_open_to_others(&self) -> bool {
         !self.address.ip().is_loopback()
     }

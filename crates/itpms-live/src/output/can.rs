@@ -40,7 +40,6 @@ fn description() -> Result<Dbc, LiveError> {
     Dbc::parse(DBC).map_err(|error| LiveError::Refused(format!("itpms.dbc: {error}")))
 }
 
-/// Makes frames of snapshots.
 #[derive(Debug)]
 pub struct Frames {
     dbc: Dbc,
@@ -189,7 +188,6 @@ impl CanOut {
     }
 
     /// The output at work: a bus is never waited for, a file is.
-    #[must_use]
     pub fn start(self) -> Output {
         let when_slow = match self.target {
             Target::File(_) => WhenSlow::Wait,
@@ -228,7 +226,6 @@ impl CanOut {
 }
 
 /// Whether this names an interface rather than a file.
-#[must_use]
 pub fn is_interface(target: &str) -> bool {
     !target.contains(['.', '/', '\\'])
 }

@@ -41,14 +41,10 @@ impl JsonLines {
         Ok(Self { name, target: BufWriter::new(target) })
     }
 
-    /// Lines to any writer.
-    #[must_use]
     pub fn to(name: &str, target: Box<dyn Write + Send>) -> Self {
         Self { name: name.to_owned(), target: BufWriter::new(target) }
     }
 
-    /// The output at work.
-    #[must_use]
     pub fn start(self, when_slow: WhenSlow) -> Output {
         Output::start(when_slow, self, Self::write, |mut lines| lines.flushed(Ok(())))
     }

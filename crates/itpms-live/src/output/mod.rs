@@ -43,7 +43,6 @@ pub enum WhenSlow {
     LoseEstimates,
 }
 
-/// An output at work.
 #[derive(Debug)]
 pub struct Output {
     queue: Arc<Queue<Published>>,
@@ -96,13 +95,11 @@ impl Output {
     }
 
     /// Why it has given up, if it has.
-    #[must_use]
     pub fn failure(&self) -> Option<&str> {
         self.failed.get().map(String::as_str)
     }
 
     /// What was lost because the output was slow.
-    #[must_use]
     pub fn dropped(&self) -> u64 {
         self.queue.dropped()
     }

@@ -17,8 +17,6 @@ use crate::queue::Queue;
 /// Rows that are handed on at once when nothing has to wait.
 const BATCH: usize = 256;
 
-/// How a replay is called.
-#[must_use]
 pub fn name(path: &Path) -> SourceName {
     let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
     SourceName { name, kind: "replay" }
@@ -83,7 +81,6 @@ impl<F: FnMut() -> Result<Option<(f64, Input)>, DataError>> Merged<'_, F> {
 }
 
 /// Starts the replay of a log. Waits for room in the queue: nothing is lost. `stop` ends it early.
-#[must_use]
 pub fn start(
     mut log: LogReader,
     mut pulses: Option<Pulses>,
@@ -109,7 +106,6 @@ pub fn start(
 }
 
 /// Starts the replay of a CAN log, the same way.
-#[must_use]
 pub fn start_frames(
     mut log: FrameReader,
     mut pulses: Option<Pulses>,

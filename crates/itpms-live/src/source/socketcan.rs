@@ -29,13 +29,10 @@ const KERNEL_BUFFER: usize = 4 << 20;
 const BUS_OFF: u32 = 0x40;
 const RESTARTED: u32 = 0x100;
 
-/// How the interface is called.
-#[must_use]
 pub fn name(interface: &str) -> SourceName {
     SourceName { name: interface.to_owned(), kind: "socketcan" }
 }
 
-/// An opened interface.
 #[derive(Debug)]
 pub struct Interface {
     name: String,
@@ -53,7 +50,6 @@ impl Interface {
         Ok(Self { name: interface.to_owned(), socket })
     }
 
-    /// Starts to listen.
     pub fn start(self, inputs: Arc<Queue<Input>>, stop: Arc<AtomicBool>) {
         thread::spawn(move || {
             listen(self, &inputs, &stop);
@@ -73,7 +69,6 @@ fn open(interface: &str) -> io::Result<CanFdSocket> {
     Ok(socket)
 }
 
-/// What came of one read.
 enum Received {
     Frame,
     /// Nothing in the time given, or something that is not for us.

@@ -13,7 +13,6 @@ use crate::queue::Queue;
 const LONGEST: u64 = 4096;
 
 /// How standard input is called.
-#[must_use]
 pub fn name() -> SourceName {
     SourceName { name: "-".to_owned(), kind: "stdin" }
 }

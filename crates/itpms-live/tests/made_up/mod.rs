@@ -5,7 +5,6 @@ use std::sync::Arc;
 use itpms_live::snapshot::{Latency, Snapshot, Source, SourceState, Transition, Wheel};
 use serde_json::{Map, json};
 
-/// A car at some time.
 pub(crate) fn snapshot(seq: u64, time_s: f64, state: SourceState) -> Arc<Snapshot> {
     Arc::new(Snapshot {
         seq,

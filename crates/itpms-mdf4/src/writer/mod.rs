@@ -23,7 +23,6 @@ use super::records::MOST_RECORD;
 /// Bytes of samples in a data block, if a record is not longer.
 const BLOCK: usize = 1 << 20;
 
-/// Blocks in a list.
 const LISTED: usize = 16;
 
 /// Of 9. More costs three times the time for a few percent on measured accelerations.

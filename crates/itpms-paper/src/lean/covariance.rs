@@ -17,7 +17,6 @@ pub struct Covariance<T>([T; 15]);
 const DIAGONAL: [usize; 5] = [0, 5, 9, 12, 14];
 
 impl<T: Real> Covariance<T> {
-    /// Uncorrelated states.
     pub fn from_diagonal(variance: &StateVector<T>) -> Self {
         let mut packed = [T::zero(); 15];
         for (place, value) in DIAGONAL.into_iter().zip(variance) {
@@ -32,7 +31,6 @@ impl<T: Real> Covariance<T> {
         Matrix5::from_fn(|i, j| rows[i][j])
     }
 
-    /// The variances.
     #[inline(always)]
     pub fn diagonal(&self) -> StateVector<T> {
         DIAGONAL.map(|place| self.0[place])

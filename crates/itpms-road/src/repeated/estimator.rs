@@ -48,7 +48,6 @@ impl<T: Real> EstimatorOnRepeatedRoad<T> {
         })
     }
 
-    /// The estimator.
     pub fn estimator(&self) -> &Estimator<T> {
         &self.estimator
     }

@@ -27,13 +27,11 @@ const STRANGE: f64 = 0.2;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Verdict {
-    /// The same road.
     Same,
     /// Another road, or something beside the road; nothing was learned.
     Strange,
 }
 
-/// See the [module](self).
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Follower<T: Real> {

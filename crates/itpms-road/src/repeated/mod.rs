@@ -172,7 +172,6 @@ impl<T: Real> RepeatedRoad<T> {
 struct Step<T> {
     wheel: T,
     force: T,
-    /// A sensor was at its limit.
     is_invalid: bool,
 }
 

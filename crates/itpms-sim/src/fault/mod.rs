@@ -21,7 +21,6 @@ pub type Readings = [[f64; 2]; 4];
 struct Fault {
     spec: FaultSpec,
     random: Pcg64,
-    /// What a stuck sensor repeats.
     stuck_at: Option<f64>,
     last_s: Option<f64>,
 }
@@ -31,8 +30,6 @@ struct Fault {
 pub struct Faults(Vec<Fault>);
 
 impl Faults {
-    /// Of a drive with this seed.
-    #[must_use]
     pub fn new(specs: &[FaultSpec], seed: u64) -> Self {
         let fault = |(index, spec): (usize, &FaultSpec)| Fault {
             spec: *spec,

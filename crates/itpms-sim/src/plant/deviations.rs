@@ -11,11 +11,8 @@ use crate::error::{InvalidValue, not_negative, within};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Deviations {
-    /// True sprung mass over the file's.
     pub sprung_mass_factor: f64,
-    /// True unsprung mass over the file's.
     pub unsprung_mass_factor: f64,
-    /// True damping over the file's.
     pub damping_factor: f64,
     /// True suspension spring over the file's.
     pub spring_factor: f64,
@@ -48,11 +45,9 @@ pub struct Deviations {
     pub hop_damper_kg: f64,
     /// Its frequency in Hz on a wheel that stands still.
     pub hop_damper_hz: f64,
-    /// Its damping over the critical one.
     pub hop_damper_ratio: f64,
     /// Deflection of the tire in m at which the rim bears on the road; 0: never.
     pub rim_deflection_m: f64,
-    /// Stiffness in N/m that the rim adds there.
     pub rim_stiffness_n_per_m: f64,
     /// Mass times radius of the wheel's imbalance in kg m. Only the full car has turning wheels.
     pub imbalance_kg_m: f64,

@@ -12,11 +12,9 @@ use super::{Deviations, GRAVITY_M_S2, Strut, Tire};
 pub struct PlantState {
     /// Sprung mass displacement.
     pub body_m: f64,
-    /// Sprung mass velocity.
     pub body_m_s: f64,
     /// Unsprung mass displacement.
     pub wheel_m: f64,
-    /// Unsprung mass velocity.
     pub wheel_m_s: f64,
 }
 
@@ -26,7 +24,6 @@ pub struct PlantState {
 pub struct StepInput {
     /// Road height under the tire in m.
     pub road_m: [f64; 3],
-    /// Tire stiffness in N/m.
     pub stiffness_n_per_m: [f64; 2],
 }
 
@@ -36,7 +33,6 @@ struct Contact {
     road_m: f64,
     road_m_s: f64,
     stiffness_n_per_m: f64,
-    /// Time since the step's start.
     since_s: f64,
 }
 
@@ -70,14 +66,11 @@ impl Plant {
         })
     }
 
-    /// Positions and velocities now.
-    #[must_use]
     pub fn state(&self) -> &PlantState {
         &self.state
     }
 
     /// Body and wheel acceleration in m/s² at the end of the last step.
-    #[must_use]
     pub fn accelerations_m_s2(&self) -> [f64; 2] {
         self.accelerations_m_s2
     }

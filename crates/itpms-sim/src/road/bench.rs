@@ -59,7 +59,6 @@ pub struct BenchRoad {
     /// How the segment's Fourier coefficients are drawn.
     #[serde(default)]
     pub amplitude: Amplitude,
-    /// What follows the demand.
     #[serde(default)]
     pub actuator: Actuator,
 }

@@ -50,9 +50,7 @@ const CHUNKS_KEPT: usize = 8;
 /// One of the two paths that wheels run on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Side {
-    /// Under the left wheels.
     Left,
-    /// Under the right wheels.
     Right,
 }
 
@@ -60,7 +58,6 @@ pub enum Side {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Surface {
-    /// A plane.
     #[default]
     Flat,
     /// One ISO 8608 spectrum; both tracks are independent of each other, under a full car two lines of one surface.
@@ -85,9 +82,7 @@ pub struct RoadSpec {
     pub contact_length_m: f64,
     /// Potholes, and with negative depth bumps.
     pub pothole: Vec<Pothole>,
-    /// Steps up or down.
     pub step: Vec<Step>,
-    /// Waves of one length.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub washboard: Vec<Washboard>,
     /// Bumps or gaps at even distances.
@@ -100,7 +95,6 @@ pub struct RoadSpec {
 
 impl RoadSpec {
     /// One ISO 8608 spectrum: a class letter or `Gd(n0)` in m³, and its slope `w`.
-    #[must_use]
     pub fn iso8608(roughness: impl Into<Roughness>, slope: f64) -> Self {
         Self { surface: Surface::Iso8608(Iso8608::new(roughness, slope)), ..Self::default() }
     }
@@ -139,7 +133,6 @@ impl RoadSpec {
 /// Why a road cannot be built.
 #[derive(Debug, thiserror::Error)]
 pub enum RoadError {
-    /// A number out of range.
     #[error(transparent)]
     Value(#[from] InvalidValue),
     /// The surveyed profile is unusable.
@@ -228,7 +221,6 @@ impl Road {
         })
     }
 
-    /// Height in m at a distance in m.
     pub fn height_m(&mut self, distance_m: f64) -> f64 {
         let (chunk, position) = self.chunk(distance_m);
         chunk.height(position)
@@ -240,8 +232,6 @@ impl Road {
         chunk.contact_height(position)
     }
 
-    /// Spacing of the grid in m.
-    #[must_use]
     pub fn spacing_m(&self) -> f64 {
         1.0 / self.nodes_per_m
     }

@@ -14,9 +14,7 @@ pub enum Tracks {
     /// Left and right ones.
     #[default]
     Both,
-    /// The left ones.
     Left,
-    /// The right ones.
     Right,
 }
 
@@ -36,14 +34,10 @@ impl Tracks {
 pub struct Pothole {
     /// Distance of its near end in m.
     pub at_m: f64,
-    /// Length in m.
     pub length_m: f64,
-    /// Depth in m.
     pub depth_m: f64,
-    /// Length of each edge in m.
     #[serde(default = "usual_edge_m")]
     pub edge_m: f64,
-    /// Which wheels meet it.
     #[serde(default)]
     pub tracks: Tracks,
 }
@@ -56,10 +50,8 @@ pub struct Step {
     pub at_m: f64,
     /// Height in m, negative downwards.
     pub height_m: f64,
-    /// Length of the edge in m.
     #[serde(default = "usual_edge_m")]
     pub edge_m: f64,
-    /// Which wheels meet it.
     #[serde(default)]
     pub tracks: Tracks,
 }

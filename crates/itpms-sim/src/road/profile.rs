@@ -118,13 +118,11 @@ impl MeasuredProfile {
     }
 
     /// Distance in m from the first station to the last.
-    #[must_use]
     pub fn length_m(&self) -> f64 {
         self.length_m
     }
 
     /// Height in m at a distance in m from the first station.
-    #[must_use]
     pub fn height_m(&self, distance_m: f64) -> f64 {
         let within = match self.extend {
             Extension::Repeat => distance_m.rem_euclid(self.length_m),

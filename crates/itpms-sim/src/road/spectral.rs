@@ -25,7 +25,6 @@ thread_local! {
     static SERIES: RefCell<VecDeque<Kept>> = const { RefCell::new(VecDeque::new()) };
 }
 
-/// A series and what it was made of.
 struct Kept {
     iso: Iso8608,
     nodes: usize,

@@ -13,7 +13,6 @@ use crate::time_profile::Pressure;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TireSpec {
-    /// N/m per kPa.
     pub stiffness_per_kpa: f64,
     /// N/m at zero gauge pressure.
     pub stiffness_at_zero: f64,
@@ -41,13 +40,10 @@ impl TireSpec {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CornerSpec {
-    /// Sprung mass the estimator is given, in kg.
     #[serde(default = "sprung_mass_kg")]
     pub sprung_mass_kg: f64,
-    /// Unsprung mass the estimator is given, in kg.
     #[serde(default = "unsprung_mass_kg")]
     pub unsprung_mass_kg: f64,
-    /// Damping the estimator is given, in N s/m.
     #[serde(default = "damping_n_s_per_m")]
     pub damping_n_s_per_m: f64,
     /// Suspension spring the estimator is given, in N/m.
@@ -62,9 +58,7 @@ pub struct CornerSpec {
     /// Stiffness the estimator starts from, in N/m; the placard's, if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub initial_stiffness_n_per_m: Option<f64>,
-    /// True pressure over time.
     pub pressure: Pressure,
-    /// Stiffness over pressure.
     #[serde(default)]
     pub tire: TireSpec,
     /// How the true corner differs from what the estimator is given.
@@ -103,7 +97,6 @@ fn placard_kpa() -> f64 {
 
 impl CornerSpec {
     /// The paper's corner with a pressure history.
-    #[must_use]
     pub fn paper(pressure: Pressure) -> Self {
         Self {
             sprung_mass_kg: sprung_mass_kg(),
@@ -195,27 +188,21 @@ impl CornerSpec {
     }
 }
 
-/// The corners of a scenario.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Corners {
-    /// Front left.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fl: Option<CornerSpec>,
-    /// Front right.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fr: Option<CornerSpec>,
-    /// Rear left.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rl: Option<CornerSpec>,
-    /// Rear right.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rr: Option<CornerSpec>,
 }
 
 impl Corners {
     /// A corner, if the scenario has it.
-    #[must_use]
     pub fn get(&self, corner: Corner) -> Option<&CornerSpec> {
         match corner {
             Corner::FrontLeft => self.fl.as_ref(),

@@ -28,7 +28,6 @@ const LARGEST: u64 = 1 << 20;
 const ALIKE: f64 = 0.7;
 
 impl Scenario {
-    /// Names of the built-in scenarios.
     pub fn builtin_names() -> impl Iterator<Item = &'static str> {
         BUILT_IN.iter().map(|(name, _)| *name)
     }

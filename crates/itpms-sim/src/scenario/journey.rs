@@ -137,7 +137,6 @@ struct Composer<'a> {
     distance_m: f64,
     /// Where the stretch that is driven starts.
     stretch_from_m: f64,
-    /// Its road, but for its length.
     road: Option<Segment>,
     speed: Vec<[f64; 2]>,
     lateral: Vec<[f64; 2]>,

@@ -39,18 +39,13 @@ pub struct ClockSpec {
     pub jitter: f64,
 }
 
-/// A drive.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scenario {
-    /// Its name.
     pub name: String,
-    /// What it is about.
     #[serde(default)]
     pub description: String,
-    /// Length in s.
     pub duration_s: f64,
-    /// Samples per second.
     pub rate_hz: f64,
     /// Time in s driven before the log starts, at the speed and pressures of its start, so that it starts in motion.
     #[serde(default = "usual_settling_s")]
@@ -64,9 +59,7 @@ pub struct Scenario {
     /// How well the vehicle file knows the car: `measured`, `typical` or `rough`.
     #[serde(default = "measured", with = "confidence")]
     pub confidence: Confidence,
-    /// Speed over time.
     pub speed: Speed,
-    /// The road.
     pub road: RoadSpec,
     /// The accelerometers, where a corner does not name its own.
     #[serde(default)]
@@ -74,7 +67,6 @@ pub struct Scenario {
     /// The low-pass before the samplers.
     #[serde(default)]
     pub antialias: AntiAliasSpec,
-    /// When samples are taken.
     #[serde(default)]
     pub clock: ClockSpec,
     /// The body over all four corners; without one, corners are quarter cars on their own, and the tracks of left and
@@ -91,7 +83,6 @@ pub struct Scenario {
     /// Sensors that go wrong for a while.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub fault: Vec<FaultSpec>,
-    /// The corners driven: at least one.
     pub corner: Corners,
 }
 
@@ -230,8 +221,6 @@ impl Scenario {
         Ok(())
     }
 
-    /// Number of rows of the log.
-    #[must_use]
     pub fn rows(&self) -> u64 {
         // A duration of 40 s at 500 Hz is 20 000 rows, whatever the rounding of the product.
         (self.duration_s * self.rate_hz + 1e-6) as u64

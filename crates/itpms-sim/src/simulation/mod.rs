@@ -60,7 +60,6 @@ pub struct Simulation {
     ride: Ride,
     wheel_speeds: Option<WheelSpeedRun>,
     faults: Faults,
-    /// Fine-grid step reached.
     step: i64,
     row: u64,
     rows: u64,
@@ -140,7 +139,6 @@ impl Simulation {
 
     /// Since when, in s, the car's accelerations are no numbers or absurd, if they are: its masses, springs, dampers or tires are
     /// none that can be simulated. What came since is worth nothing.
-    #[must_use]
     pub fn diverged_s(&self) -> Option<f64> {
         self.diverged_s
     }

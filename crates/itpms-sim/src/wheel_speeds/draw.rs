@@ -21,7 +21,6 @@ pub enum Condition {
     Ordinary,
     /// Snow with patches, and sides of other grip.
     Snow,
-    /// With a trailer.
     Trailer,
     /// A car whose driven wheels are coupled by a limited-slip differential with preload.
     LimitedSlip,
@@ -34,7 +33,6 @@ impl Condition {
     pub const ALL: [Self; 5] = [Self::Ordinary, Self::Snow, Self::Trailer, Self::LimitedSlip, Self::Mixed];
 
     /// The name on the command line.
-    #[must_use]
     pub fn label(self) -> &'static str {
         match self {
             Self::Ordinary => "ordinary",
@@ -46,12 +44,9 @@ impl Condition {
     }
 }
 
-/// A day of a car.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Day {
-    /// Which car, and which day.
     pub car_seed: u64,
-    /// Seed of the day's drive.
     pub seed: u64,
     /// What later days are like.
     pub condition: Condition,
@@ -74,7 +69,6 @@ fn chance(random: &mut Pcg64, of: f64) -> bool {
 
 impl Day {
     /// What is drawn: the wheels with their conditions; the journey's turns, warmth and haste are set.
-    #[must_use]
     pub fn draw(&self, journey: &mut JourneySpec) -> WheelSpeedSpec {
         let mut spec = self.car();
         let random = &mut generator(self.seed, Purpose::DrawnConditions, [1, 0]);

@@ -22,7 +22,6 @@ const SQUAT: f64 = 0.05;
 /// Noise in rad/s of a yaw rate that is too noisy.
 const FAULTY_NOISE_RAD_S: f64 = 0.2;
 
-/// The sensors of a drive.
 #[derive(Debug, Clone)]
 pub(crate) struct MotionSensors {
     spec: WheelSpeedSpec,

@@ -56,7 +56,6 @@ const STACK_BYTES: usize = 32 << 20;
 
 #[derive(Debug, Clone)]
 pub struct Request {
-    /// All tests, or one of each kind.
     pub extent: Extent,
     /// Only tests whose names contain this.
     pub only: Option<String>,
@@ -86,7 +85,6 @@ impl LoadsTold {
     pub const ALL: [Self; 2] = [Self::Unknown, Self::Constant];
 
     /// The name on the command line.
-    #[must_use]
     pub fn label(self) -> &'static str {
         match self {
             Self::Unknown => "unknown",
@@ -101,7 +99,6 @@ pub struct Certificate {
     /// Seed of the first test's course.
     pub seed: u64,
     pub passed: bool,
-    /// Simulated time in s.
     pub driven_s: f64,
     /// Tests of one kind together, where they were driven on wheel speeds.
     #[serde(skip_serializing_if = "Vec::is_empty")]

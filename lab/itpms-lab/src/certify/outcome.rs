@@ -79,7 +79,6 @@ pub enum Verdict {
     FalseAlarm,
     /// The tell-tale did not come on in time.
     NotInTime,
-    /// It went out by itself.
     WentOut,
     /// It was not lit any more after the key had been out.
     NotRelit,
@@ -113,7 +112,6 @@ impl Verdict {
         }
     }
 
-    #[must_use]
     pub fn label(self) -> &'static str {
         match self {
             Self::Pass => "pass",
@@ -134,7 +132,6 @@ pub struct Outcome {
     pub name: String,
     pub rule: Rule,
     pub clause: &'static str,
-    /// What was done to the car.
     pub what: String,
     pub verdict: Verdict,
     /// Cumulative driving time at the tell-tale, and its limit.
@@ -155,13 +152,10 @@ pub struct Outcome {
     pub warm_kpa: f64,
     /// The pressure tires were let down to.
     pub test_kpa: Option<f64>,
-    /// When what is wrong was complete.
     pub wrong_at_s: f64,
-    /// When the tell-tale came on.
     pub warned_at_s: Option<f64>,
     /// The wheels that were let down; empty for a malfunction.
     pub low_wheels: String,
-    /// Simulated time.
     pub driven_s: f64,
     /// Pressures over time; in the CSV files and figures.
     #[serde(skip)]
@@ -206,15 +200,12 @@ impl Outcome {
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TracePoint {
-    /// Time in s.
     pub time_s: f64,
-    /// Speed in km/h.
     pub speed_km_h: f64,
     /// True pressures in kPa, in the order of `Corner::ALL`.
     pub truth_kpa: [f64; 4],
     /// Estimated ones; NaN where not valid.
     pub estimate_kpa: [f64; 4],
-    /// Their standard deviations in kPa.
     pub sd_kpa: [f64; 4],
 }
 

@@ -21,7 +21,6 @@ pub struct Kind {
 
 impl Kind {
     /// The wheels whose sensors it happens to; without a fault all four.
-    #[must_use]
     pub fn wheels(&self) -> Wheels {
         if self.faults.is_empty() {
             return Corner::ALL.into_iter().collect();
@@ -30,7 +29,6 @@ impl Kind {
     }
 
     /// Whether this is a malfunction at a wheel it happens to, under any of the words that pass. Gives the word.
-    #[must_use]
     pub fn said_as(&self, cause: &Cause<f64>, wheels: Wheels) -> Option<&'static str> {
         let label = malfunction_label(cause)?;
         wheels.iter().any(|corner| self.wheels().contains(corner)).then_some(label)
@@ -38,7 +36,6 @@ impl Kind {
 
     /// Whether this is what is wrong: the kind of malfunction and the very sensors. Which way a gain is off counts, by how
     /// much does not. Of two swaps at once the monitor can tell no more than whether sides or axles are swapped.
-    #[must_use]
     pub fn is_exactly(&self, cause: &Cause<f64>) -> bool {
         match cause {
             Cause::NoInformation { .. } => self.faults.is_empty(),
@@ -126,7 +123,6 @@ fn swap(a: Corner, place_a: FaultPlace, b: Corner, place_b: FaultPlace) -> Fault
 }
 
 /// All kinds, in the order of the table.
-#[must_use]
 pub fn kinds() -> Vec<Kind> {
     let [fl, fr, rl, rr] = Corner::ALL;
     let alone = |name, stated_s, label, corner, place, what| {

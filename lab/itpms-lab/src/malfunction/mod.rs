@@ -80,7 +80,6 @@ pub struct Row {
     pub drives: usize,
     /// In how many it was reported; reported within the stated time; and called by its name.
     pub said: usize,
-    /// Of these, within the stated time.
     pub in_time: usize,
     /// Of those in which it was reported, in how many by a word that passes for its name, at any wheel it happens to: its own or
     /// that of what it looks like.
@@ -144,7 +143,6 @@ struct OneDrive {
     clean: Clean,
 }
 
-/// Makes the study on all processors.
 pub fn study(request: &Request, progress: Progress<'_>) -> Result<Study, MalfunctionError> {
     if request.drives == 0 {
         return Err(MalfunctionError::Nothing);

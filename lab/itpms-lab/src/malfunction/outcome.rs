@@ -66,13 +66,11 @@ impl Shown {
 pub struct TireWarnings {
     pub low: usize,
     pub fast_leak: usize,
-    /// Of all four that are low.
     pub all_low: usize,
     pub over: usize,
 }
 
 impl TireWarnings {
-    /// Counts it, if it is of a tire.
     fn count(&mut self, cause: &Cause<f64>) {
         match cause {
             Cause::UnderInflated(_) | Cause::Flat(_) | Cause::Differs { .. } | Cause::SlowLeak(_) => {
@@ -85,7 +83,6 @@ impl TireWarnings {
         }
     }
 
-    #[must_use]
     pub fn total(&self) -> usize {
         self.low + self.fast_leak + self.all_low + self.over
     }

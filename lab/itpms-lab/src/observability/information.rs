@@ -27,7 +27,6 @@ pub(super) enum RoadModel {
 pub(super) struct Pass {
     pub(super) corner: CornerConfig<f64>,
     pub(super) pressure_kpa: f64,
-    /// Which parameter its pressure is.
     pub(super) parameter: usize,
     /// Where the parameters of its car begin; `None`: the car is known.
     pub(super) car: Option<usize>,

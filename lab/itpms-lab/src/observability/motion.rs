@@ -42,7 +42,6 @@ pub(super) struct Motion {
     omega: f64,
     /// Stiffness in N/m that is one unit: the first wheel's.
     unit_n_per_m: f64,
-    /// Taylor coefficients of the road.
     road: Vec<f64>,
     /// Body height, its rate, wheel height, its rate, of each wheel.
     states: Vec<[f64; 4]>,

@@ -13,7 +13,6 @@ use super::motion::{Layout, Motion, Wheel};
 
 /// Derivatives of the outputs that are looked at; what is missing stops changing at the second.
 const ORDER: usize = 7;
-/// Instants looked at.
 const POINTS: u64 = 20;
 /// Singular values below this share of the largest count as zero.
 pub const TOLERANCE: f64 = 1e-10;
@@ -41,7 +40,6 @@ pub enum Stiffness {
 }
 
 impl Stiffness {
-    #[must_use]
     pub fn words(self) -> &'static str {
         match self {
             Stiffness::Free => "free",
@@ -54,11 +52,9 @@ impl Stiffness {
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RankCase {
-    /// Who measures, and what is known.
     pub label: String,
     /// States, stiffnesses, road and its derivatives.
     pub unknowns: usize,
-    /// Rank at every instant looked at.
     pub rank: usize,
     /// Directions of the unknowns no measurement sees.
     pub missing: usize,
@@ -74,7 +70,6 @@ pub struct RankCase {
 }
 
 /// All cases for a corner and the one behind it.
-#[must_use]
 pub(super) fn cases(front: &CornerConfig<f64>, rear: &CornerConfig<f64>) -> Vec<RankCase> {
     let full = front.placard_kpa;
     let low = 0.8 * full;

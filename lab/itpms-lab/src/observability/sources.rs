@@ -24,7 +24,6 @@ pub enum Source {
     Alike,
     /// (b) The same with another unsprung mass at the rear.
     Unlike,
-    /// (c) The road repeats.
     Repeated,
     /// (d) A known pressure at the start.
     Reset,
@@ -45,7 +44,6 @@ impl Source {
     }
 }
 
-/// Sources used together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Sources(&'static [Source]);
 
@@ -76,7 +74,6 @@ impl Sources {
         self.0.contains(&source)
     }
 
-    #[must_use]
     pub fn words(self) -> &'static str {
         match self.to_string().as_str() {
             "a" => "the road's spectrum is a power law",
@@ -115,7 +112,6 @@ pub enum Situation {
 impl Situation {
     pub const ALL: [Situation; 2] = [Situation::Constant, Situation::AfterLoss];
 
-    #[must_use]
     pub fn label(self) -> &'static str {
         match self {
             Situation::Constant => "constant",
@@ -138,7 +134,6 @@ pub enum Car {
 impl Car {
     pub const ALL: [Car; 2] = [Car::Exact, Car::AsFiled];
 
-    #[must_use]
     pub fn label(self) -> &'static str {
         match self {
             Car::Exact => "exact",

@@ -7,7 +7,6 @@ use super::Observability;
 impl Observability {
     /// File names without ending, and their content: the twins over time, the ranks, the bounds over time, the bounds
     /// over circumstances.
-    #[must_use]
     pub fn tables(&self) -> Vec<(&'static str, String)> {
         vec![
             ("observability-twins", self.twin_table()),

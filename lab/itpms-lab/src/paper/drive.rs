@@ -29,7 +29,6 @@ pub(super) struct Achieved {
     pub(super) rmse_after_kpa: f64,
     /// Share of that time with the truth inside the 95 % interval.
     pub(super) coverage: f64,
-    /// When it diverged, s.
     pub(super) diverged_s: Option<f64>,
     /// Empty unless histories are kept.
     pub(super) trace: Trace,

@@ -29,7 +29,6 @@ pub enum PaperError {
     /// The line through Table 1.
     #[error(transparent)]
     Regression(#[from] RegressionError),
-    /// The road's spectrum.
     #[error(transparent)]
     Welch(#[from] WelchError),
     /// The line through the road's spectrum.

@@ -135,7 +135,6 @@ pub fn reproduce(request: &Request, progress: Progress<'_>) -> Result<Study, Pap
 
 impl Study {
     /// The paper's numbers and ours as text for a terminal.
-    #[must_use]
     pub fn summary(&self) -> String {
         let parts = self.sections.iter().flat_map(|section| &section.parts);
         let table = parts.into_iter().find_map(|part| match part {

@@ -15,9 +15,7 @@ use super::row::{Cell, Column, Goal, Row};
 use super::runner::{Runner, Turn};
 use super::stats::Mean;
 
-/// True pressures in kPa.
 const PRESSURES_KPA: [f64; 3] = [241.3, 190.0, 140.0];
-/// When to look, in s.
 const TIMES_S: [f64; 2] = [16.0, 39.0];
 /// Bound over mean square error.
 const EFFICIENCY: f64 = 0.8;

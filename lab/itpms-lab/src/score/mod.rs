@@ -74,7 +74,6 @@ pub enum Part {
     Car,
     /// What ten minutes at known pressures teach of a car.
     Learn,
-    /// An owner's whole path.
     Own,
 }
 
@@ -102,7 +101,6 @@ impl Part {
     pub const PAPER: [Self; 3] = [Self::PaperDrop, Self::PaperDeepDrop, Self::PaperDropRecover];
 
     /// Whether it belongs to the table that is computed when nothing is asked for by name.
-    #[must_use]
     pub fn is_usual(self) -> bool {
         self < Self::Ablation
     }
@@ -113,7 +111,6 @@ impl Part {
     }
 
     /// The name on the command line.
-    #[must_use]
     pub fn label(self) -> &'static str {
         match self {
             Self::PaperDrop => "paper-drop",
@@ -136,7 +133,6 @@ impl Part {
         }
     }
 
-    #[must_use]
     pub fn from_label(label: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|part| part.label() == label)
     }
@@ -205,7 +201,6 @@ pub struct Request {
     pub first_seed: u64,
     /// One estimator; several are compared in the paper's scenarios alone.
     pub estimators: Vec<EstimatorKind>,
-    /// One part, or the usual ones.
     pub part: Option<Part>,
     /// Of the four-wheel parts, only rows whose names contain this.
     pub only: Option<String>,
@@ -254,7 +249,6 @@ pub enum ScoreError {
     /// Four wheels are the default estimator's.
     #[error("{part} is scored for {} alone: the paper's filters know one wheel", EstimatorKind::default().label())]
     DefaultEstimator { part: &'static str },
-    /// No row is called so.
     #[error(
         "no four-wheel row that was asked for has a name with `{only}` in it, such as `car, 80 km/h, reset`"
     )]
@@ -283,7 +277,6 @@ pub enum ScoreError {
     Bound(#[from] BoundError),
     #[error(transparent)]
     Memory(#[from] RecorderMemoryError),
-    /// The road's spectrum.
     #[error(transparent)]
     Welch(#[from] WelchError),
     #[error(transparent)]

@@ -26,7 +26,6 @@ const MASS_FACTORS: [f64; 2] = [0.92, 1.08];
 const SLOPES: [f64; 3] = [1.6, 2.1, 2.6];
 const CLASSES: [RoadClass; 3] = [RoadClass::A, RoadClass::B, RoadClass::C];
 const NOISES: [f64; 2] = [0.05, 0.3];
-/// Goals of the grid in kPa.
 const GRID_BIAS_KPA: f64 = 8.0;
 const GRID_RMSE_KPA: f64 = 17.0;
 

@@ -54,7 +54,6 @@ impl Car {
     pub const ALL: [Self; 3] = [Self::Varied, Self::Nominal, Self::Quarters];
 
     /// The name on the command line.
-    #[must_use]
     pub fn label(self) -> &'static str {
         match self {
             Self::Varied => "varied",
@@ -68,7 +67,6 @@ impl Car {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Plan {
     pub rate_hz: f64,
-    /// Length of a drive in s.
     pub drive_s: f64,
     pub car: Car,
     /// Length in s of a calibration at the beginning of every drive, `None`: never calibrated.

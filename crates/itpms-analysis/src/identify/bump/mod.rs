@@ -33,43 +33,28 @@ use motion::Motion;
 #[derive(Debug, Clone, Copy)]
 pub enum BumpSignals<'a> {
     /// Heights in m of body and wheel, up positive, from any zero.
-    Heights {
-        /// Of the body.
-        body_m: &'a [f64],
-        /// Of the wheel.
-        wheel_m: &'a [f64],
-    },
+    Heights { body_m: &'a [f64], wheel_m: &'a [f64] },
     /// Accelerations in m/s² of body and wheel, up positive, with or without gravity.
-    Accelerations {
-        /// Of the body.
-        body_m_s2: &'a [f64],
-        /// Of the wheel.
-        wheel_m_s2: &'a [f64],
-    },
+    Accelerations { body_m_s2: &'a [f64], wheel_m_s2: &'a [f64] },
 }
 
-/// One corner of a record.
 #[derive(Debug, Clone, Copy)]
 pub struct BumpCorner<'a> {
     /// `fl`, `fr`, `rl` or `rr`.
     pub label: &'a str,
-    /// What was measured.
     pub signals: BumpSignals<'a>,
 }
 
 /// Masses of one corner in kg.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BumpMasses {
-    /// Sprung.
     pub sprung_kg: f64,
-    /// Unsprung.
     pub unsprung_kg: f64,
 }
 
 /// What a drop says about the corners of a car.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BumpResult {
-    /// The corners, as they were given.
     pub corners: Vec<BumpFit>,
     /// Where both corners of an axle were measured, their mean motion as one corner: the roll that couples them is not in
     /// it.
@@ -85,13 +70,10 @@ pub struct BumpFit {
     pub body_hz: Estimate,
     /// Damping ratio of the body on its spring, without friction.
     pub body_damping_ratio: Estimate,
-    /// Friction over sprung mass in m/s².
     pub friction_m_s2: Estimate,
     /// Frequency in Hz of the wheel's hop, from the wheel's motion alone; `None` where it was hardly excited.
     pub hop_hz: Option<Estimate>,
-    /// Its damping ratio.
     pub hop_damping_ratio: Option<Estimate>,
-    /// What needs the masses.
     pub parts: Option<BumpParts>,
     /// Share of the body's acceleration (below 4 Hz) that the model explains.
     pub body_explained: f64,
@@ -99,21 +81,16 @@ pub struct BumpFit {
     pub used_s: (f64, f64),
     /// What a careful reader should know before using the numbers.
     pub concerns: Vec<String>,
-    /// For figures.
     traces: Traces,
 }
 
 /// Spring, damper, friction and tire.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BumpParts {
-    /// The masses they were computed with.
     #[serde(skip)]
     pub masses: BumpMasses,
-    /// Suspension spring in N/m.
     pub spring_n_per_m: Estimate,
-    /// Damping in N s/m.
     pub damping_n_s_per_m: Estimate,
-    /// Coulomb friction in N.
     pub friction_n: Estimate,
     /// Vertical stiffness of the tire in N/m.
     pub tire_n_per_m: Estimate,
@@ -126,7 +103,6 @@ pub struct BumpParts {
 /// Measured and fitted over time: (s, measured, fitted), below 16 Hz.
 #[derive(Debug, Clone, PartialEq, Default)]
 struct Traces {
-    /// Body acceleration in m/s².
     body: Vec<(f64, f64, f64)>,
     /// Force on the road in N, less its mean; empty without masses.
     tire: Vec<(f64, f64, f64)>,

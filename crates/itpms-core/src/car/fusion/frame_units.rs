@@ -84,7 +84,6 @@ impl<T: Real> FrameQueue<T> {
         self.unit_s = if sample_rate_hz > FAST_HZ { FAST_UNIT_S } else { UNIT_S };
     }
 
-    /// Forgets its frames.
     pub(super) fn clear(&mut self) {
         self.frames.iter_mut().for_each(Placed::clear);
         self.measured.clear();

@@ -45,7 +45,6 @@ const APART_S: f64 = 20.0;
 /// Sd in s of the first delay that was found.
 const FOUND_SD_S: f64 = 1e-3;
 
-/// See the [module](self).
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Fusion<T: Real> {
@@ -177,7 +176,6 @@ impl<T: Real> Fusion<T> {
         self.belief.set_friction_error(corner, FrictionError { damping, spring, damped });
     }
 
-    /// Takes over what a corner finds by itself.
     pub(super) fn set_single_wheel(&mut self, corner: Corner, estimate: SingleWheelEstimate<T>) {
         self.single_wheel[corner] = estimate;
     }

@@ -118,7 +118,6 @@ impl<T: Real> WheelGainBalance<T> {
         }
     }
 
-    /// What is reported, of any wheel.
     pub(crate) fn faults(&self) -> impl Iterator<Item = Fault<T>> {
         self.words.iter().filter_map(FaultLatch::fault)
     }

@@ -147,7 +147,6 @@ impl<T: Real> WheelGainShift<T> {
         now_s - self.corners[corner].pending_since_s < WAIT_S
     }
 
-    /// Drops the suspicions.
     pub(crate) fn drop_suspicions(&mut self) {
         for corner in self.corners.iter_mut().filter(|corner| corner.debouncer.is_active()) {
             *corner = Shift::new();
@@ -261,7 +260,6 @@ mod tests {
             car
         }
 
-        /// With the wheels' gains.
         fn read(&mut self, gains: [f64; 4], explained: [bool; 4]) {
             self.block(&Drive { gains, ..Drive::BASELINE }, explained);
         }

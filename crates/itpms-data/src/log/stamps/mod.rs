@@ -36,7 +36,6 @@ pub(super) trait Stamped: Copy {
 /// What becomes of a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Fate<T> {
-    /// It goes on.
     Kept(T),
     /// Its stamp contradicts the others.
     Stray(T),
@@ -48,7 +47,6 @@ pub(super) enum Fate<T> {
 pub(super) mod tests {
     use super::*;
 
-    /// A stamp and a value.
     pub(in crate::log) type Sample = (f64, u32);
 
     impl Stamped for Sample {

@@ -35,7 +35,6 @@ pub(in crate::log) struct Coarse {
     pub(in crate::log) step_s: f64,
     /// Samples a second under that step.
     pub(in crate::log) rate_hz: f64,
-    /// Samples that were spread evenly.
     pub(in crate::log) spread: u64,
     /// Samples of which it is not sure where they belong.
     unsure: u64,
@@ -50,7 +49,6 @@ impl Coarse {
     }
 }
 
-/// See the [module](self).
 #[derive(Debug)]
 pub(in crate::log) struct Series<T> {
     /// The last sample in the file, and the last time that was given out.
@@ -80,7 +78,6 @@ enum Back {
 
 #[derive(Debug)]
 enum State<T> {
-    /// Stamps rise.
     Fine,
     /// One stood still: what follows is looked at.
     Looking(Vec<T>),

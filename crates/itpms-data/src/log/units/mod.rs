@@ -90,7 +90,6 @@ const HALF_HOP_S: f64 = 0.04;
 const GARBAGE: f64 = 0.01;
 /// Gravity in m/s², within what tilt, offset and scale make of it.
 const GRAVITY_M_S2: std::ops::RangeInclusive<f64> = 8.3..=11.3;
-/// Values a statistic needs.
 const ENOUGH: usize = 200;
 
 /// Mean and rms about it of one sensor.

@@ -35,7 +35,6 @@ impl<W: Write> std::fmt::Debug for McapWriter<W> {
     }
 }
 
-/// A topic of a file.
 #[derive(Debug)]
 pub struct Topic {
     channel: u16,

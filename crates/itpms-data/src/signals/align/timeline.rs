@@ -77,7 +77,6 @@ impl Row {
     }
 }
 
-/// See the [module](self).
 #[derive(Debug)]
 pub(super) struct Timeline {
     clock: Slot,

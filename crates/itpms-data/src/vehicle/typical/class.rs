@@ -1,16 +1,13 @@
 //! What cars of a class have in common (docs/vehicle.md, table 1). A row per class; knows no particular car.
 
-/// A kind of car.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum CarClass {
     /// Small and compact cars, hatchbacks.
     Compact,
-    /// Sedans and station wagons.
     #[default]
     Sedan,
     /// Sport utility vehicles and crossovers.
     Suv,
-    /// Vans and minibuses.
     Van,
 }
 
@@ -28,11 +25,9 @@ pub(super) struct ClassFigures {
 }
 
 impl CarClass {
-    /// All classes.
     pub const ALL: [Self; 4] = [Self::Compact, Self::Sedan, Self::Suv, Self::Van];
 
     /// The word on the command line.
-    #[must_use]
     pub fn label(self) -> &'static str {
         match self {
             Self::Compact => "compact",
@@ -42,8 +37,6 @@ impl CarClass {
         }
     }
 
-    /// The class of this word.
-    #[must_use]
     pub fn from_label(label: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|class| class.label() == label)
     }

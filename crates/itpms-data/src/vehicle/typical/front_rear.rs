@@ -6,9 +6,7 @@ use std::str::FromStr;
 /// A value of the front axle and one of the rear axle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrontRear<T> {
-    /// Of the front axle.
     pub front: T,
-    /// Of the rear axle.
     pub rear: T,
 }
 
@@ -18,7 +16,6 @@ impl<T: Copy> FrontRear<T> {
         Self { front: value, rear: value }
     }
 
-    /// Front, then rear.
     pub fn axles(self) -> [T; 2] {
         [self.front, self.rear]
     }

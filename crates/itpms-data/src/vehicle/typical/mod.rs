@@ -139,7 +139,6 @@ fn guess(value: f64) -> String {
 
 /// A car that no file can be made of.
 #[derive(Debug, thiserror::Error)]
-#[allow(missing_docs, reason = "the messages say it")]
 pub enum TypicalCarError {
     /// A value that no car has.
     #[error(

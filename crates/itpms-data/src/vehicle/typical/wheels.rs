@@ -17,11 +17,9 @@ const TRACK_M: f64 = 1.55;
 pub struct WheelsOfACar {
     /// What people call it; made up of the rest unless given.
     pub name: Option<String>,
-    /// Size of the tires by axle.
     pub tire: FrontRear<TireSize>,
     /// Distance between the axles in m.
     pub wheelbase_m: f64,
-    /// Its axles.
     pub axles: AxleWheels,
     /// Pressures on the placard in kPa gauge, by axle.
     pub placard_kpa: FrontRear<f64>,

@@ -27,7 +27,6 @@ use crate::input::{Note, NoteSink};
 /// How long the end of the monitor waits for the broker to take what is left.
 const LAST_PATIENCE: Duration = Duration::from_secs(3);
 
-/// The output in the making.
 pub struct Mqtt {
     shared: Arc<Shared>,
     prefix: String,
@@ -54,8 +53,6 @@ impl Mqtt {
         Ok(Self { shared, prefix, say: Arc::clone(say), link: link.map_err(failed)? })
     }
 
-    /// The output at work.
-    #[must_use]
     pub fn start(self) -> Output {
         Output::start(WhenSlow::LoseEstimates, self, Self::write, Self::end)
     }

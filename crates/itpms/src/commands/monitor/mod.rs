@@ -97,7 +97,6 @@ fn failure(error: LiveError) -> Failure {
     }
 }
 
-/// From any thread to the screen.
 fn notes(screen: Screen) -> NoteSink {
     Arc::new(move |note| match note {
         Note::Remark(text) => screen.remark(text),

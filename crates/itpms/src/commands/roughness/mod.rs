@@ -32,7 +32,6 @@ struct Found {
     anomalies: [Vec<SideAnomaly>; 2],
     /// Where the car was, of a drive.
     way: Way,
-    /// What was repaired or is doubtful.
     warnings: Vec<String>,
 }
 
@@ -137,7 +136,6 @@ pub(crate) fn run(args: &RoughnessArgs, screen: &Screen, interrupt: &Interrupt) 
     Ok(())
 }
 
-/// Writes a file that was begun.
 fn write(file: Option<AtomicFile>, content: impl FnOnce() -> String) -> Result<(), Failure> {
     let Some(mut file) = file else { return Ok(()) };
     file.append(content().as_bytes())?;

@@ -95,7 +95,6 @@ fn days(args: &SoakArgs) -> Result<Option<Days>, Failure> {
     Ok(Some(Days { condition, loses: args.lose, bad_yaw: args.bad_yaw }))
 }
 
-/// How many drives the hours are.
 fn drives(args: &SoakArgs) -> Result<u64, Failure> {
     let drives = (args.hours * 3600.0 / args.drive_s - 1e-9).ceil().max(1.0);
     if !(drives <= MOST_DRIVES) {

@@ -31,7 +31,6 @@ struct Loss {
     name: &'static str,
     /// All four or, from drive to drive, the next one.
     all: bool,
-    /// When it begins, in s.
     begins_s: f64,
     /// How long it takes, in s: drawn in between.
     takes_s: [f64; 2],

@@ -15,7 +15,6 @@ const COVERAGE: Goal = Goal::Between(0.93, 0.98);
 /// Median RMSE in kPa of a wheel whose pressure holds.
 const HOLDING_KPA: f64 = 3.5;
 
-/// Median RMSE by wheel.
 const RMSE: [Column; 4] = [
     Column::new("fl_rmse_median_kpa", "fl", 2),
     Column::new("fr_rmse_median_kpa", "fr", 2),

@@ -162,7 +162,6 @@ impl Drive {
         self
     }
 
-    /// The name of the row of one of its setups.
     fn row_name(&self, setup: &Setup) -> String {
         if setup.label.is_empty() { self.name.clone() } else { format!("{}, {}", self.name, setup.label) }
     }

@@ -52,7 +52,6 @@ const SENSOR_NOISE_M_S2: f64 = 0.05;
 
 #[derive(Debug, Clone)]
 pub(super) struct OwnCar {
-    /// What its owner has written about it.
     pub(super) file: Vehicle,
     /// The corners as they are, at placard pressures.
     pub(super) corners: [CornerSpec; 4],
