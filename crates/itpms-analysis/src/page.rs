@@ -40,7 +40,6 @@ pub fn figures_page(title: &str, style: &str, content: String) -> String {
     page(FIGURES_BODY, &[("title", escape(title)), ("style", style), ("content", content)])
 }
 
-/// The template with its parts, among them the policy.
 fn under_policy(template: &str, parts: &[(&str, String)]) -> String {
     let policy = format!(
         "default-src 'none'; style-src {}; script-src {}; img-src data:; base-uri 'none'; form-action 'none'",

@@ -27,7 +27,6 @@ pub(super) trait LineFormat {
     fn line(&mut self, text: &[u8]) -> Result<LineContent, &'static str>;
 }
 
-/// Reads frames from the lines of a format.
 #[derive(Debug)]
 pub(super) struct LineReader<F> {
     lines: TextLines,

@@ -88,7 +88,6 @@ impl TextLines {
         self.line.trim_ascii_end()
     }
 
-    /// Its number, from one.
     pub(super) fn number(&self) -> u64 {
         self.number
     }

@@ -17,7 +17,6 @@ fn standard(dbc: &Dbc, id: u32) -> &Message {
     dbc.message(CanId::standard(id).unwrap()).unwrap()
 }
 
-/// Name and value of every signal in these data.
 fn decoded(message: &Message, data: &[u8]) -> Vec<(String, f64)> {
     let mut values = Vec::new();
     message.decode(data, |place, value| values.push((message.signals[place].name.clone(), value)));

@@ -26,21 +26,16 @@ pub enum Failure {
     Data(#[from] DataError),
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
-    /// The directory for several outputs.
     #[error("{}: cannot be written: {}", .0.display(), .1)]
     Directory(PathBuf, io::Error),
-    /// Options and inputs that do not go together.
     #[error("{0}")]
     Usage(String),
-    /// The page about the drive.
     #[error("the report cannot be made: {0}")]
     Report(io::Error),
-    /// A study is complete, and what it found is not what was wanted of it.
     #[error("{0}")]
     Missed(String),
     #[error("interrupted, nothing was written")]
     Interrupted,
-    /// The same, in a run whose finished parts are kept.
     #[error("interrupted; what is finished is kept, the same command goes on from there")]
     Paused,
 }

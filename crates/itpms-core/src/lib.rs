@@ -131,6 +131,7 @@ mod decision;
 pub mod diagnosis;
 pub mod estimator;
 mod inter_axle;
+mod labelled;
 mod memory;
 pub mod model;
 pub mod monitor;

@@ -124,7 +124,6 @@ fn not_finite(place: Place, column: &str, found: &str) -> Problem {
     Problem::Refused(format!("{place}, column {column}: found {found}, expected a finite number"))
 }
 
-/// The names asked for that are in the header.
 fn chosen(header: &[String], needed: &[&str], optional: &[&str]) -> Result<Vec<String>, Problem> {
     let wanted = || needed.iter().chain(optional);
     let mut names = Vec::new();

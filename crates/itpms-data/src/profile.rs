@@ -24,7 +24,6 @@ pub struct RoadProfile {
     pub rows_left_out: u64,
 }
 
-/// The heights under one track.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RoadTrack {
     /// `left` or `right`, a wheel (`fl`, `fr`, `rl`, `rr`), or `road` where there is one track only.

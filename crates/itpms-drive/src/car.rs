@@ -65,7 +65,6 @@ impl AnyCar {
         self.paper.as_mut().map_or(Ok(()), |paper| paper.begin_calibration(seconds))
     }
 
-    /// Ends the calibration that is under way.
     pub fn end_calibration(&mut self) {
         self.car.end_calibration();
     }

@@ -20,7 +20,6 @@ use crate::time_axis::TimeAxis;
 
 const GAP_STEPS: f64 = 1.5;
 
-/// What a drive says of a vehicle file.
 #[derive(Debug, Clone)]
 pub struct CheckedVehicle {
     /// Corner by corner, those that the log has measured and the file describes.

@@ -31,7 +31,6 @@ const MEETING_S: f64 = 15.0;
 /// Share of the time for which a speed may be unknown before that is reported.
 const UNKNOWN_SHARE: f64 = 0.1;
 
-/// The running estimator under its monitor.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Drive {
@@ -204,7 +203,6 @@ impl Drive {
         self.car.report()
     }
 
-    /// Seconds from the first row to the last.
     pub fn length_s(&self) -> f64 {
         self.time_s - self.first_s
     }

@@ -15,18 +15,14 @@ use thiserror::Error;
 pub enum DriveError {
     #[error(transparent)]
     Data(#[from] DataError),
-    /// A parameter that the estimator or its monitor refuses.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
-    /// Nothing can be learned of these drives.
     #[error(transparent)]
     Learn(#[from] itpms_analysis::learn::LearnError),
-    /// A log that contradicts itself, or does not show what is looked for.
     #[error("{0}")]
     Log(String),
-    /// Settings and inputs that do not go together.
     #[error("{0}")]
     Mismatch(String),
     #[error("the report cannot be made: {0}")]

@@ -247,7 +247,6 @@ fn name(path: &Path) -> String {
     path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }
 
-/// The drives and their pressures in words.
 fn described(drives: &[KnownDrive]) -> String {
     let each = drives.iter().map(|drive| {
         let [first, rest @ ..] = drive.pressures_kpa;

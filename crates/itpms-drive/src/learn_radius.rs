@@ -26,7 +26,6 @@ pub struct LearnedRadius {
     pub vehicle: Vehicle,
     /// `d ln R / d ln p` before and after, each with its standard deviation.
     pub before: [f64; 2],
-    /// The same after.
     pub after: [f64; 2],
     /// What should be known before believing it, a sentence each.
     pub concerns: Vec<String>,

@@ -30,7 +30,6 @@ struct Read {
     end: Option<Result<(), DriveError>>,
 }
 
-/// A row and what was estimated after it.
 struct Step {
     row: LogRow,
     estimates: Estimates,

@@ -15,7 +15,6 @@ use crate::car::AnyCar;
 use crate::error::DriveError;
 use crate::settings::{LOG_END_S, Settings};
 
-/// What a calibration drive taught.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Taught {
     pub corners: Option<VehicleCalibration<f64>>,

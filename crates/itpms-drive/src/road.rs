@@ -101,7 +101,6 @@ impl RoadTrack {
         }
     }
 
-    /// The next row whose road is there at all corners.
     pub fn pop(&mut self) -> Option<LateRow> {
         if self.recorders.iter().flatten().any(|(_, points)| points.is_empty()) {
             return None;

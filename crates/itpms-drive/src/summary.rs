@@ -137,7 +137,6 @@ pub fn wheel_speed_lines(row: &RadiusRow) -> Vec<String> {
     std::iter::once(found).chain(wheels).chain(unseen(&row.radii)).chain(days_line(&row.slow_leak)).collect()
 }
 
-/// What the days since the calibration say.
 fn days_line(leak: &SlowLeak<f64>) -> Option<String> {
     let (corner, probability) =
         Corner::ALL.into_iter().zip(leak.probability).max_by(|a, b| a.1.total_cmp(&b.1))?;

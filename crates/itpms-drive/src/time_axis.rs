@@ -77,7 +77,6 @@ struct Second {
 }
 
 impl TimeAxis {
-    /// For a drive with this vehicle file.
     pub(crate) fn of(vehicle: &Vehicle) -> Self {
         Self { assumed: vehicle.assumes_wheelbase(), ..Self::new(vehicle.wheelbase_m) }
     }

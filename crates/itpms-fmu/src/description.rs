@@ -40,7 +40,6 @@ pub fn description(fmi: Fmi, vehicle: &Vehicle, step_s: f64) -> String {
     xml
 }
 
-/// What both versions say of the unit.
 fn head(vehicle: &Vehicle) -> String {
     let name = escaped(&vehicle.name);
     let version = env!("CARGO_PKG_VERSION");
@@ -144,7 +143,6 @@ fn units(xml: &mut String) -> std::fmt::Result {
     writeln!(xml, "  </UnitDefinitions>")
 }
 
-/// Causality and variability, in the words of both versions.
 fn properties(variable: &Variable) -> String {
     let varies = if variable.kind == Kind::Real { "continuous" } else { "discrete" };
     match variable.causality {

@@ -33,20 +33,16 @@ pub enum ModelError {
     Refused(#[from] itpms_core::ParameterError),
     #[error(transparent)]
     Drive(#[from] DriveError),
-    /// A step that is no time between two samples.
     #[error(
         "a step of {0} s, expected {1}: a step is the time between two samples, which the tool sets (FMPy: step_size=0.002, output_interval=0.002)"
     )]
     Step(f64, &'static str),
-    /// A step that the standard does not allow then.
     #[error("a step {0}, expected it after the initialization and before the end")]
     Order(&'static str),
-    /// A saved state that cannot be used.
     #[error("the saved state {0}")]
     State(String),
 }
 
-/// A car, its variables and their values.
 #[derive(Debug, Clone)]
 pub struct Model {
     file: Vehicle,
@@ -187,7 +183,6 @@ impl Model {
         Ok(drive.with_road(&vehicle, corners, rate_hz)?)
     }
 
-    /// The vehicle with the parameters as they were set.
     fn as_set(&self) -> Result<Vehicle, ModelError> {
         let mut vehicle = self.file.clone();
         vehicle.wheelbase_m =

@@ -21,19 +21,16 @@ pub fn library_name() -> String {
 /// Why there is no package.
 #[derive(Debug, Error)]
 pub enum PackageError {
-    /// The shared library is not where it is looked for.
     #[error(
         "{searched}: the shared library {name} is not there; expected where cargo build --release -p itpms-fmu leaves it, or --library PATH"
     )]
     NoLibrary { name: String, searched: String },
     #[error("{}: cannot be read: {}", .0.display(), .1)]
     Read(PathBuf, std::io::Error),
-    /// The archive cannot be made.
     #[error("the archive cannot be made: {0}")]
     Zip(#[from] zip::result::ZipError),
     #[error("the archive cannot be made: {0}")]
     Write(#[from] std::io::Error),
-    /// The standard has no name for this machine.
     #[error("the standard has no folder for shared libraries of this system ({0})")]
     Platform(&'static str),
 }

@@ -7,7 +7,6 @@ use itpms_data::Vehicle;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Causality {
     Independent,
-    /// Set before the simulation begins.
     Parameter,
     /// Set before a step; NaN: the value is missing.
     Input,
@@ -37,7 +36,6 @@ pub enum Role {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Variable {
     pub name: String,
-    /// What is behind it.
     pub role: Role,
     pub causality: Causality,
     pub kind: Kind,

@@ -6,7 +6,6 @@ use itpms_core::model::Corner;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Clock {
     pub sample_rate_hz: f64,
-    /// The corners that are measured and that the vehicle has.
     pub corners: Vec<Corner>,
     /// Whether the speeds of all four wheels come, and the vehicle has what they need.
     pub wheel_speeds: bool,

@@ -117,7 +117,6 @@ fn doubt_label(doubt: Doubt) -> &'static str {
     }
 }
 
-/// The sides whose front and rear are both measured.
 pub(crate) fn tracks(drive: &Drive) -> Vec<Track> {
     let Some(estimate) = &drive.latest else { return Vec::new() };
     let sides =

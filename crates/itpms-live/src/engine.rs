@@ -48,7 +48,6 @@ pub struct Engine {
     options: DriveOptions,
     say: NoteSink,
     stage: Stage,
-    /// A drive that waits for its first row.
     saved: Option<SavedDrive>,
     source: Source,
     /// Tooth pulses until the first row that is not earlier.
@@ -61,7 +60,6 @@ pub struct Engine {
     /// Wall clock when the newest row came; NaN before the first one.
     newest_unix_s: f64,
     units: UnitWatch,
-    /// Whether it was reported that rows come in bursts.
     bursts_reported: bool,
     /// What was doubtful about the source's signals.
     doubts: Vec<String>,
@@ -359,7 +357,6 @@ impl Engine {
         Ok(())
     }
 
-    /// Everything that is known now.
     pub fn snapshot(&mut self) -> Arc<Snapshot> {
         let latency_ms = self.latency.summary(Instant::now());
         let seq = self.snapshots;
@@ -399,7 +396,6 @@ impl Engine {
         Arc::new(snapshot)
     }
 
-    /// The drive, once it runs.
     pub fn drive(&self) -> Option<&Drive> {
         match &self.stage {
             Stage::Surveying(_) => None,

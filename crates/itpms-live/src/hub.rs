@@ -27,7 +27,6 @@ pub struct Hub {
 /// What has been, oldest first.
 #[derive(Debug, Clone, Default)]
 pub struct History {
-    /// The last quarter of an hour, a snapshot a second.
     pub coarse: Vec<Arc<Snapshot>>,
     /// The last minute, ten a second.
     pub fine: Vec<Arc<Snapshot>>,

@@ -58,7 +58,6 @@ pub struct Monitor {
 }
 
 impl Monitor {
-    /// Puts the parts together.
     pub fn new(
         engine: Engine,
         hub: Arc<Hub>,

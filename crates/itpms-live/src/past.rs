@@ -7,7 +7,6 @@ const SET_BACK: u32 = 16;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Place {
-    /// It follows the one before.
     Next,
     /// It is late, or has no time: to be left out.
     Late,
@@ -15,7 +14,6 @@ pub(crate) enum Place {
     SetBack(f64),
 }
 
-/// Rows that were left out.
 #[derive(Debug)]
 pub(crate) struct Past {
     last_s: f64,
@@ -28,7 +26,6 @@ impl Past {
         Self { last_s: f64::NAN, in_a_row: 0, left_out: 0 }
     }
 
-    /// Rows left out so far.
     pub(crate) fn left_out(&self) -> u64 {
         self.left_out
     }

@@ -127,9 +127,7 @@ pub struct Wheel {
     /// What its level rests on: `file`, `calibration`, `reference` or, by wheel speeds alone, `other-tires`: then there is no pressure.
     pub level: &'static str,
     pub stiffness_n_per_m: f64,
-    /// What the pressure is held against, in kPa.
     pub reference_kpa: f64,
-    /// What the placard asks for, in kPa.
     pub placard_kpa: f64,
     /// Whether the pressure may be shown.
     pub valid: bool,
@@ -150,7 +148,6 @@ pub struct Wheel {
 pub struct Track {
     /// `left` or `right`.
     pub side: &'static str,
-    /// Whether the shared road is being learned from.
     pub shared: bool,
     /// Share of the road's power near wheel hop that front and rear do not have in common, 0.001 to 2.
     pub incoherence: f64,

@@ -5,7 +5,6 @@
 /// Seconds for which a speed has to be missing before that is reported: a bus that wakes up tells some signals later than others.
 const LASTS_S: f64 = 5.0;
 
-/// Why the speed of the car is unknown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum SpeedDoubt {
     /// For more than half a second nothing was sent that a car can drive.

@@ -177,7 +177,6 @@ fn numbers_in_another_unit_are_told_of_once() {
     });
 }
 
-/// A line without its roughness.
 fn strip(line: &str) -> String {
     let mut parts = line.split(",\"iri_m_per_km\":");
     let first = parts.next().unwrap().to_owned();

@@ -27,7 +27,6 @@ pub(super) enum Fault {
 }
 
 impl Fault {
-    /// As an error that ends the reading.
     pub(super) fn into_problem(self) -> Mdf4Problem {
         match self {
             Fault::Damaged(damage) => Mdf4Problem::Unreadable(damage),
@@ -212,7 +211,6 @@ impl BlockFile {
     }
 }
 
-/// An identifier in words.
 pub(super) fn shown(bytes: &[u8]) -> String {
     format!("{:?}", String::from_utf8_lossy(bytes))
 }

@@ -41,7 +41,6 @@ pub(super) enum Conversion {
     Unreadable(String),
 }
 
-/// What a table says between its keys.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Between {
     /// On the straight line.

@@ -35,7 +35,6 @@ pub(super) struct Parts {
     /// Bytes of values in a record of the group that has the time.
     pub(super) time_value_bytes: usize,
     pub(super) columns: Vec<Layout>,
-    /// A channel whose bytes are asked for.
     pub(super) bytes: Option<ByteColumn>,
     /// Bytes of values in a record; invalidation bytes follow.
     pub(super) value_bytes: usize,

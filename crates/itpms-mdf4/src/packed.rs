@@ -79,7 +79,6 @@ pub(super) fn unpack(
     })
 }
 
-/// A stretch of a file.
 struct Stored<'a> {
     file: &'a mut BlockFile,
     from: u64,

@@ -245,7 +245,6 @@ impl Records {
         }
     }
 
-    /// A record behind its length.
     fn take_varying(&mut self) -> Result<Taken, Mdf4Problem> {
         let Some(length) = self.take_number(4)? else { return Ok(Taken::End(0)) };
         if length > MOST_RECORD {
@@ -268,7 +267,6 @@ impl Records {
         Ok(Some(number.iter().rev().fold(0, |sum, byte| sum << 8 | u64::from(*byte))))
     }
 
-    /// Among mixed records a gap is the end.
     fn stopped(&mut self, taken: Taken) -> Taken {
         match taken {
             Taken::Gap => self.stop = Some(Stop::Gap),
@@ -339,7 +337,6 @@ impl Records {
         self.stream.next_piece()
     }
 
-    /// Whether another whole record is there.
     fn has_more(&mut self) -> Result<bool, Mdf4Problem> {
         if self.length == 0 {
             return Ok(false);

@@ -48,7 +48,6 @@ pub(super) struct Structure {
 pub(super) struct DataGroup {
     /// Where the data are; 0 for nowhere.
     pub(super) data: u64,
-    /// Bytes before each record that tell whose it is.
     pub(super) id_bytes: usize,
     pub(super) records: Vec<Record>,
     /// Bytes of data that have no blocks around them (MDF 3).
@@ -139,7 +138,6 @@ pub(super) struct Walk<'a> {
     visited: HashSet<u64>,
     pub(super) texts: Texts,
     pub(super) conversions: Conversions,
-    /// Channels so far, of all groups.
     pub(super) channels: usize,
     /// Channel groups so far, those of variable length as well.
     kinds_of_records: usize,

@@ -160,7 +160,6 @@ impl Section {
 }
 
 impl Header {
-    /// Reads the header at the beginning of a file.
     pub(crate) fn read(bytes: &[u8]) -> Result<Self, CrgProblem> {
         let mut header = Header::default();
         let mut section = Section::Other;

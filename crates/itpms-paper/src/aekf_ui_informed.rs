@@ -140,7 +140,6 @@ impl<T: Real> AekfUiInformed<T> {
         }
     }
 
-    /// A step with a measurement.
     #[allow(non_snake_case)]
     fn update(&mut self, motion: &Motion<T>, dt_s: T, y: &Vector2<T>) -> InformedRecord<T> {
         let MotionStep { Phi, G_0, G_1 } = motion.step(dt_s);

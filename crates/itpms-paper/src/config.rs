@@ -31,7 +31,6 @@ pub enum FactorTiming {
     Same,
 }
 
-/// How the forgetting factor is found.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Forgetting<T> {

@@ -19,7 +19,6 @@ const LEAST_STEP_HZ: f64 = 400.0;
 /// Seconds between two measurements of the pressure that a calibration has set.
 const SET_S: f64 = 0.1;
 
-/// One of the paper's filters on one corner.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PaperEstimator<T: Real> {
@@ -139,7 +138,6 @@ impl<T: Real> PaperEstimator<T> {
         }
     }
 
-    /// What was found in the samples so far.
     pub fn counts(&self) -> SampleCounts {
         self.resampler.counts()
     }

@@ -27,9 +27,7 @@ pub struct InformedConfig<T> {
     /// Standard deviation in N/m beyond which walk and forgetting stop: nothing is known there but that there is a
     /// tire.
     pub stiffness_sd_limit_n_per_m: T,
-    /// Smallest stiffness in N/m taken for possible.
     pub lowest_stiffness_n_per_m: T,
-    /// Largest stiffness in N/m taken for possible.
     pub highest_stiffness_n_per_m: T,
     pub forgetting: ParameterForgetting<T>,
 }

@@ -52,13 +52,11 @@ impl<T: Real> InformedRecord<T> {
         self.stiffness_variance.sqrt()
     }
 
-    /// Standard deviation of the road's height in m.
     pub fn road_sd_m(&self) -> T {
         self.road_variance_m2.sqrt()
     }
 }
 
-/// What became of a stiffness measurement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum StiffnessUpdate<T> {

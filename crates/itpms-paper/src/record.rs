@@ -72,7 +72,6 @@ impl<T: Real> StepRecord<T> {
         self.state[state::TIRE_STIFFNESS]
     }
 
-    /// The standard deviation the filter claims for it, in N/m.
     pub fn stiffness_sd_n_per_m(&self) -> T {
         self.covariance[(state::TIRE_STIFFNESS, state::TIRE_STIFFNESS)].max(T::zero()).sqrt()
     }

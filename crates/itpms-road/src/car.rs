@@ -111,7 +111,6 @@ impl<T: Real> RoadUnderCar<T> {
         Ok(())
     }
 
-    /// Forgets the roads, as before they were configured.
     pub fn clear(&mut self) {
         self.clock = None;
         self.wheels.iter_mut().for_each(|wheel| *wheel = None);

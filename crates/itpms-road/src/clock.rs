@@ -15,7 +15,6 @@ const PATIENCE: u8 = 3;
 pub(crate) enum Arrival<T> {
     /// Nothing was before.
     First,
-    /// It follows the last one, after this many seconds.
     Next(T),
     /// Not after the last one, or absurdly late: leave it out.
     Ignored,

@@ -44,7 +44,6 @@ impl<T: Real> SensorDelay<T> {
         SensorDelay::AntiAlias { cutoff_per_rate: T::lit(0.3) }
     }
 
-    /// The delay in s at a sampling interval in s.
     pub fn delay_s(self, interval_s: T) -> T {
         match self {
             // Sum of 1/Q over the two sections: 0.7654 + 1.8478.

@@ -44,7 +44,6 @@ pub struct RoadEstimate<T> {
     pub validity: Validity,
 }
 
-/// What one sample did to the filter.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Advance<T: Real> {
     /// The step taken, `None` for the first sample and after a restart.
@@ -169,7 +168,6 @@ impl<T: Real> RoadFilter<T> {
         self.clock.interval_s()
     }
 
-    /// The sensors' delay in s at the rate seen.
     pub fn sensor_delay_s(&self) -> T {
         self.config.sensor_delay.delay_s(self.clock.interval_s())
     }
@@ -337,7 +335,6 @@ impl<T: Real> RoadFilter<T> {
         self.recursion.expected_variance_m2()
     }
 
-    /// Covariance of the height's expectation with the core states.
     pub(crate) fn road_covariance(&self) -> CoreState<T> {
         self.recursion.road_covariance()
     }
@@ -347,7 +344,6 @@ impl<T: Real> RoadFilter<T> {
         self.model.road_intensity
     }
 
-    /// Corner of the high-pass in rad/s.
     pub(crate) fn low_cut_rad_per_s(&self) -> T {
         self.model.low_cut_rad_per_s
     }

@@ -57,7 +57,6 @@ pub(crate) struct Model<T> {
     pub(crate) noise_variance: T,
     /// Two-sided density `q` of the road's vertical velocity, m²/s (eq. 2).
     pub(crate) road_intensity: T,
-    /// Bandwidth of the road's vertical velocity, rad/s.
     pub(crate) road_bandwidth_rad_per_s: T,
     /// Corner below which the height is left out, rad/s.
     pub(crate) low_cut_rad_per_s: T,
@@ -68,7 +67,6 @@ pub(crate) struct Model<T> {
 }
 
 impl<T: Real> Model<T> {
-    /// The model of a configuration for a road level.
     pub(crate) fn of(config: &RoadConfig<T>, log_level: T) -> Self {
         Self {
             car: config.quarter_car,

@@ -59,7 +59,6 @@ pub struct RoadRecorder<T: Real, R, S> {
     given: u64,
     begun: u64,
     let_go: u64,
-    /// Row of the last wheel acceleration.
     last_observed: Option<u64>,
 }
 

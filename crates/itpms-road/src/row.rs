@@ -10,7 +10,6 @@ pub struct RoadRow<T> {
     pub(crate) forward_m: T,
     /// Variance beside the filter's own: the stiffness's uncertainty, and time spent blind, m².
     pub(crate) extra_m2: T,
-    /// The smoothed height at the sample, m.
     pub(crate) smooth_m: T,
     pub(crate) variance_m2: T,
     pub(crate) observed: bool,
@@ -30,11 +29,9 @@ impl<T: Real> Default for RoadRow<T> {
     }
 }
 
-/// One row of a road record.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RoadPoint<T> {
-    /// Time of the log's row in s.
     pub time_s: f64,
     /// Road height in m under the wheel at that time, without phase, behind the configured high-pass (0.05 Hz,
     /// fourth order in all).

@@ -22,7 +22,6 @@ pub(crate) enum Purpose {
     /// Where a wheel's imbalance is when a drive starts.
     Imbalance = 7,
     Journey = 8,
-    /// What a sensor's fault draws.
     Fault = 9,
     /// How a car differs from its vehicle file.
     Tolerance = 10,

@@ -14,9 +14,7 @@ use crate::error::{InvalidValue, not_negative, positive, within};
 pub struct TimeProfile {
     times_s: Vec<f64>,
     values: Vec<f64>,
-    /// Integral from the first point to each point.
     integrals: Vec<f64>,
-    /// Integral from the first point to time zero.
     integral_to_zero: f64,
     /// Where the last question was answered.
     found: Found,

@@ -36,7 +36,6 @@ fn ended(child: Child, signal: &str) -> Outcome {
     outcome
 }
 
-/// The example car's bus.
 fn with_dbc(bench: &Bench) {
     let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/can");
     for name in ["car.dbc", "map.toml"] {

@@ -128,7 +128,6 @@ fn masses(drop: &Drop) -> String {
     format!("--sprung-mass-kg {} --unsprung-mass-kg {}", drop.sprung_kg, drop.unsprung_kg)
 }
 
-/// A value with its standard error.
 fn value(fit: &Value, key: &str) -> (f64, f64) {
     (fit[key].as_f64().unwrap(), fit[format!("{key}_se")].as_f64().unwrap())
 }

@@ -25,7 +25,6 @@ const REAR_KG: [f64; 2] = [216.0, 50.0];
 /// How much of the estimator runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Extent {
-    /// Corners, shared road, monitor, road heights.
     Everything,
     /// The same without road heights.
     WithoutRoad,
@@ -52,7 +51,6 @@ pub fn nominal<T: Real>() -> CarConfig<T> {
     }
 }
 
-/// The estimator and its monitor as they are shipped.
 pub fn shipped<T: Real>(rate_hz: f64) -> Box<MonitoredCar<T>> {
     monitored(&MonitorConfig::new(&nominal()), rate_hz)
 }

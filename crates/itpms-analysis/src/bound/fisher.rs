@@ -23,7 +23,6 @@ pub(super) struct Fisher {
     setting: BoundSetting,
 }
 
-/// The spectral matrix at one frequency and its derivatives.
 pub(super) struct SpectralModel {
     pub(super) phi: Spectral,
     /// By pressure (kPa), logarithm of the level, slope.

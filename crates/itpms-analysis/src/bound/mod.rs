@@ -34,7 +34,6 @@ pub enum RoadKnowledge {
     Known,
 }
 
-/// The drive the bound is asked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BoundSetting {
     pub road: PowerLaw,
@@ -87,20 +86,16 @@ impl BoundSetting {
 /// A drive no bound can be computed for.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum BoundError {
-    /// A physical quantity out of range.
     #[error("{name} is {value}, expected a positive, finite number")]
     NotPositive { name: &'static str, value: f64 },
     #[error("waviness is {0}, expected a finite number")]
     Slope(f64),
-    /// How far the rear wheel runs beside the front one's track.
     #[error("rear offset is {0} m, expected a finite number")]
     Offset(f64),
-    /// Limits that are no band, or beyond half the sampling rate.
     #[error("band from {low_hz} to {high_hz} Hz, expected 0 < low < high <= {half_rate_hz} Hz")]
     Band { low_hz: f64, high_hz: f64, half_rate_hz: f64 },
 }
 
-/// The bound for one corner on one kind of drive.
 #[derive(Debug, Clone)]
 pub struct CornerBound {
     fisher: Fisher,

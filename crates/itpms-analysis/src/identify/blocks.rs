@@ -83,7 +83,6 @@ impl Block {
     }
 }
 
-/// A fit with the covariance of its coefficients.
 #[derive(Debug, Clone)]
 pub(super) struct BlockFit {
     pub(super) coefficients: DVector<f64>,
@@ -93,7 +92,6 @@ pub(super) struct BlockFit {
     pub(super) residual_rms: f64,
 }
 
-/// Sum of blocks without one of them.
 fn total(blocks: &[Block], without: Option<usize>) -> Option<Block> {
     let mut used = blocks.iter().enumerate().filter(|(i, _)| Some(*i) != without).map(|(_, block)| block);
     let first = used.next()?.clone();

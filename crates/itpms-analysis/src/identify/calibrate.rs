@@ -27,7 +27,6 @@ pub struct Calibration {
     pub stiffness_at_zero: Coefficient,
     pub correlation: f64,
     pub r_squared: f64,
-    /// Standard deviation of a row about the line in N/m.
     pub residual_sd_n_per_m: f64,
     pub residual_sd_kpa: f64,
     pub pressures: usize,
@@ -50,10 +49,8 @@ pub struct Coefficient {
     pub interval_95: (f64, f64),
 }
 
-/// One row of the table.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct CalibrationRow {
-    /// Gauge pressure in kPa.
     pub pressure_kpa: f64,
     pub stiffness_n_per_m: f64,
     pub fitted_n_per_m: f64,

@@ -212,7 +212,6 @@ impl Fit {
     }
 }
 
-/// Chi-square of estimates about their weighted mean.
 fn chi_square(estimates: impl Iterator<Item = Estimate> + Clone) -> f64 {
     let weight = |e: &Estimate| e.standard_error.powi(-2);
     let (sum, weights) = estimates

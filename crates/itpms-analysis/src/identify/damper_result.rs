@@ -9,9 +9,7 @@ use super::estimate::Estimate;
 pub struct DamperResult {
     /// Damping in N s/m: mean of both directions, friction separated.
     pub damping_n_s_per_m: Estimate,
-    /// Damping in N s/m while the displacement grows.
     pub rising_n_s_per_m: Estimate,
-    /// Damping in N s/m while the displacement falls.
     pub falling_n_s_per_m: Estimate,
     pub friction_n: Estimate,
     pub runs: Vec<RunResult>,
@@ -42,7 +40,6 @@ pub struct RunResult {
     pub periods: usize,
     /// Damping in N s/m from this run alone, friction separated by the shape of the loop.
     pub damping_n_s_per_m: Estimate,
-    /// Friction in N from this run alone.
     pub friction_n: Estimate,
     /// Imaginary part of force over displacement at the frequency, over omega, in N s/m: friction counts as damping.
     pub equivalent_n_s_per_m: f64,
@@ -53,7 +50,6 @@ pub struct RunResult {
     pub distortion: f64,
 }
 
-/// Chi-square of the runs about their mean.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Consistency {
     pub chi_square: f64,

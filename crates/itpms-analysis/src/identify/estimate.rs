@@ -30,7 +30,6 @@ impl Estimate {
         Self { value, standard_error: variance.max(0.0).sqrt() * widening, degrees_of_freedom: dof }
     }
 
-    /// The sum of coefficients times factors, from a fit.
     pub(super) fn of(fit: &BlockFit, factors: &[(usize, f64)]) -> Self {
         let value = factors.iter().map(|(i, a)| a * fit.coefficients[*i]).sum();
         let variance = factors

@@ -77,7 +77,6 @@ pub struct Nonlinearity {
     pub significant: bool,
 }
 
-/// Rows of one stroke that are used.
 struct Used {
     rising: bool,
     rows: Vec<(f64, f64)>,

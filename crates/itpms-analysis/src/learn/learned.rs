@@ -9,7 +9,6 @@ use super::{DriveReading, LearnError, strut};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LearnedCorner {
     pub unsprung_mass_kg: Parameter,
-    /// Stiffness of the tire at placard pressure in N/m.
     pub tire_n_per_m: Parameter,
     /// Stiffness over unsprung mass in 1/s², the level of every uncalibrated pressure.
     pub stiffness_over_mass: Parameter,
@@ -21,7 +20,6 @@ pub struct LearnedCorner {
 /// What the drives have taught.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Learned {
-    /// By corner, as far as the file has them.
     pub corners: [Option<LearnedCorner>; 4],
     /// Slope of stiffness over pressure over the file's, of all tires alike.
     pub slope: Parameter,
@@ -71,7 +69,6 @@ fn corner(stated: &CornerConfig<f64>, i: usize, belief: &Belief, drives: &[Drive
     }
 }
 
-/// What an estimator knows of it.
 fn config(
     stated: &CornerConfig<f64>,
     corner: &LearnedCorner,

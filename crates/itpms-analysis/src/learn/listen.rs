@@ -19,7 +19,6 @@ pub struct WheelReading {
     pub stiffness_over_mass: f64,
     /// Its relative standard deviation, by how its half minutes scatter.
     pub relative_sd: f64,
-    /// Valid time in s that it rests on.
     pub seconds: f64,
 }
 
@@ -34,7 +33,6 @@ pub struct StrutMean {
 /// What a drive has shown. The same whatever unsprung masses, dampers, springs and tires its [`Listener`] was given.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DriveReading {
-    /// The known pressures in kPa gauge.
     pub pressures_kpa: [f64; 4],
     /// By corner; `None` where too little was valid.
     pub wheels: [Option<WheelReading>; 4],

@@ -42,7 +42,6 @@ pub enum LearnError {
         "drive {0} of the list: no tire was read for a minute after the first 30 s, expected some minutes of driving at more than walking pace"
     )]
     TooLittle(usize),
-    /// A parameter that no car has comes out.
     #[error("what was learned is no car: {0}")]
     Parameter(#[from] ParameterError),
 }

@@ -7,7 +7,6 @@ const NOT_LEARNED_SD: f64 = 0.8;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parameter {
     pub before: f64,
-    /// And how well it says that is known.
     pub before_sd: f64,
     pub after: f64,
     pub after_sd: f64,

@@ -52,7 +52,6 @@ impl Found {
         figures_page(&format!("Signals of {log}"), "", body)
     }
 
-    /// Length and rate in a sentence.
     pub fn summary(&self) -> String {
         format!(
             "{} rows in {:.1} s, usually {:.3} ms apart ({:.1} Hz).",

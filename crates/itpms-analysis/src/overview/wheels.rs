@@ -41,7 +41,6 @@ pub struct FoundWheels {
     /// Of the log ratios in thousandths above 18 km/h: front left over right, rear left over right, front over rear.
     pub ratios_1e3: [Option<Statistics>; 3],
     pub yaw_rate_rad_s: Option<Statistics>,
-    /// Of the acceleration along the car in m/s².
     pub accel_x_m_s2: Option<Statistics>,
     speed_means: [Vec<(f64, f64)>; 4],
     ratio_means: [Vec<(f64, f64)>; 3],
@@ -114,7 +113,6 @@ impl FoundWheels {
         }
     }
 
-    /// Name, unit and statistics of each signal.
     pub(super) fn signals(&self) -> impl Iterator<Item = (String, &'static str, &Statistics)> {
         let speeds = CORNERS.into_iter().zip(&self.speeds);
         let speeds = speeds

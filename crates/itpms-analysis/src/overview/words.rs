@@ -42,7 +42,6 @@ impl Found {
         said.into_iter().map(|(labels, text)| format!("{labels}: {text}")).collect()
     }
 
-    /// The sensors that show gravity, in one sentence.
     fn gravity(&self) -> Option<String> {
         let sensors = self.corners.iter().flat_map(|corner| {
             let of = |name, s| (format!("{}, {name}", corner.label), s);
@@ -74,7 +73,6 @@ impl FoundCorner {
             .collect()
     }
 
-    /// Of body and wheel together.
     fn pair(&self) -> Option<String> {
         if self.body.sd == 0.0 || self.wheel.sd == 0.0 || self.body.samples == 0 || self.wheel.samples == 0 {
             return None;

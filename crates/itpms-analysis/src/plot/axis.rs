@@ -8,7 +8,6 @@ const FARTHEST: f64 = 1e300;
 /// Share of its values that an axis covers at least.
 const LEAST_SHARE: f64 = 1e-9;
 
-/// How values lie along it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Scale {
     Linear,

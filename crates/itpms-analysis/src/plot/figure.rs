@@ -60,7 +60,6 @@ impl Figure {
         &self.title
     }
 
-    /// Names and samples of all panels, each name once.
     fn legend(&self) -> Vec<(&str, Sample)> {
         let mut entries: Vec<(&str, Sample)> = vec![];
         for entry in self.panels.iter().flat_map(|panel| panel.marks.iter()).filter_map(|mark| mark.entry()) {
@@ -71,7 +70,6 @@ impl Figure {
         entries
     }
 
-    /// The whole figure as one SVG document.
     pub fn svg(&self) -> String {
         let columns = self.columns.min(self.panels.len()).max(1);
         let total_width = 2.0 * MARGIN + columns as f64 * WIDTH + (columns - 1) as f64 * GAP;

@@ -6,12 +6,10 @@
 pub enum Ink {
     Truth,
     Default,
-    /// The published filter, corrected and informed.
     Mended,
     Adaptive,
     /// The published filter without forgetting.
     Plain,
-    /// A number that the paper prints.
     Paper,
     /// Orange, for what has no color of its own.
     Extra,

@@ -19,7 +19,6 @@ const TOP: f64 = 47.0;
 const BOTTOM: f64 = 44.0;
 const RIGHT: f64 = 14.0;
 
-/// A part of a figure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Panel {
     letter: String,
@@ -81,7 +80,6 @@ impl Panel {
         self.with(Mark::Stretch { from, to, word: word.into() })
     }
 
-    /// Width and height of the picture.
     pub(super) fn size(&self) -> (f64, f64) {
         (WIDTH, self.height)
     }

@@ -65,9 +65,7 @@ pub struct ReportOptions {
     pub curves: bool,
     /// Band of the Cramer-Rao bound in Hz; cut at 0.4 of the rate.
     pub bound_band_hz: (f64, f64),
-    /// The sd in kPa that the bound starts from.
     pub bound_prior_sd_kpa: f64,
-    /// Unit in which the page shows pressures.
     pub pressure_unit: PressureUnit,
 }
 

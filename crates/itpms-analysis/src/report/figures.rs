@@ -9,7 +9,6 @@ use super::Z_95;
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DriveFigures {
     pub samples: u64,
-    /// From the first row to the last, in s.
     pub duration_s: f64,
     /// Rows per second: one over the mean step, holes left out.
     pub rate_hz: f64,
@@ -37,10 +36,8 @@ pub struct Grounds {
     pub axle_difference_sd_kpa: Option<f64>,
 }
 
-/// How far the estimate was from the truth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TruthFigures {
-    /// Root of the mean squared error in kPa.
     pub rmse_kpa: f64,
     /// Mean error in kPa, estimate less truth.
     pub bias_kpa: f64,

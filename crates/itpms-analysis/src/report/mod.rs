@@ -80,7 +80,6 @@ pub struct ReportData {
     pub watch: Option<WatchReport>,
     /// What should be known before believing it, a sentence each.
     pub concerns: Vec<String>,
-    /// Unit in which the page shows pressures.
     pub pressure_unit: PressureUnit,
     /// What the wheel speeds reported; `None` where they were not used.
     pub wheel_speeds: Option<WheelSpeedReport>,
@@ -88,11 +87,9 @@ pub struct ReportData {
     pub suspension: Option<SuspensionVerdict>,
 }
 
-/// One corner's share of the page.
 #[derive(Debug, Clone)]
 pub struct CornerReport {
     pub corner: Corner,
-    /// Pressure the placard asks for, in kPa.
     pub placard_kpa: f64,
     pub config: CornerConfig<f64>,
     /// What the level of the pressures rested on in the end; `None` where nothing was estimated.
@@ -120,7 +117,6 @@ pub struct TimeCurves {
     pub truth_kpa: Vec<f64>,
     pub sd_kpa: Vec<f64>,
     pub error_kpa: Vec<f64>,
-    /// Cramer-Rao bound of one corner as an sd in kPa.
     pub bound_sd_kpa: Vec<f64>,
     /// Edges of the bound's 95 % band around the truth, or else around the estimate, in kPa.
     pub bound_band_kpa: [Vec<f64>; 2],
@@ -149,7 +145,6 @@ pub struct NisCheck {
     pub share_inside: f64,
 }
 
-/// The road under one wheel.
 #[derive(Debug, Clone)]
 pub struct RoadReport {
     pub profile: ProfileCurves,
@@ -159,9 +154,7 @@ pub struct RoadReport {
     /// Level, slope and class of the estimate, in the band where it holds.
     pub fit: Option<RoadFit>,
     pub truth_fit: Option<RoadFit>,
-    /// Roughness of all of the estimate in m/km.
     pub iri_m_per_km: Option<f64>,
-    /// Roughness of all of the true road in m/km.
     pub truth_iri_m_per_km: Option<f64>,
     /// Rms of the estimate's error over the rms of the true road, both in the band where the estimate holds.
     pub relative_error: Option<f64>,

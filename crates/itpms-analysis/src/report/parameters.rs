@@ -15,7 +15,6 @@ use crate::plot::escape;
 pub enum Parameter {
     SprungMass,
     UnsprungMass,
-    /// Stiffness of the tire at placard pressure.
     Tire,
     TireOverMass,
     /// Slope of stiffness over pressure.
@@ -65,7 +64,6 @@ impl Parameter {
         }
     }
 
-    /// Value and standard deviation in the unit.
     fn value(self, config: &CornerConfig<f64>) -> [f64; 2] {
         let (car, tire, known) = (&config.quarter_car, &config.tire, &config.uncertainty);
         let stiffness = tire.stiffness_n_per_m(config.placard_kpa);

@@ -145,7 +145,6 @@ impl Track {
         self.buckets = merged;
     }
 
-    /// Number of buckets in use.
     pub fn len(&self) -> usize {
         self.buckets.len()
     }

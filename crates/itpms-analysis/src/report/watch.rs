@@ -22,7 +22,6 @@ pub struct AlertSpan {
     pub ended_s: Option<f64>,
 }
 
-/// What the monitor reported during a drive.
 #[derive(Debug, Clone, Default)]
 pub struct WatchReport {
     /// Each wheel's stretches `(from s, to s, code)`, in the order of [`Corner::ALL`]: 0 fine, 1 unknown, 2 uncertain,

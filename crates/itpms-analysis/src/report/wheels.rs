@@ -30,10 +30,8 @@ pub struct BandCurve {
     pub band: [Vec<f64>; 2],
 }
 
-/// What wheel speeds reported during a drive.
 #[derive(Debug, Clone)]
 pub struct WheelSpeedReport {
-    /// Times in s of the curves, like the report's.
     pub time_s: Vec<f64>,
     /// Change of each rolling radius since the calibration in thousandths, in the order of [`Corner::ALL`].
     pub change_1e3: [BandCurve; 4],
@@ -174,7 +172,6 @@ pub fn unseen(radii: &RadiusReport<f64>) -> Vec<String> {
     out
 }
 
-/// A wheel's radius and loss, as one reads them.
 pub fn wheel_line(wheel: &WheelRadius<f64>) -> String {
     if !wheel.change.is_finite() {
         return "not compared with anything".to_owned();
@@ -271,7 +268,6 @@ struct BandJson<'a> {
     hi: Digits<'a>,
 }
 
-/// The curves for the page's script.
 pub(super) fn json(data: &ReportData) -> Option<WheelsJson<'_>> {
     let wheels = data.wheel_speeds.as_ref()?;
     fn bands<'a>(curves: &'a [BandCurve], names: &[&'static str]) -> Vec<BandJson<'a>> {

@@ -14,7 +14,6 @@ const FOR_GOOD_READINGS: u64 = 2;
 /// Seconds after which a reading says nothing of now: some sensors send every ten minutes.
 const OLD_S: f64 = 900.0;
 
-/// A tire's own sensor at the end of a drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TireSensor {
     /// When it last sent, in s after [`DriveFigures::origin_s`](super::DriveFigures::origin_s).

@@ -12,7 +12,6 @@ const STEP_M: f64 = 0.2;
 const LEAST_M: f64 = 6e-3;
 /// And by so many robust standard deviations of the block it lies in.
 const CERTAIN: f64 = 10.0;
-/// Length of a block in m, for that deviation.
 const BLOCK_M: f64 = 100.0;
 /// A median absolute deviation over a normal distribution's standard deviation, inverted.
 const MAD_TO_SD: f64 = 1.4826;

@@ -22,7 +22,6 @@ const MOST_MISSING: f64 = 1e7;
 /// Profiles that cannot be made even.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum EvenError {
-    /// There is no distance between them.
     #[error("found {0} points, expected 2 or more")]
     Points(usize),
     #[error(
@@ -30,20 +29,13 @@ pub enum EvenError {
          expected {most} or fewer",
         most = MOST_MISSING
     )]
-    Gaps {
-        missing: f64,
-        /// Distance from height to height in m.
-        spacing_m: f64,
-        from_m: f64,
-        to_m: f64,
-    },
+    Gaps { missing: f64, spacing_m: f64, from_m: f64, to_m: f64 },
 }
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct EvenProfile {
     /// Where the first height is, in m.
     pub start_m: f64,
-    /// Distance from height to height in m.
     pub spacing_m: f64,
     /// Heights in m; NaN is missing.
     pub heights_m: Vec<f64>,

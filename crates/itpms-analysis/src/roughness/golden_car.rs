@@ -13,7 +13,6 @@ const K1: f64 = 653.0;
 const C: f64 = 6.0;
 /// Unsprung over sprung mass.
 const MU: f64 = 0.15;
-/// The golden car's speed in m/s.
 const SPEED_M_S: f64 = 80.0 / 3.6;
 /// Length of the moving average that stands for the tire's contact patch.
 const AVERAGE_M: f64 = 0.25;

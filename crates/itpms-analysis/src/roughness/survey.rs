@@ -37,7 +37,6 @@ pub struct SurveyOptions {
     pub origin_m: f64,
     /// Length of a segment in m; a road that is shorter is one segment.
     pub segment_m: f64,
-    /// Distance from height to height in m.
     pub spacing_m: f64,
     /// Whether a tire has smoothed the heights already.
     pub enveloping: Enveloping,
@@ -47,10 +46,8 @@ pub struct SurveyOptions {
 /// Options no road can be read with.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum SurveyError {
-    /// Too coarse for the golden car.
     #[error("heights are {0} m apart, expected more than 0 and at most 1 m")]
     Spacing(f64),
-    /// Shorter than anything the golden car could tell apart.
     #[error("segments of {found} m, expected {least} m or more")]
     Segment { found: f64, least: f64 },
 }
@@ -58,13 +55,10 @@ pub enum SurveyError {
 /// Why a segment has no number.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum TooLittle {
-    /// Most of it is unknown.
     #[error("too little road: {known_m:.0} of {segment_m:.0} m")]
     Road { known_m: f64, segment_m: f64 },
-    /// The band does not hold the wave at which ISO 8608 states a level.
     #[error("waves of {shortest_m:.2} to {longest_m:.1} m only: Gd(n0) needs 10 m")]
     Waves { shortest_m: f64, longest_m: f64 },
-    /// No line goes through the spectrum.
     #[error("no spectrum: {0}")]
     Spectrum(FitError),
 }

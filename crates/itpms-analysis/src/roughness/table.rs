@@ -23,7 +23,6 @@ fn side(track: &str) -> Option<Side> {
     }
 }
 
-/// Tracks cut into the same segments.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RoughnessTable {
     segment_m: f64,
@@ -69,12 +68,10 @@ impl RoughnessTable {
         Some(0.5 * (of(Side::Left)? + of(Side::Right)?))
     }
 
-    /// Mean roughness index of a segment in m/km.
     pub fn mri_m_per_km(&self, segment: usize) -> Option<f64> {
         self.mean(|track| track.segments.get(segment)?.iri_m_per_km.ok())
     }
 
-    /// Mean roughness index of all that is known in m/km.
     pub fn whole_mri_m_per_km(&self) -> Option<f64> {
         self.mean(|track| track.iri_m_per_km)
     }
@@ -83,7 +80,6 @@ impl RoughnessTable {
         self.tracks.iter().map(|(_, track)| track.segments.len()).max().unwrap_or(0)
     }
 
-    /// The tracks that reach a segment.
     fn segment(&self, i: usize) -> impl Iterator<Item = (&str, &SegmentRoughness)> {
         self.tracks.iter().filter_map(move |(name, track)| Some((name.as_str(), track.segments.get(i)?)))
     }

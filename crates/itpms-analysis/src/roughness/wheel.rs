@@ -19,7 +19,6 @@ const SHORTEST_M: f64 = 0.5;
 /// Share of the sampling rate up to which a wave is seen, below the anti-alias filter.
 const HIGHEST_SHARE: f64 = 0.25;
 
-/// The road under one wheel in the making.
 #[derive(Debug)]
 pub struct WheelSurvey {
     cells: Cells<2>,

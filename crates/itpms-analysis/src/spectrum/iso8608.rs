@@ -86,10 +86,8 @@ impl IsoClass {
 /// A spectrum no line can be drawn through.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum FitError {
-    /// Limits that are no band.
     #[error("band from {low_per_m} to {high_per_m} cycles/m, expected 0 < low < high")]
     Band { low_per_m: f64, high_per_m: f64 },
-    /// The spectrum does not reach into the band.
     #[error("{0} smoothed bands hold a positive density, expected at least 3")]
     TooFewBands(usize),
 }

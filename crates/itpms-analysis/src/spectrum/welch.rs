@@ -12,10 +12,8 @@ use thiserror::Error;
 /// Settings no spectrum can be computed with.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum WelchError {
-    /// Too short for a window with a 50 % overlap.
     #[error("segments of {0} samples, expected an even number, 8 or more")]
     Segment(usize),
-    /// Not a distance between samples.
     #[error("sample spacing {0}, expected a positive, finite number")]
     Spacing(f64),
 }

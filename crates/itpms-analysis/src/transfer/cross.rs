@@ -28,7 +28,6 @@ pub struct CrossSpectra {
     segments: usize,
 }
 
-/// One frequency of the measured response.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Bin {
     pub(super) hz: f64,

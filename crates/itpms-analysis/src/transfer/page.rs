@@ -87,7 +87,6 @@ fn known(points: Vec<(f64, f64, f64)>) -> Vec<(f64, f64, f64)> {
     points.into_iter().filter(|(_, gain, error)| *error < 0.5 * gain).collect()
 }
 
-/// Gain and coherence of a corner.
 fn figure(check: &CornerCheck) -> Figure {
     let frequency = || Axis::logarithmic("Frequency", "Hz");
     let of_file = check.of_file();

@@ -15,7 +15,6 @@ pub(super) const SIZE: usize = 144;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Header {
-    /// Its size in bytes as it says.
     pub(super) size: u32,
     /// Beginning of the measurement in s since 1970; 0 where the header does not say.
     pub(super) start_s: f64,

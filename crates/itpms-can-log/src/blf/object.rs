@@ -248,7 +248,6 @@ fn push_body(out: &mut Vec<u8>, frame: &CanFrame) {
 mod tests {
     use super::*;
 
-    /// An object with these bytes after its header.
     fn object(object_type: u32, flags: u32, stamp: u64, body: &[u8]) -> Vec<u8> {
         let mut data = SIGNATURE.to_vec();
         data.extend_from_slice(&[32, 0, 1, 0]);

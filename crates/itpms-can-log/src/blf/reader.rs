@@ -18,7 +18,6 @@ use crate::repairs::{FramePlace, FrameRepairs};
 /// [`container::MOST_PADDING`] in memory.
 const MOST_PADDING: usize = container::MOST_PADDING as usize;
 
-/// Reads frames from a BLF file.
 #[derive(Debug)]
 pub(crate) struct BlfReader {
     containers: Containers,
@@ -173,7 +172,6 @@ impl BlfReader {
         Ok(true)
     }
 
-    /// What is left at the end of the file.
     fn end(&mut self, repairs: &mut FrameRepairs) -> Result<Option<CanFrame>, CanProblem> {
         let left = self.buffer.len() - self.at;
         if left > MOST_PADDING || self.skip > 0 {

@@ -16,7 +16,6 @@ const MOST_LINES_OF_NOTHING: u64 = 10_000;
 /// Frames looked at to tell differences from times since the beginning.
 const SURVEY_FRAMES: usize = 512;
 
-/// Reads frames from candump's lines.
 #[derive(Debug)]
 pub(crate) struct CandumpReader {
     lines: TextLines,

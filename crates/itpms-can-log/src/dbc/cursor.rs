@@ -128,7 +128,6 @@ impl<'a> Cursor<'a> {
         Astray { found, expected }
     }
 
-    /// How far this is from an earlier place.
     pub(super) fn bytes_since(&self, earlier: &Self) -> usize {
         earlier.rest.len().saturating_sub(self.rest.len())
     }

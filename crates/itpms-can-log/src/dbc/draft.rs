@@ -333,7 +333,6 @@ fn together(message: &Message, a: usize, b: usize) -> bool {
     })
 }
 
-/// The multiplexers before a signal, from the nearest on.
 fn chain(message: &Message, place: usize) -> impl Iterator<Item = &Selector> {
     let before = |selector: &&Selector| message.signals.get(selector.switch)?.selector.as_ref();
     // There is no circle; the bound is for the reader of this line.

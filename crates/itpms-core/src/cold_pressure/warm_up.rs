@@ -36,14 +36,7 @@ pub(super) struct WarmUp<T> {
 impl<T: Real> WarmUp<T> {
     /// A tire of which nothing is known but that it is hardly warmer than the air.
     pub(super) fn new() -> Self {
-        let zero = T::zero();
-        Self {
-            driven_k: zero,
-            soaked_c: T::lit(f64::NAN),
-            lag_k: zero,
-            history_k: T::lit(HISTORY_SD_K),
-            unknown_k: zero,
-        }
+        Self { soaked_c: T::lit(f64::NAN), history_k: T::lit(HISTORY_SD_K), ..Self::BLANK }
     }
 
     /// So many seconds at this speed in m/s (NaN: unknown), in air of this temperature in degrees Celsius. Exact for a speed and a

@@ -115,7 +115,6 @@ impl<T: Real> FlatWatch<T> {
     }
 }
 
-/// Periods in s, and what follows from them.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Periods<T> {
@@ -281,7 +280,6 @@ impl<T: Real> Resampler<T> {
         self.emit(speed_m_s, &mut sink);
     }
 
-    /// Takes a sample so many s after the last one.
     fn append(&mut self, step_s: T, body: T, wheel: T, no_signal: bool) {
         if self.filled == 0 {
             (self.after_gap, self.before_s) = (true, [T::zero(); POINTS]);

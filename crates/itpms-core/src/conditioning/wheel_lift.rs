@@ -50,15 +50,7 @@ pub(crate) struct ContactWatch<T> {
 
 impl<T: Real> ContactWatch<T> {
     pub(crate) fn new(car: &QuarterCar<T>) -> Self {
-        Self {
-            sprung_mass_kg: car.sprung_mass_kg(),
-            unsprung_mass_kg: car.unsprung_mass_kg(),
-            means: [T::zero(); 2],
-            watched_s: T::zero(),
-            offsets: [T::zero(); 2],
-            hopping_s: T::zero(),
-            pulling_s: T::zero(),
-        }
+        Self { sprung_mass_kg: car.sprung_mass_kg(), unsprung_mass_kg: car.unsprung_mass_kg(), ..Self::BLANK }
     }
 
     /// Looks at a grid step: what accelerates both masses, beyond their weight, is the force of the tire.

@@ -52,7 +52,6 @@ const BODY_GAIN: f64 = 0.2;
 const BODY_GAIN_FINE: f64 = 0.12;
 const GAIN: DebounceTimes = DebounceTimes { set_s: 5.0, clear_s: 5.0 };
 
-/// The car's sensors against each other.
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct CrossSensorPlausibility<T: Real> {

@@ -147,7 +147,6 @@ mod tests {
     use super::*;
     use std::vec::Vec;
 
-    /// Gain of the band at a frequency, measured.
     fn gain(hz: f64) -> f64 {
         let mut band = Band::<f64>::new([8.0, 20.0], 100.0);
         let mut power = 0.0;

@@ -35,7 +35,6 @@ pub(crate) struct SensorBlock<T> {
     pub(crate) complete: bool,
 }
 
-/// Remembers a sensor's last values.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct SensorWatch<T> {
@@ -63,20 +62,11 @@ pub(crate) struct SensorWatch<T> {
 impl<T: Real> SensorWatch<T> {
     pub(crate) fn new(period_s: f64) -> Self {
         Self {
-            window: [T::zero(); WINDOW],
-            whole: 0,
-            usual: T::zero(),
-            deviations: [T::zero(); MIDDLE + 1],
-            missing: T::zero(),
             changed_s: f64::NAN,
-            spikes: 0,
-            lost: 0,
-            part: T::zero(),
-            in_part: 0,
             part_of: ((PART_S / period_s) as u32).max(5),
-            floor: None,
             usual_share: T::lit((period_s / USUAL_S).min(1.0)),
             missing_share: T::lit((period_s / MISSING_S).min(1.0)),
+            ..Self::BLANK
         }
     }
 
@@ -159,7 +149,6 @@ impl<T: Real> SensorWatch<T> {
     }
 }
 
-/// Sum of squared fourth differences.
 fn roughness<T: Real>(window: &[T; WINDOW]) -> T {
     window.windows(5).map(fourth_difference).fold(T::zero(), |sum, fourth| sum + fourth * fourth)
 }

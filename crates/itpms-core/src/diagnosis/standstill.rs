@@ -16,7 +16,6 @@ const LOOK_S: f64 = 1.0;
 const ROLLS_M_S2: f64 = 1.0;
 const CALM_M_S2: f64 = 0.5;
 
-/// Mean and sum of squares about it.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Spread<T> {

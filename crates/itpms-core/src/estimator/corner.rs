@@ -253,7 +253,6 @@ impl<T: Real> CornerEstimator<T> {
         }
     }
 
-    /// Time between grid steps in s.
     pub(crate) fn grid_period_s(&self) -> f64 {
         self.resampler.grid_period_s()
     }
@@ -317,7 +316,6 @@ impl<T: Real> CornerEstimator<T> {
         self.learned_before_s = T::zero();
     }
 
-    /// What was found in the samples so far.
     pub(crate) fn counts(&self) -> SampleCounts {
         self.resampler.counts()
     }

@@ -29,7 +29,6 @@ pub(crate) enum SpeedKnowledge {
     Unknown,
 }
 
-/// The gate's memory and its last verdict.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Gate<T> {
@@ -45,15 +44,8 @@ pub(crate) struct Gate<T> {
 
 impl<T: Real> Gate<T> {
     pub(crate) fn new() -> Self {
-        let (one, zero) = (T::one(), T::zero());
-        Self {
-            signal_to_noise: one,
-            quick_log_power: zero,
-            slow_log_power: zero,
-            running: false,
-            nis: one,
-            open: zero,
-        }
+        let one = T::one();
+        Self { signal_to_noise: one, nis: one, ..Self::BLANK }
     }
 
     /// Judges a frame from the most likely cell and the road believed there.

@@ -349,7 +349,6 @@ impl<T: Real> Informed<T> {
 /// What the estimator believes after a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Belief<T> {
-    /// Posterior mean of the pressure in kPa.
     pub(crate) pressure_kpa: T,
     pub(crate) pressure_sd_kpa: T,
     /// Probability that the pressure is changing.

@@ -58,7 +58,6 @@ impl<T: Real> RoadFits<T> {
         self.covariance = posterior.road.each_ref().map(|roads| roads.covariance);
     }
 
-    /// Fits the next cells, as many each time.
     pub(crate) fn fit_some(&mut self, posterior: &mut Posterior<T>, frame: &Evidence<T>, tables: &Tables<T>) {
         self.owed += self.fitted.count_ones();
         while self.owed >= self.times {
@@ -107,7 +106,6 @@ impl<T: Real> RoadFits<T> {
         }
     }
 
-    /// The evidence of all cells, once it is complete.
     pub(crate) fn log_evidence(&self) -> &[Cells<T>; LEVEL_MODES] {
         &self.log_evidence
     }

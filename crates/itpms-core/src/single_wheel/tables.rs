@@ -31,7 +31,6 @@ const ANTI_ALIAS: f64 = 0.3;
 /// Points per bin, and on each side, at which the window's spectrum is averaged.
 const KERNEL_DENSITY: i32 = 8;
 const KERNEL_HALF: i32 = 20;
-/// Bins that are filled at once.
 const AT_ONCE: usize = 2;
 /// Points of one bin's window, and of those that are filled at once.
 const WINDOW: usize = 2 * KERNEL_HALF as usize + 1;

@@ -26,7 +26,6 @@ pub(crate) struct TorsionEvidence<T> {
     pub reference_kpa: [T; 4],
 }
 
-/// A wheel under a hypothesis.
 struct Wheel<T> {
     /// Its information, by the variance that the hypothesis adds.
     information: T,

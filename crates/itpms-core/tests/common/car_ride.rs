@@ -152,7 +152,6 @@ pub fn calibrated<T: Real>(seconds: f64) -> CarEstimator<T> {
     car
 }
 
-/// What it says after each row.
 pub fn drive<T: Real>(car: &mut CarEstimator<T>, rows: &[CarSample<f64>]) -> Vec<CarEstimate<T>> {
     rows.iter().map(|row| car.update(&cast(row))).collect()
 }

@@ -14,7 +14,6 @@ use crate::signals::{Conversion, Reading, Resolved, SignalMap, resolve_among};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct FrameCounts {
     pub frames: u64,
-    /// Data frames of messages with a column's signal.
     pub used: u64,
     /// Data frames of messages that the description has, without such a signal.
     pub other: u64,
@@ -33,7 +32,6 @@ pub struct FrameCounts {
     pub raw_ends: u64,
 }
 
-/// Decodes what is wanted of a bus.
 #[derive(Debug, Clone)]
 pub struct Decoder {
     dbc: Dbc,
@@ -42,7 +40,6 @@ pub struct Decoder {
     counts: FrameCounts,
 }
 
-/// Of one message, the signals that are columns.
 #[derive(Debug, Clone)]
 struct Wanted {
     message: Message,
@@ -115,7 +112,6 @@ impl Decoder {
         self.dbc.problems()
     }
 
-    /// What became of the frames so far.
     pub fn counts(&self) -> &FrameCounts {
         &self.counts
     }

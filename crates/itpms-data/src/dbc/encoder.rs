@@ -28,7 +28,6 @@ pub struct Encoder {
     counts: EncodeCounts,
 }
 
-/// A message with columns in it.
 #[derive(Debug, Clone)]
 struct Outgoing {
     message: Message,

@@ -76,7 +76,6 @@ pub enum PositionColumns {
     /// It does not.
     #[default]
     Absent,
-    /// It does, and that is written nowhere.
     Private,
     Written,
 }

@@ -38,7 +38,6 @@ struct Evidence {
 }
 
 impl Echoes {
-    /// Of a log that begins with these frames.
     pub(super) fn of<'a>(frames: impl Iterator<Item = &'a CanFrame>) -> Self {
         let mut by_id: HashMap<(u16, CanId), Vec<&CanFrame>> = HashMap::new();
         for frame in frames {
@@ -55,7 +54,6 @@ impl Echoes {
         Self { cycles, count: 0 }
     }
 
-    /// Whether this frame is the echo of one before.
     pub(super) fn takes(&mut self, frame: &CanFrame) -> bool {
         if self.cycles.is_empty() {
             return false;

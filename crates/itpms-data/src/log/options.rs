@@ -7,7 +7,6 @@ use super::units::UnitCheck;
 use crate::error::{DataError, Problem};
 use crate::signals::SignalMap;
 
-/// How to read a drive log.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct LogOptions {
     /// Whether the unit of the accelerations is doubted.

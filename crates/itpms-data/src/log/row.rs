@@ -13,7 +13,6 @@ pub struct LogColumns {
     pub speed: bool,
     /// The corners with both accelerations, in the order of [`Corner::ALL`].
     pub corners: [Option<CornerColumns>; 4],
-    /// What there is for the wheel-speed methods.
     pub motion: MotionColumns,
 }
 
@@ -147,7 +146,6 @@ impl LogColumns {
 /// One corner's part of a row. NaN is missing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LogCorner {
-    /// Sprung mass acceleration in m/s², up.
     pub body_accel_m_s2: f64,
     /// Unsprung mass acceleration in m/s², up.
     pub wheel_accel_m_s2: f64,
@@ -180,7 +178,6 @@ pub struct LogRow {
 pub struct LogMotion {
     /// Speeds of the wheels in m/s, in the order of [`Corner::ALL`].
     pub wheel_speed_m_s: [f64; 4],
-    /// The same as speeds of rotation in rad/s.
     pub wheel_speed_rad_s: [f64; 4],
     /// Yaw rate in rad/s, positive to the left.
     pub yaw_rate_rad_s: f64,

@@ -32,7 +32,6 @@ impl Selection {
         self.value == ANY || self.value.parse::<f64>().is_ok_and(|wanted| wanted == value)
     }
 
-    /// The place of the column among these names.
     pub(crate) fn place(&self, names: &[String]) -> Result<usize, Problem> {
         names.iter().position(|name| *name == self.column).ok_or_else(|| {
             let near = itpms_files::nearest(&self.column, names.iter().map(String::as_str));

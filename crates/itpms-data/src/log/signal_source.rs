@@ -88,7 +88,6 @@ impl Feed {
     }
 }
 
-/// A feed, and the rows that are made of it.
 #[derive(Debug)]
 pub(super) struct SignalSource {
     feed: Feed,

@@ -7,7 +7,6 @@ use super::around::{AirField, PositionField};
 /// One quantity of one corner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Field {
-    /// Sprung mass acceleration in m/s², up.
     BodyAccel,
     /// Unsprung mass acceleration in m/s², up.
     WheelAccel,
@@ -136,7 +135,6 @@ impl Slot {
         }
     }
 
-    /// Whether it is the acceleration of a body or a wheel.
     pub(crate) fn is_acceleration(self) -> bool {
         matches!(self, Slot::Corner(_, Field::BodyAccel | Field::WheelAccel))
     }

@@ -18,7 +18,6 @@ const MOST: usize = 3;
 pub(super) struct StandIns(Vec<(Slot, f64, u64)>);
 
 impl StandIns {
-    /// Of a table that begins with these rows.
     pub(super) fn of<'a>(rows: impl Iterator<Item = &'a RawRow> + Clone) -> Self {
         let mut found = Vec::new();
         for slot in Slot::all().filter(|slot| slot.is_acceleration() || *slot == Slot::Speed) {

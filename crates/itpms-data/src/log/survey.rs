@@ -25,7 +25,6 @@ pub struct Survey {
     pub rows: usize,
     /// Median step of the time in s.
     pub sample_period_s: f64,
-    /// Standard deviation of the step in s, gaps left out.
     pub jitter_s: f64,
     /// Samples per second: the inverse of the mean step, gaps left out (the median step of a clock that counts whole
     /// milliseconds can be far off), rounded to a whole number where it is within 0.1 % of one.

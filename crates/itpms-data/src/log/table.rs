@@ -35,7 +35,6 @@ const REGULAR: f64 = 0.95;
 /// A longer step, in typical ones, is a gap.
 const GAP_STEPS: usize = 3;
 
-/// What the rows of a table are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Rows {
     Samples,
@@ -96,7 +95,6 @@ impl Table {
     }
 }
 
-/// A table whose first rows have been looked at.
 #[derive(Debug)]
 pub(super) struct TableSource {
     table: Table,
@@ -147,7 +145,6 @@ impl TableSource {
         source
     }
 
-    /// The next row of the file, at its time.
     fn read(&mut self, row: &mut RawRow) -> Result<Option<Place>, Problem> {
         let place = self.table.next_row(row)?;
         if place.is_some() {
@@ -193,7 +190,6 @@ impl TableSource {
         self.clock.remarks().into_iter().chain(held).chain(self.rows.remark().map(str::to_owned)).collect()
     }
 
-    /// What the first rows say that all are.
     pub(super) fn rows(&self) -> Rows {
         self.rows
     }

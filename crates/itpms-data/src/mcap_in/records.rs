@@ -20,7 +20,6 @@ const LONGEST_MESSAGE: usize = 1 << 20;
 /// Schemas and channels of a file, of 16 bits each.
 const PIECE: usize = 1 << 16;
 
-/// What a file says on the way.
 pub(crate) enum Message<'a> {
     Schema { id: u16, name: String, encoding: String, text: Vec<u8> },
     Channel(records::Channel),
@@ -35,7 +34,6 @@ enum Next {
     Fails(McapError),
 }
 
-/// A file that is read.
 pub(crate) struct Messages {
     file: File,
     reader: LinearReader,
@@ -145,7 +143,6 @@ impl Messages {
         (self.read as f64 / self.bytes.max(1) as f64).min(1.0)
     }
 
-    /// What was left out so far.
     pub(crate) fn repairs(&self) -> Vec<String> {
         self.ended.iter().cloned().collect()
     }
@@ -201,7 +198,6 @@ fn names_fit(opcode: u8, data: &[u8]) -> bool {
     after_names().is_some_and(|rest| !is_channel || metadata_fits(rest).is_some())
 }
 
-/// What comes after a name that begins with its length.
 fn after_name(bytes: &[u8]) -> Option<&[u8]> {
     let (length, rest) = bytes.split_first_chunk::<4>()?;
     rest.get(u32::from_le_bytes(*length) as usize..)

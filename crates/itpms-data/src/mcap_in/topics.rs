@@ -37,7 +37,6 @@ pub(crate) struct Topic {
     pub(crate) name: String,
     codec: Result<Codec, String>,
     is_ros: bool,
-    /// The paths of its numbers, and their places by path.
     pub(crate) paths: Vec<String>,
     places: HashMap<String, usize>,
     /// Whether its own stamps agreed with the recorder's clock so far.

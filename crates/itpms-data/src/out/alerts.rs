@@ -98,7 +98,6 @@ fn put_malfunction(put: &mut impl FnMut(&str, Value), malfunction: &Malfunction<
     }
 }
 
-/// The sensor's column in a drive log.
 fn column(sensor: &Sensor) -> String {
     let field = match sensor.place {
         Place::Body => Field::BodyAccel,

@@ -18,7 +18,6 @@ use crate::log::{LogColumns, LogFormat, LogOptions, LogRow};
 #[cfg(feature = "mdf4")]
 use crate::mdf4::{ChannelSpec, Compression, GroupSpec, Mdf4Writer, SampleFormat};
 
-/// Writes the rows of a drive.
 #[derive(Debug)]
 pub struct LogWriter {
     sink: Sink,
@@ -164,7 +163,6 @@ pub(super) fn table_columns(columns: &LogColumns) -> Vec<(String, Kind)> {
     columns.slots().map(|slot| (slot.name(), Kind::Number)).collect()
 }
 
-/// The columns besides the time.
 #[cfg(feature = "mdf4")]
 fn measured(columns: &LogColumns) -> impl Iterator<Item = Slot> {
     columns.slots().filter(|slot| *slot != Slot::Time)

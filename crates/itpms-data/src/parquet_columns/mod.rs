@@ -69,7 +69,6 @@ struct Column {
     present: i16,
     /// Index of the leaf in the schema.
     leaf: usize,
-    /// The reader of the current row group.
     reader: Option<ColumnReader>,
     /// The current batch, NaN where null.
     values: Vec<f64>,
@@ -204,7 +203,6 @@ impl ParquetColumns {
         self.columns.push(Column { name, meaning, selection: None, present, leaf, reader, values, levels });
     }
 
-    /// Rows of the whole file.
     pub(crate) fn rows(&self) -> u64 {
         self.rows
     }

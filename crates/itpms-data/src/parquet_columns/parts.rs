@@ -38,7 +38,6 @@ pub(crate) struct ParquetParts {
     rows_read: u64,
 }
 
-/// What is read of every part.
 #[derive(Debug, Default)]
 struct Wanted {
     columns: Vec<String>,
@@ -47,7 +46,6 @@ struct Wanted {
     rows: Vec<Selection>,
 }
 
-/// A part that is read.
 struct Open {
     name: Option<String>,
     columns: ParquetColumns,

@@ -82,7 +82,6 @@ fn implausible(error: CalibrationError, vehicle: &Vehicle, found_m: Option<f64>)
     }
 }
 
-/// A learned reference with its car and its date.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StoredReference {
     pub vehicle: VehicleIdentity,
@@ -141,7 +140,6 @@ impl StoredReference {
         }
     }
 
-    /// The same with what was learned of the wheel speeds.
     pub fn with_wheel_speeds(self, wheel_speeds: Option<RadiusCalibration<f64>>) -> Self {
         Self { wheel_speeds, ..self }
     }

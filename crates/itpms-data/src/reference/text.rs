@@ -197,7 +197,6 @@ fn read_corners(corners: &Table<'_>, format: u32) -> Result<[Option<CornerCalibr
     Ok(read)
 }
 
-/// Gain and skew of a side.
 fn read_side(learned: &Table<'_>, side: &'static str) -> Result<[Learned<f64>; 2], Problem> {
     let table = needed_table(learned, side)?;
     let [gain, skew] = SIDE_QUANTITIES;

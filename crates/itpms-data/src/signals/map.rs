@@ -31,7 +31,6 @@ pub struct SignalMap {
     time: Option<Entry>,
 }
 
-/// One line of the map.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Entry {
     pub(super) slot: Slot,
@@ -44,7 +43,6 @@ pub(super) struct Entry {
 /// How to get to the column's unit.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Scale {
-    /// From the unit that the file states.
     AsStated,
     Unit(String, Conversion),
     Numbers(Conversion),

@@ -42,10 +42,8 @@ pub(crate) use resolve::contested;
 pub use resolve::{Chosen, Resolved, resolve, resolve_among, resolve_knowing};
 pub(crate) use sentences::not_there;
 
-/// One value of one signal at its own time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reading {
-    /// Time in s on the log's clock.
     pub time_s: f64,
     pub slot: Slot,
     /// The value in the unit of [`Slot::name`]; NaN is a value that was sent as invalid.

@@ -8,7 +8,6 @@ use itpms_core::model::Corner;
 
 use crate::log::{AirField, Field, Motion, PositionField, Slot};
 
-/// How sure the words are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Fit {
     /// Every word of the name is understood, an acceleration says that it is vertical.
@@ -17,7 +16,6 @@ pub(crate) enum Fit {
     SomeWords,
 }
 
-/// One word that means something.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Word {
     Corner(Corner),

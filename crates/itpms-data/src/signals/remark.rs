@@ -5,11 +5,9 @@ use std::fmt;
 use super::sentences::{stated, suggested};
 use crate::log::Slot;
 
-/// By what a signal is a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Source {
     Map,
-    /// The signal has the column's name.
     Name,
     /// The signal has the column's name in other letters.
     Letters,

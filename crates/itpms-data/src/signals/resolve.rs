@@ -18,7 +18,6 @@ use crate::log::{Field, Quantity, SLOTS, Slot};
 pub struct Chosen {
     pub slot: Slot,
     pub candidate: usize,
-    /// From the signal's value to the column's unit.
     pub conversion: Conversion,
     pub signal: String,
     /// The unit as stated by the log.
@@ -255,7 +254,6 @@ fn letters(name: &str) -> String {
     name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
 }
 
-/// A few full names, for a message.
 fn some_names(candidates: &[Candidate], places: &[usize]) -> String {
     const MOST: usize = 4;
     let mut names: Vec<String> =

@@ -14,24 +14,12 @@ impl From<Driven> for DrivenAxle {
     }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Driven {
-    Front,
-    Rear,
-    All,
-}
-
-impl Driven {
-    /// All, as the file's message lists them.
-    pub const ALL: [Self; 3] = [Self::Front, Self::Rear, Self::All];
-
-    /// The word in the vehicle file.
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Front => "front",
-            Self::Rear => "rear",
-            Self::All => "all",
-        }
+itpms_core::labelled! {
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+    pub enum Driven {
+        Front = "front",
+        Rear = "rear",
+        All = "all",
     }
 }
 
@@ -42,7 +30,6 @@ pub struct VehicleDetails {
     pub confidence: Confidence,
     /// Standard deviation of the wheelbase in m; see [`Vehicle::assumes_wheelbase`](super::Vehicle::assumes_wheelbase).
     pub wheelbase_sd_m: Option<f64>,
-    /// Distance between the front wheels' contact centers in m.
     pub track_front_m: Option<f64>,
     /// Distance between the rear wheels' contact centers in m.
     pub track_rear_m: Option<f64>,
@@ -78,10 +65,8 @@ pub struct CornerDetails {
     pub unsprung_mass_relative_sd: Option<f64>,
     pub spring_relative_sd: Option<f64>,
     pub damping_relative_sd: Option<f64>,
-    /// Coulomb friction of the strut in N.
     pub friction_n: Option<f64>,
     pub friction_sd_n: Option<f64>,
-    /// Vertical damping of the tire in N s/m.
     pub tire_damping_n_s_per_m: Option<f64>,
     pub tire_damping_sd_n_s_per_m: Option<f64>,
     /// Placard pressure in kPa of a corner of which nothing else is known: wheel speeds need no more.
@@ -96,7 +81,6 @@ pub struct TireDetails {
     pub stiffness_relative_sd: Option<f64>,
     /// Relative standard deviation of the tire's stiffness over the unsprung mass, where that is known better than the two.
     pub stiffness_over_mass_relative_sd: Option<f64>,
-    /// Effective rolling radius in m at placard pressure.
     pub rolling_radius_m: Option<f64>,
     /// Relative change of the rolling radius per unit of ln(pressure): `d ln R / d ln p`.
     pub radius_per_ln_pressure: Option<f64>,

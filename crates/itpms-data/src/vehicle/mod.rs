@@ -63,7 +63,6 @@ pub use derived::CornerFigures;
 pub use details::{CornerDetails, Driven, TireDetails, VehicleDetails};
 pub use itpms_core::model::{Confidence, ParameterUncertainty};
 
-/// A vehicle as its file describes it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Vehicle {
     pub name: String,
@@ -75,7 +74,6 @@ pub struct Vehicle {
     pub wheelbase_m: Option<f64>,
     /// The corners, in the order of [`Corner::ALL`].
     pub corners: [Option<CornerConfig<f64>>; 4],
-    /// What the file says beyond that.
     pub details: VehicleDetails,
 }
 

@@ -84,7 +84,6 @@ pub(super) fn corner(table: &Table<'_>, tire: TireDetails) -> Result<CornerDetai
     })
 }
 
-/// What a table of a tire says beyond its stiffness.
 pub(super) fn tire(table: &Table<'_>) -> Result<TireDetails, Problem> {
     Ok(TireDetails {
         stiffness_relative_sd: relative_sd(table, "stiffness_relative_sd")?,

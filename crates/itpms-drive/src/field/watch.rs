@@ -56,7 +56,6 @@ struct Sensor {
 /// What an accelerometer reads, in m/s².
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Reading {
-    /// Mean while the car stands.
     pub(super) rest_mean: f64,
     /// Rms in the quietest two seconds of standing.
     pub(super) rest_rms: f64,
@@ -102,7 +101,6 @@ impl LogWatch {
         }
     }
 
-    /// Time in s of a row since the first one.
     pub(super) fn since_start_s(&mut self, row: &LogRow) -> f64 {
         row.time_s - *self.first_s.get_or_insert(row.time_s)
     }

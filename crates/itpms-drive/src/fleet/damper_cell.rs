@@ -10,7 +10,6 @@ use super::record::{DamperRecord, DriveRecord};
 const WHEELS: [&str; 4] = ["fl", "fr", "rl", "rr"];
 const LINE: usize = 60;
 
-/// Whether any drive says anything of a damper.
 pub(super) fn any(drives: &[DriveRecord]) -> bool {
     drives.iter().any(is_judged)
 }

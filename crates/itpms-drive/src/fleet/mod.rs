@@ -66,7 +66,6 @@ pub struct Plan {
     pub calibration: Option<Calibration>,
     pub options: LogOptions,
     pub out: PathBuf,
-    /// Whether every drive leaves its report, and its estimates.
     pub reports: bool,
     /// Whether every drive leaves its estimates as CSV.
     pub estimates: bool,
@@ -83,7 +82,6 @@ pub struct Calibration {
     pub drives: Option<Pattern>,
 }
 
-/// How far a run is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Standing {
     /// Share of the bytes, 0 to 1.

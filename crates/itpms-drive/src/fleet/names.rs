@@ -27,7 +27,6 @@ impl<'a> Names<'a> {
     }
 }
 
-/// The last parts of a path, so many of them.
 fn tail(path: &str, parts: usize) -> &str {
     let cut = path.rmatch_indices(['/', '\\']).nth(parts - 1).map_or(0, |(at, _)| at + 1);
     &path[cut..]

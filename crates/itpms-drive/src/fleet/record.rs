@@ -70,7 +70,6 @@ pub struct Loss {
 pub struct WheelRecord {
     /// `fl`, `fr`, `rl` or `rr`.
     pub wheel: String,
-    /// Pressure that the placard asks for, in kPa.
     pub placard_kpa: f64,
     /// The monitor's word at the end: `unknown`, `uncertain`, `fine`, `low`, `over` or `malfunction`.
     pub state: String,
@@ -97,7 +96,6 @@ pub struct WheelRecord {
     pub damper: Option<DamperRecord>,
 }
 
-/// What a drive says of a damper.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DamperRecord {
     /// `learning`, `fine`, `weak`, `worn`, `stiff` or `unknown`.
@@ -130,7 +128,6 @@ pub struct DriveRecord {
     pub inputs: Inputs,
     /// Whether it is a calibration drive that taught something, for later drives to start with.
     pub taught: bool,
-    /// The log's time in s of the first row.
     pub start_s: f64,
     /// The log's time in s that all times count from: 0, or the first row's if that is more than a day.
     pub origin_s: f64,

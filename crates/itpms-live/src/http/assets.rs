@@ -14,7 +14,6 @@ use itpms_analysis::page::{BASE_STYLE, PATTERN_SCRIPT};
 use itpms_analysis::report::{PLOT_LICENSE, PLOT_SCRIPT, PLOT_STYLE};
 use itpms_core::model::PressureUnit;
 
-/// A file of the page.
 #[derive(Debug, Clone, Copy)]
 struct Asset {
     path: &'static str,

@@ -59,10 +59,8 @@ impl Options {
 /// Why the page cannot be served.
 #[derive(Debug, thiserror::Error)]
 pub enum HttpError {
-    /// The address is taken, not ours, or needs more rights.
     #[error("cannot listen on {address}: {source}")]
     Listen { address: SocketAddr, source: io::Error },
-    /// No thread or no event queue was to be had.
     #[error("cannot start the web server: {0}")]
     Start(io::Error),
 }

@@ -55,7 +55,6 @@ impl Frames {
         Ok(Self { dbc: description()?, sets: 0 })
     }
 
-    /// The frames of a snapshot, the status first.
     pub fn of(&mut self, snapshot: &Snapshot) -> Vec<CanFrame> {
         let sets = self.sets;
         self.sets += 1;

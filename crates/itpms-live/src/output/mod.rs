@@ -34,7 +34,6 @@ const WAITING: usize = 4096;
 /// How long an output's thread sleeps at most.
 const PATIENCE: Duration = Duration::from_millis(200);
 
-/// What happens when an output is slower than the estimates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WhenSlow {
     /// The estimate waits: for files, and for sources that can wait, too. Nothing is lost.

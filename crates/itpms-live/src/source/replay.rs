@@ -58,7 +58,6 @@ impl Pulses {
     }
 }
 
-/// What a log has, and the pulses between.
 struct Merged<'a, F> {
     log: F,
     pulses: Option<&'a mut Pulses>,

@@ -73,7 +73,6 @@ enum Received {
     Frame,
     /// Nothing in the time given, or something that is not for us.
     Silence,
-    /// The controller has left the bus.
     BusOff,
     /// The controller is back on the bus.
     Restarted,
@@ -157,7 +156,6 @@ fn read(socket: &CanFdSocket, bus: u16, clock: &mut BusClock, inputs: &Queue<Inp
     Received::Frame
 }
 
-/// The same frame in our words.
 fn ours(frame: &CanAnyFrame, time_s: f64, bus: u16) -> Option<CanFrame> {
     let kind = match frame {
         CanAnyFrame::Normal(_) => FrameKind::Data,

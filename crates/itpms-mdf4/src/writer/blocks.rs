@@ -106,7 +106,6 @@ impl Head {
         self.add(b"FH", &[0, comment], &[0; 16])
     }
 
-    /// A data group with its one channel group.
     fn group(&mut self, group: &GroupSpec) -> u64 {
         let (values, invalid) = widths(group);
         let time = Stored { kind: 2, sync: 1, byte: 0, invalid_bit: None };

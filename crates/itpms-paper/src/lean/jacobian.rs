@@ -39,7 +39,6 @@ impl<T: Real> Corner<T> {
         }
     }
 
-    /// Force of the suspension on the body in N.
     #[inline(always)]
     pub fn suspension(&self, x: &StateVector<T>) -> T {
         // (53)  sᵀx = k_s (x_w - x_b) + c_s (ẋ_w - ẋ_b)

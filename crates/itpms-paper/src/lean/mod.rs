@@ -30,10 +30,8 @@ pub enum LeanError {
     /// A value no filter can start from.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// Eq. (17) as printed corrects with both accelerations, so there is no scalar update.
     #[error("correction_input is Previous, expected Current: only that has a closed form")]
     PreviousInput,
-    /// The descent of eq. (25) needs the whole residual covariance, of which the lean filter keeps the trace.
     #[error("forgetting is Iterative, expected None or OneStep: only those need no more than traces")]
     IterativeForgetting,
 }

@@ -196,7 +196,6 @@ impl<T: Real> Motion<T> {
         matched(&self.modes, &self.probability).0
     }
 
-    /// Probability that the pressure moves.
     pub(crate) fn moving(&self) -> T {
         T::one() - self.probability[0]
     }

@@ -29,7 +29,6 @@ pub struct Deviations {
     pub damper_digression_s_per_m: f64,
     /// How fast the spring hardens in compression (and softens in extension), in 1/m: its slope is `k exp(p x)`.
     pub spring_progression_per_m: f64,
-    /// Dry friction in the strut in N, when it slides.
     pub friction_n: f64,
     /// Ways in m over which the friction's three elements begin to slide.
     pub friction_presliding_m: [f64; 3],
@@ -142,7 +141,6 @@ impl Deviations {
         within("friction_stribeck_m_s", self.friction_stribeck_m_s, 1e-3, 1.0, "a speed from 0.001 to 1 m/s")
     }
 
-    /// The file's quarter car as it really is.
     pub(crate) fn applied_to(&self, nominal: &QuarterCar<f64>) -> Result<QuarterCar<f64>, ParameterError> {
         QuarterCar::new(
             nominal.sprung_mass_kg() * self.sprung_mass_factor,

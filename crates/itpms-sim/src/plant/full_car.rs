@@ -46,11 +46,9 @@ pub struct Load {
 /// starts with what the last one ended with.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CarInput {
-    /// Road heights under the tires in m.
     pub road_m: [[f64; 3]; 4],
     /// Tire stiffnesses in N/m at the step's ends.
     pub stiffness_n_per_m: [[f64; 2]; 4],
-    /// Vertical forces in N on the wheels from their imbalance.
     pub wheel_force_n: [[f64; 3]; 4],
     /// Acceleration of the car in m/s² forward and to the left.
     pub car_m_s2: [[f64; 2]; 3],

@@ -10,7 +10,6 @@ use super::{Deviations, GRAVITY_M_S2, Strut, Tire};
 /// Positions in m and velocities in m/s of a quarter car, upwards.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlantState {
-    /// Sprung mass displacement.
     pub body_m: f64,
     pub body_m_s: f64,
     /// Unsprung mass displacement.

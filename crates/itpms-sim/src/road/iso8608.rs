@@ -117,7 +117,6 @@ pub enum Amplitude {
     Fixed,
 }
 
-/// A road of one spectrum.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Iso8608 {

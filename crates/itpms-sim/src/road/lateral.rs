@@ -43,7 +43,6 @@ fn bessel_k(nu: f64, x: f64) -> f64 {
     STEP * sum
 }
 
-/// A line along the road.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Line {
     side: Side,

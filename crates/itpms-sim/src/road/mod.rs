@@ -135,7 +135,6 @@ impl RoadSpec {
 pub enum RoadError {
     #[error(transparent)]
     Value(#[from] InvalidValue),
-    /// The surveyed profile is unusable.
     #[error(transparent)]
     Profile(#[from] ProfileError),
 }

@@ -11,7 +11,6 @@ use crate::error::{InvalidValue, not_negative, within};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Tracks {
-    /// Left and right ones.
     #[default]
     Both,
     Left,

@@ -49,7 +49,6 @@ pub struct CornerSpec {
     /// Suspension spring the estimator is given, in N/m.
     #[serde(default = "spring_n_per_m")]
     pub spring_n_per_m: f64,
-    /// Pressure on the placard in kPa gauge.
     #[serde(default = "placard_kpa")]
     pub placard_kpa: f64,
     /// Sensor noise the estimator is given, in m/s² rms per sample; the wheel sensor's true one, if not given.
@@ -96,7 +95,6 @@ fn placard_kpa() -> f64 {
 }
 
 impl CornerSpec {
-    /// The paper's corner with a pressure history.
     pub fn paper(pressure: Pressure) -> Self {
         Self {
             sprung_mass_kg: sprung_mass_kg(),

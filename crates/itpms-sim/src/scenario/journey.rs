@@ -21,13 +21,10 @@ use crate::streams::{Purpose, generator};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct JourneySpec {
-    /// Shortest and longest time in s on one stretch.
     pub stretch_s: [f64; 2],
     /// Smallest and largest slope `w` of the roads' spectra.
     pub slope: [f64; 2],
-    /// Largest lateral acceleration in bends, in m/s².
     pub lateral_m_s2: f64,
-    /// Chance that a stop changes the load.
     pub load_chance: f64,
     /// Largest mass in kg at each of the four places that are loaded.
     pub load_kg: f64,

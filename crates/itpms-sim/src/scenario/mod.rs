@@ -30,7 +30,6 @@ use crate::sensor::SensorSpec;
 use crate::time_profile::Speed;
 use crate::wheel_speeds::WheelSpeedSpec;
 
-/// When the log's samples are taken.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ClockSpec {

@@ -102,7 +102,6 @@ impl Ride {
     }
 }
 
-/// A whole car on its way.
 #[derive(Debug, Clone)]
 pub(crate) struct CarRide {
     car: FullCar,

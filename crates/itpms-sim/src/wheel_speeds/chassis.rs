@@ -89,7 +89,6 @@ impl Moving {
         }
     }
 
-    /// Force in N of the wind across, to the left.
     pub(crate) fn side_n(&self) -> f64 {
         SIDE_N_S2_PER_M2 * self.speed_m_s * self.side_wind_m_s
     }

@@ -48,7 +48,6 @@ pub struct ConditionsSpec {
     pub gravel_share: f64,
     /// Share of the stretches that are another surface on the right than on the left.
     pub split_share: f64,
-    /// Mean length of a stretch in m.
     pub surface_m: f64,
     /// Standard deviation of `ln` of the slip stiffness among stretches of one surface.
     pub surface_spread: f64,

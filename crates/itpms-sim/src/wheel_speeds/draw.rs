@@ -13,34 +13,20 @@ use super::spec::{DrivenWheels, WheelSpeedSpec};
 use crate::scenario::JourneySpec;
 use crate::streams::{Purpose, generator};
 
-/// What the later days of a study are like.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Condition {
-    /// Dry and wet roads, some gravel.
-    Ordinary,
-    /// Snow with patches, and sides of other grip.
-    Snow,
-    Trailer,
-    /// A car whose driven wheels are coupled by a limited-slip differential with preload.
-    LimitedSlip,
-    /// Each day one of the others: snow .15, a trailer .1; one car of seven with a limited slip.
-    Mixed,
-}
-
-impl Condition {
-    /// All, the ordinary one first.
-    pub const ALL: [Self; 5] = [Self::Ordinary, Self::Snow, Self::Trailer, Self::LimitedSlip, Self::Mixed];
-
-    /// The name on the command line.
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Ordinary => "ordinary",
-            Self::Snow => "snow",
-            Self::Trailer => "trailer",
-            Self::LimitedSlip => "limited-slip",
-            Self::Mixed => "mixed",
-        }
+itpms_core::labelled! {
+    /// What the later days of a study are like.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Condition {
+        /// Dry and wet roads, some gravel.
+        Ordinary = "ordinary",
+        /// Snow with patches, and sides of other grip.
+        Snow = "snow",
+        Trailer = "trailer",
+        /// A car whose driven wheels are coupled by a limited-slip differential with preload.
+        LimitedSlip = "limited-slip",
+        /// Each day one of the others: snow .15, a trailer .1; one car of seven with a limited slip.
+        Mixed = "mixed",
     }
 }
 

@@ -68,7 +68,6 @@ impl MotionSensors {
         ]
     }
 
-    /// The yaw rate as its fault leaves it.
     fn faulty(&self, yaw_rad_s: f64, error_rad_s: f64, noise_rad_s: f64) -> f64 {
         let conditions = &self.spec.conditions;
         let sound = (1.0 + conditions.yaw_scale) * yaw_rad_s + error_rad_s + noise_rad_s;

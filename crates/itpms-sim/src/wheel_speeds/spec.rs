@@ -32,17 +32,14 @@ pub struct WheelSpeedSpec {
     pub locking_share: f64,
     /// Time in ms between two messages.
     pub period_ms: f64,
-    /// Age in ms of what a message says.
     pub latency_ms: f64,
     /// Step of the speeds in km/h; 0: none.
     pub resolution_km_h: f64,
     /// Share of the messages that is lost: the one before holds.
     pub lost_share: f64,
     pub yaw_rate: bool,
-    /// Whether it has the acceleration along the car.
     pub accel_x: bool,
     pub accel_y: bool,
-    /// Whether it says that the driver brakes.
     pub brake: bool,
     /// `d ln R / d ln p` of the rolling radius at the placard's pressure and the unloaded car's load.
     pub radius_per_ln_pressure: f64,
@@ -58,9 +55,7 @@ pub struct WheelSpeedSpec {
     /// Standard deviation of the brakes' forces among each other, as a share.
     pub brake_imbalance: f64,
     pub grade_sd: f64,
-    /// Standard deviation of the road's slope across.
     pub cross_slope_sd: f64,
-    /// Standard deviation of the wind along the car in m/s.
     pub wind_m_s: f64,
     /// Standard deviation in m/s² of what the driver steers on a straight road.
     pub steering_m_s2: f64,

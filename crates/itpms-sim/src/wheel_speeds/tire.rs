@@ -15,7 +15,6 @@ pub(crate) const DRY_FRICTION: f64 = 0.9;
 /// Share of its grip beyond which a tire is not driven here.
 const MOST_GRIP: f64 = 0.9;
 
-/// A tire but for its pressure.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Tire {
     /// `ln R` at placard pressure, load 1 and standstill.

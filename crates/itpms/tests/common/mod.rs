@@ -67,7 +67,6 @@ impl Bench {
         command
     }
 
-    /// Runs the program with these words.
     pub(crate) fn run(&self, line: &str) -> Outcome {
         outcome(self.command(line.split_whitespace()))
     }

@@ -69,34 +69,22 @@ pub struct Request {
     pub repeats: u32,
 }
 
-/// What a car with wheel speeds alone knows of what it carries. More load is a smaller radius, as less pressure is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum LoadsTold {
-    /// Nothing, as in everyday life: passengers may have got in while it stood.
-    #[default]
-    Unknown,
-    /// That they stay as they are, as the regulations have it.
-    Constant,
-}
-
-impl LoadsTold {
-    /// Both, the usual one first.
-    pub const ALL: [Self; 2] = [Self::Unknown, Self::Constant];
-
-    /// The name on the command line.
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Unknown => "unknown",
-            Self::Constant => "constant",
-        }
+itpms_core::labelled! {
+    /// What a car with wheel speeds alone knows of what it carries. More load is a smaller radius, as less pressure is.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum LoadsTold {
+        /// Nothing, as in everyday life: passengers may have got in while it stood.
+        #[default]
+        Unknown = "unknown",
+        /// That they stay as they are, as the regulations have it.
+        Constant = "constant",
     }
 }
 
 #[derive(Debug, Clone, Serialize)]
 pub struct Certificate {
     pub version: &'static str,
-    /// Seed of the first test's course.
     pub seed: u64,
     pub passed: bool,
     pub driven_s: f64,
@@ -110,16 +98,12 @@ pub struct Certificate {
 pub enum CertifyError {
     #[error("no test's name contains {found:?}, expected a part of one of: {known}")]
     NoSuchTest { found: String, known: String },
-    /// The progress callback asked for it.
     #[error("stopped")]
     Stopped,
-    /// The course, or a value that it refuses.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
-    /// A parameter that the estimator or the monitor refuses.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// A reference that the estimator refuses.
     #[error(transparent)]
     Reference(#[from] CalibrationError),
     #[error("cannot start threads: {0}")]

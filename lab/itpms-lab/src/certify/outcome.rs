@@ -12,7 +12,6 @@ use super::rules::Rule;
 use super::telltale::Wrong;
 use super::test_case::Test;
 
-/// What was seen in a test. Times in s.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Findings {
     /// A lamp was lit while all was well.
@@ -26,9 +25,7 @@ pub(super) struct Findings {
     pub(super) wrong: Wheels,
     /// Everything that was reported though nothing of the kind was wrong then.
     pub(super) false_alerts: Vec<FalseAlert>,
-    /// It went out by itself within a minute.
     pub(super) went_out: bool,
-    /// Whether it was lit again after the key was out.
     pub(super) relit: Option<bool>,
     /// Driving time after which it was out for good, everything being right again.
     pub(super) out_after_s: Option<f64>,
@@ -150,7 +147,6 @@ pub struct Outcome {
     pub out_after_s: Option<f64>,
     /// Pressure at the end of the learning phase in kPa, and the one tires were let down to.
     pub warm_kpa: f64,
-    /// The pressure tires were let down to.
     pub test_kpa: Option<f64>,
     pub wrong_at_s: f64,
     pub warned_at_s: Option<f64>,

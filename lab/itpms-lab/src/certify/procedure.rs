@@ -7,7 +7,6 @@ use super::rules::Rule;
 use super::test_case::{Failure, Test};
 use crate::sensors::Sensors;
 
-/// How much of the list is driven.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Extent {
     /// Every wheel, every combination that a regulation names, every sensor.
@@ -64,7 +63,6 @@ impl Procedure {
         }
     }
 
-    /// Its place in the full list.
     pub(super) fn number(&self, sensors: Sensors) -> u64 {
         Self::all(Extent::Full, sensors).iter().position(|other| other == self).map_or(0, |i| i as u64)
     }
@@ -93,7 +91,6 @@ impl Procedure {
         }
     }
 
-    /// The wheels that are let down.
     pub fn low_wheels(&self) -> Wheels {
         match self.test {
             Test::Low(wheels) => wheels,

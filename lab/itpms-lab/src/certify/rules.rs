@@ -7,13 +7,15 @@ use serde::Serialize;
 
 use super::test_case::Test;
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Rule {
-    /// UN Regulation No. 141.
-    UnR141,
-    /// FMVSS 138, 49 CFR 571.138.
-    Fmvss138,
+itpms_core::labelled! {
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Rule {
+        /// UN Regulation No. 141.
+        UnR141 = "UN R141",
+        /// FMVSS 138, 49 CFR 571.138.
+        Fmvss138 = "FMVSS 138",
+    }
 }
 
 /// Least warning pressure in kPa: R141 5.2.1, and FMVSS 138 Table 1 for standard-load passenger-car tires.
@@ -24,16 +26,6 @@ const R141_FURTHER_KPA: f64 = 7.0;
 const FMVSS_FURTHER_KPA: f64 = 14.0;
 
 impl Rule {
-    pub const ALL: [Self; 2] = [Self::UnR141, Self::Fmvss138];
-
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::UnR141 => "UN R141",
-            Self::Fmvss138 => "FMVSS 138",
-        }
-    }
-
-    /// The clause that sets the limit of a test.
     pub fn clause(self, test: Test) -> &'static str {
         match (self, test) {
             (Self::UnR141, Test::Malfunction(_)) => "5.4, Annex 3",

@@ -57,12 +57,10 @@ pub enum MalfunctionError {
     Nothing,
     #[error("no malfunction is called `{found}`, expected a part of one of: {}", known.join("; "))]
     Unknown { found: String, known: Vec<&'static str> },
-    /// The progress callback asked for it.
     #[error("stopped")]
     Stopped,
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
-    /// A parameter that an estimator refuses.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
     #[error("threads cannot be started: {0}")]
@@ -115,7 +113,6 @@ pub struct Row {
     pub far_after_others_s: f64,
     /// Warnings of tires while it lasted. All are false.
     pub tire_warnings_during: TireWarnings,
-    /// And in the two minutes after its end.
     pub tire_warnings_after: TireWarnings,
     /// Drives in which all was well again within the time driven after its end: nothing reported, a right pressure shown at its
     /// wheels, no wrong one at any.

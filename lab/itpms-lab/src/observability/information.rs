@@ -22,7 +22,6 @@ pub(super) enum RoadModel {
     Surveyed,
 }
 
-/// One wheel on a stretch.
 #[derive(Debug, Clone)]
 pub(super) struct Pass {
     pub(super) corner: CornerConfig<f64>,

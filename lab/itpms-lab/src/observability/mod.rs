@@ -66,7 +66,6 @@ impl Curve {
 #[serde(rename_all = "snake_case")]
 pub enum Varied {
     SpeedKmH,
-    /// Damping of both corners in N s/m.
     DampingNSPerM,
     /// Noise of every accelerometer in m/s², rms per sample.
     NoiseMS2,
@@ -128,9 +127,7 @@ pub struct Observability {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Conditions {
     pub placard_kpa: f64,
-    /// Pressure after the loss in kPa.
     pub pressure_after_kpa: f64,
-    /// Stiffness at placard pressure in N/m.
     pub stiffness_n_per_m: f64,
     /// Time at placard pressure before the loss in s.
     pub before_s: f64,
@@ -141,7 +138,6 @@ pub struct Conditions {
     pub rate_hz: f64,
     pub band_hz: (f64, f64),
     pub damping_n_s_per_m: f64,
-    /// Period of the repeated road in s.
     pub period_s: f64,
     pub reset_sd_kpa: f64,
     /// Unsprung masses in kg of the corner and of the unlike one (b').

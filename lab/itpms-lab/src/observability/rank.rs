@@ -19,7 +19,6 @@ pub const TOLERANCE: f64 = 1e-10;
 /// A direction of unit length that moves a stiffness by less than this does not move it.
 const STILL: f64 = 1e-5;
 
-/// What is known beside the accelerations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Known {
     Nothing,

@@ -124,7 +124,6 @@ impl Situation {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Car {
-    /// Every mass, spring and damper exactly.
     Exact,
     /// As well as a vehicle file is believed: unsprung mass 1 %, sprung mass 15 %, damping 20 %, spring 5 % (sd), each
     /// corner's own. The tire's line from stiffness to pressure is known.

@@ -18,9 +18,7 @@ pub struct Subject {
     pub unlike_is_made_up: bool,
     /// Road, speed, rate, noise and band.
     pub drive: BoundSetting,
-    /// Period of a repeated road in s.
     pub period_s: f64,
-    /// Driven at placard pressure before the loss, in s.
     pub before_s: f64,
     /// The loss as a share of the placard pressure.
     pub loss: f64,

@@ -26,7 +26,6 @@ pub struct Twin {
     /// Gauge pressure in kPa at each time.
     #[serde(skip)]
     pub pressure_kpa: Vec<f64>,
-    /// Road height in m at each time.
     #[serde(skip)]
     pub road_m: Vec<f64>,
     #[serde(skip)]

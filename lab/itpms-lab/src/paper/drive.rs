@@ -20,7 +20,6 @@ pub(super) enum Keep {
     Histories,
 }
 
-/// What one contestant achieved in one drive.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Achieved {
     /// Over t > 3 s, kPa; infinite once diverged.

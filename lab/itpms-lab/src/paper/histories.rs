@@ -111,7 +111,6 @@ pub(super) fn error(letter: &str, title: &str, outcome: &Outcome, top_kpa: f64) 
     four(panel, outcome, |record| errors(outcome, record)).level(Ink::Muted, 0.0, "")
 }
 
-/// Error of a record over time in kPa.
 pub(super) fn errors(outcome: &Outcome, record: &Record) -> Vec<f64> {
     record.trace.pressure_kpa.iter().zip(&outcome.truth.pressure_kpa).map(|(p, truth)| p - truth).collect()
 }
@@ -137,7 +136,6 @@ pub(super) fn forgetting_factors(outcome: &Outcome, record: &Record) -> Vec<f64>
     times.zip(&record.trace.forgetting).map(|(&t, &lambda)| if held(t) { f64::NAN } else { lambda }).collect()
 }
 
-/// Variance of the stiffness that each claims.
 pub(super) fn covariance(letter: &str, title: &str, outcome: &Outcome) -> Panel {
     four(Panel::new(letter, title, time_axis(outcome), variance_axis([outcome])), outcome, |record| {
         record.trace.stiffness_variance.clone()

@@ -64,15 +64,12 @@ pub struct Request {
     pub seeds: usize,
     /// Seed of the first; the others follow. The first is the one that is drawn.
     pub first_seed: u64,
-    /// Sampling rate of the simulation study in Hz.
     pub rate_hz: f64,
     /// Accelerometer noise of the simulation study in m/s², rms per sample.
     pub noise_m_s2: f64,
     /// Level `Gd(n0)` of the road of both studies in m³; class A of ISO 8608 is 16e-6.
     pub road_gd_n0_m3: f64,
-    /// Sampling rate of the test bed in Hz.
     pub bench_rate_hz: f64,
-    /// Unsprung mass of the test bed in kg.
     pub bench_unsprung_mass_kg: f64,
     /// Natural frequency of the test bed's actuator in Hz.
     pub bench_actuator_hz: f64,

@@ -15,7 +15,6 @@ pub enum Goal {
     /// Not further from zero.
     WithinOfZero(f64),
     AtLeast(f64),
-    /// From the first to the second.
     Between(f64, f64),
 }
 

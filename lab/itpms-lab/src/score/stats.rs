@@ -19,7 +19,6 @@ impl Window {
         Self { from_s, to_s }
     }
 
-    /// Whether a time in s lies within.
     pub fn contains(&self, time_s: f64) -> bool {
         time_s > self.from_s && time_s <= self.to_s
     }

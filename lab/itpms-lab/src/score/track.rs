@@ -232,7 +232,6 @@ fn bench_row(summary: &Summary) -> Row {
     summary.row("bench", cells)
 }
 
-/// The first is the nominal one.
 fn mass_rows(summaries: &[&Summary]) -> Vec<Row> {
     const NOMINAL: Column = Column::new("nominal_rmse_median_kpa", "nominal", 2);
     const CHANGE: Column = Column::new("rmse_change_percent", "change %", 1);

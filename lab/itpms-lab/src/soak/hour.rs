@@ -31,7 +31,6 @@ pub(super) const HALF_95: f64 = 1.96;
 /// What is kept of a drive: a line of a file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Hour {
-    /// Of the drive, and of the car.
     pub seed: u64,
     /// Length of the drive in s, stops included.
     pub driven_s: f64,
@@ -46,7 +45,6 @@ pub struct Hour {
     /// Of the day, where there were a calibration and a later day.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub day: Option<DayHour>,
-    /// Time in s it took to compute.
     pub wall_s: f64,
 }
 

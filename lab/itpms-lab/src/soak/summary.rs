@@ -16,7 +16,6 @@ pub struct Summary {
     /// Hours driven, stops included.
     pub hours: f64,
     pub km: f64,
-    /// Hours it took, drive by drive on one thread each.
     pub drive_wall_h: f64,
     /// Warnings though nothing was wrong, of pressures and of sensors.
     pub false_warnings: usize,

@@ -45,7 +45,6 @@ pub struct BumpCorner<'a> {
     pub signals: BumpSignals<'a>,
 }
 
-/// Masses of one corner in kg.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BumpMasses {
     pub sprung_kg: f64,
@@ -66,7 +65,6 @@ pub struct BumpResult {
 pub struct BumpFit {
     /// `fl`, `fr`, `rl`, `rr`, or `front`, `rear`.
     pub label: String,
-    /// Frequency in Hz of the body on its spring.
     pub body_hz: Estimate,
     /// Damping ratio of the body on its spring, without friction.
     pub body_damping_ratio: Estimate,
@@ -92,9 +90,7 @@ pub struct BumpParts {
     pub spring_n_per_m: Estimate,
     pub damping_n_s_per_m: Estimate,
     pub friction_n: Estimate,
-    /// Vertical stiffness of the tire in N/m.
     pub tire_n_per_m: Estimate,
-    /// Vertical damping of the tire in N s/m.
     pub tire_damping_n_s_per_m: Estimate,
     /// Share of the force on the road (below 4 Hz) that the model explains.
     pub tire_explained: f64,
@@ -111,9 +107,7 @@ struct Traces {
 /// Where to look; the free motion is found unless given.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BumpWindow {
-    /// Use the motion from this time in s.
     pub from_s: Option<f64>,
-    /// Use the motion until this time in s.
     pub until_s: Option<f64>,
 }
 

@@ -7,7 +7,6 @@ use super::super::text::{interval, line, shown};
 use super::{BumpFit, BumpResult};
 
 impl BumpResult {
-    /// A block per corner and per axle.
     pub fn table(&self) -> String {
         self.corners.iter().chain(&self.axles).map(BumpFit::table).collect::<Vec<_>>().join("\n")
     }

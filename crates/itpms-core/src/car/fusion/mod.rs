@@ -70,7 +70,6 @@ impl<T: Real> Fusion<T> {
         InterAxle::wheelbase_m(config)
     }
 
-    /// For a car of that wheelbase.
     pub(super) fn configure(
         &mut self,
         config: &CarConfig<T>,
@@ -190,7 +189,6 @@ impl<T: Real> Fusion<T> {
         self.queue.clear();
     }
 
-    /// A calibration begins with the next frame.
     pub(super) fn begin_calibration(&mut self) {
         self.belief.begin_calibration();
         self.calibration_reading = CalibrationReading::new();
@@ -245,7 +243,6 @@ impl<T: Real> Fusion<T> {
         known && !self.inter_axle.pairs.iter().any(aligned)
     }
 
-    /// Whether a corner has a partner on its side.
     pub(super) fn has_partner(&self, corner: Corner) -> bool {
         self.inter_axle.has_partner(corner)
     }
@@ -266,7 +263,6 @@ impl<T: Real> Fusion<T> {
         self.inter_axle.pairs[side].track(self.inter_axle.travel().time_s())
     }
 
-    /// Seconds by which the speed was found to be late.
     pub(super) fn speed_latency_s(&self) -> f64 {
         self.inter_axle.speed_latency_s()
     }

@@ -52,16 +52,7 @@ pub(crate) struct WheelGainBalance<T: Real> {
 
 impl<T: Real> WheelGainBalance<T> {
     pub(crate) fn new() -> Self {
-        let nothing = [T::zero(); 4];
-        Self {
-            over_median: nothing,
-            over_partner: nothing,
-            as_reported: nothing,
-            filled: T::zero(),
-            hop: nothing,
-            largest_deviation: nothing,
-            words: [FaultLatch::new(); 4],
-        }
+        Self { words: [FaultLatch::new(); 4], ..Self::BLANK }
     }
 
     /// Takes a block of a car that drives; `has_signal`: the slow band is louder than the sensors' noise in it.
@@ -178,7 +169,6 @@ mod tests {
         }
     }
 
-    /// Front right reads this much, in both bands.
     fn front_right(log: f64) -> [f64; 4] {
         [0.0, log, 0.0, 0.0]
     }

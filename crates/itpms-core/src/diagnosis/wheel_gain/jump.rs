@@ -91,10 +91,8 @@ impl<T: Real> WheelGainJump<T> {
         Self {
             strut_over_body: Baseline::new(),
             wheel_over_strut: Baseline::new(),
-            blocks: 0,
             debouncer: Debouncer::new(),
-            hop_shifted: false,
-            lasted_s: 0.0,
+            ..Self::BLANK
         }
     }
 

@@ -50,7 +50,6 @@ pub(crate) struct WheelGainShift<T> {
     corners: [Shift<T>; 4],
 }
 
-/// A corner's usual hop, and whether it has left it.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Shift<T> {
@@ -69,14 +68,7 @@ struct Shift<T> {
 impl<T: Real> Shift<T> {
     fn new() -> Self {
         let baseline = Hop { strut_over_body: T::zero(), wheel_over_strut: T::zero() };
-        Self {
-            baseline,
-            blocks: 0,
-            debouncer: Debouncer::new(),
-            hop_shifted: false,
-            lasted_s: 0.0,
-            pending_since_s: f64::NAN,
-        }
+        Self { baseline, debouncer: Debouncer::new(), pending_since_s: f64::NAN, ..Self::BLANK }
     }
 
     fn learn(&mut self, hop: Hop<T>) {
@@ -127,14 +119,7 @@ impl<T: Real> Shift<T> {
 
 impl<T: Real> WheelGainShift<T> {
     pub(crate) fn new() -> Self {
-        let nothing = [T::zero(); 4];
-        Self {
-            bodies: nothing,
-            struts: nothing,
-            wheels: nothing,
-            filled: T::zero(),
-            corners: [Shift::new(); 4],
-        }
+        Self { corners: [Shift::new(); 4], ..Self::BLANK }
     }
 
     /// Whether a corner is not to be learned from.

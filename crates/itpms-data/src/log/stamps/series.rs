@@ -28,10 +28,8 @@ const MANY: usize = 16;
 /// Share of spread samples whose stamps do not fit an even rate; beyond, nothing is sure.
 const UNSURE_SHARE: f64 = 0.05;
 
-/// A clock that is coarser than the samples.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(in crate::log) struct Coarse {
-    /// The longest step of the clock in s.
     pub(in crate::log) step_s: f64,
     /// Samples a second under that step.
     pub(in crate::log) rate_hz: f64,
@@ -205,7 +203,6 @@ impl<T: Stamped> Series<T> {
         }
     }
 
-    /// Decides on the samples that were looked at.
     fn judge(&mut self, sink: &mut impl FnMut(Fate<T>)) {
         let State::Looking(samples) = std::mem::replace(&mut self.state, State::Fine) else { return };
         let mut steps: Vec<f64> =

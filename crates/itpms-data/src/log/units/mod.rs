@@ -51,7 +51,6 @@ use super::row::{LogCorner, LogRow};
 use super::stand_in::stand_in;
 use crate::error::Problem;
 
-/// Whether the reader doubts the unit of the accelerations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum UnitCheck {
     /// Refuse a log whose accelerations are not in m/s² by all appearance.
@@ -92,7 +91,6 @@ const GARBAGE: f64 = 0.01;
 const GRAVITY_M_S2: std::ops::RangeInclusive<f64> = 8.3..=11.3;
 const ENOUGH: usize = 200;
 
-/// Mean and rms about it of one sensor.
 #[derive(Debug, Clone, Copy)]
 struct Spread {
     mean: f64,
@@ -134,7 +132,6 @@ fn column<'a>(
     rows.filter_map(move |row| row.corners[corner.index()].as_ref()).map(value)
 }
 
-/// Body and wheel of one corner.
 #[derive(Debug, Clone, Copy)]
 struct Pair {
     corner: Corner,

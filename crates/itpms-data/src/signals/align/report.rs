@@ -5,7 +5,6 @@ use crate::log::Slot;
 /// How a signal came into the rows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SlotMethod {
-    /// Its times are the rows'.
     Clock,
     /// As it is; its readings lie this many seconds behind the clock's.
     AsItIs {
@@ -37,7 +36,6 @@ pub struct AlignmentReport {
     pub rate_hz: f64,
     /// The signals, in the order of [`Slot::all`].
     pub signals: Vec<SlotAlignment>,
-    /// Readings without a time.
     pub without_time: u64,
     /// Readings stamped far ahead of all others that none followed.
     pub strays: u64,

@@ -48,7 +48,6 @@ enum Source {
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Listing {
-    /// Messages, channel groups, topics or the one table.
     pub groups: Vec<ListedGroup>,
     /// What the groups are: `message`, `group`, `topic` or `table`.
     pub kind: &'static str,
@@ -168,7 +167,6 @@ impl Lister {
         }
     }
 
-    /// What was found so far.
     pub fn finish(self) -> Listing {
         match self.source {
             Source::Table(source) => source.finish(),

@@ -3,7 +3,6 @@
 use std::fmt;
 use std::str::FromStr;
 
-/// A value of the front axle and one of the rear axle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrontRear<T> {
     pub front: T,
@@ -11,7 +10,6 @@ pub struct FrontRear<T> {
 }
 
 impl<T: Copy> FrontRear<T> {
-    /// The same on both axles.
     pub fn both(value: T) -> Self {
         Self { front: value, rear: value }
     }

@@ -140,13 +140,11 @@ fn guess(value: f64) -> String {
 /// A car that no file can be made of.
 #[derive(Debug, thiserror::Error)]
 pub enum TypicalCarError {
-    /// A value that no car has.
     #[error(
         "the {what} is {value}{}{unit}, expected {low} to {high}{}{unit}{}",
         blank(.unit), blank(.unit), if *.unit == "kPa" { guess(*.value) } else { String::new() }
     )]
     Range { what: &'static str, unit: &'static str, value: f64, low: f64, high: f64 },
-    /// Values that are possible one by one but not together.
     #[error("these values make no car: {0}")]
     Implausible(Box<Problem>),
 }

@@ -18,7 +18,6 @@ pub struct WheelsOfACar {
     /// What people call it; made up of the rest unless given.
     pub name: Option<String>,
     pub tire: FrontRear<TireSize>,
-    /// Distance between the axles in m.
     pub wheelbase_m: f64,
     pub axles: AxleWheels,
     /// Pressures on the placard in kPa gauge, by axle.

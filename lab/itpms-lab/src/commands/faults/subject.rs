@@ -63,7 +63,6 @@ impl Subject {
         Ok(subject)
     }
 
-    /// An engine of this car that waits for rows.
     pub(super) fn engine(&self, saved: Option<SavedDrive>, say: NoteSink) -> Engine {
         let source = SourceName { name: "faults".to_owned(), kind: "replay" };
         let mut engine = Engine::new(self.vehicle.clone(), options(), source, saved, say);
@@ -72,7 +71,6 @@ impl Subject {
         engine
     }
 
-    /// A new name in the folder of the subject.
     pub(super) fn at(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }

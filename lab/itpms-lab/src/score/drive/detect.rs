@@ -20,7 +20,6 @@ use itpms_sim::simulation::Simulation;
 /// Pressures in kPa, before and after.
 const FROM_KPA: f64 = 241.3;
 const TO_KPA: f64 = 0.8 * FROM_KPA;
-/// Classes of road, speeds in km/h.
 const CLASSES: [RoadClass; 4] = [RoadClass::A, RoadClass::B, RoadClass::C, RoadClass::D];
 const SPEED_KM_H: [f64; 2] = [20.0, 120.0];
 /// Seconds driven after a warning, to see whether more is reported.
@@ -80,7 +79,6 @@ struct Found {
     early: bool,
 }
 
-/// Losses with their setups and numbers of drives.
 #[derive(Default)]
 pub(super) struct Plan {
     cases: Vec<((Loss, Setup), usize)>,

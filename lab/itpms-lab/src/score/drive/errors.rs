@@ -41,7 +41,6 @@ struct Wheel {
     change: ErrorSum,
 }
 
-/// What one drive gives, by setup and corner.
 type Errors = Vec<[Wheel; 4]>;
 
 fn errors(drive: &Drive, turn: Turn) -> Result<Errors, ScoreError> {
@@ -160,7 +159,6 @@ mod tests {
     use super::super::{Plant, Setup};
     use super::*;
 
-    /// A wheel that is always off by one error.
     fn off_by(error: f64, sd: f64) -> Wheel {
         let mut sum = ErrorSum::default();
         sum.push(error, sd);
