@@ -1,5 +1,4 @@
-//! Numbers in text logs: hexadecimal, decimal, and seconds with a fraction. Called by the readers of text; knows
-//! nothing of frames.
+//! Numbers in text logs: hexadecimal, decimal, and seconds with a fraction. Called by the readers of text; knows nothing of frames.
 
 pub(super) fn nibble(digit: u8) -> Option<u8> {
     match digit {

@@ -16,7 +16,7 @@ use crate::dbc::problem::DbcError;
 pub struct CanError {
     /// The file.
     pub path: PathBuf,
-    /// What is wrong with it.
+    /// The problem.
     pub problem: Box<CanProblem>,
 }
 

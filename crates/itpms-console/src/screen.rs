@@ -142,10 +142,7 @@ impl Screen {
         note(io::stdout().write_all(bytes));
     }
 
-    /// Whether all of the result could be written so far.
-    ///
-    /// # Errors
-    /// A part of it could not.
+    /// Whether all of the result could be written so far. Errors: a part of it could not.
     pub fn check(&self) -> Result<(), Failure> {
         note(io::stdout().flush());
         if LOST.load(Ordering::Relaxed) {

@@ -1,8 +1,7 @@
 //! Small tables of measurements: named columns of numbers from a CSV or Parquet file, every row complete.
 //!
-//! Called by the commands that identify a part on a bench. Unlike a drive log, such a table is short, is read as a
-//! whole, and has no missing values: a cell that is no finite number is refused with its line and column. Knows
-//! nothing of the columns' meaning.
+//! Called by the commands that identify a part on a bench. Unlike a drive log, such a table is short, is read as a whole, and has no
+//! missing values: a cell that is no finite number is refused with its line and column. Knows nothing of the columns' meaning.
 
 use std::path::Path;
 
@@ -23,12 +22,9 @@ pub struct Columns {
 }
 
 impl Columns {
-    /// Reads the columns `needed`, and those of `optional` that are there; others are passed over. Comments (`#`),
-    /// blank lines and quotes are as in drive logs.
-    ///
-    /// # Errors
-    /// The file cannot be read, is empty, has no row, lacks a needed column or has one twice, a row is longer or
-    /// shorter than the header, or a cell of these columns is no finite number.
+    /// Reads the columns `needed`, and those of `optional` that are there; others are passed over. Comments (`#`), blank lines and quotes
+    /// are as in drive logs. Errors: the file cannot be read, is empty, has no row, lacks a needed column or has one twice, a row is longer
+    /// or shorter than the header, or a cell of these columns is no finite number.
     pub fn read(path: &Path, needed: &[&str], optional: &[&str]) -> Result<Self, DataError> {
         read(path, needed, optional).map_err(|problem| DataError::new(path, problem))
     }

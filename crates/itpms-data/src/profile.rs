@@ -70,14 +70,11 @@ impl RoadProfile {
         steps.get(steps.len() / 2).filter(|step| **step > 0.0 && step.is_finite()).map(|step| 1.0 / step)
     }
 
-    /// Reads a file. Cells are parted by commas or semicolons, else by blanks; `#` begins a comment. With a header the
-    /// columns are `distance_m` and `height_m`, or `left_height_m` and `right_height_m`, or `{c}_road_m` for the wheels;
-    /// others are passed over. Without one, two columns are distance and height, three are distance, left and right.
-    /// A file that ends in `.parquet` or `.pq` has the same columns.
-    ///
-    /// # Errors
-    /// The file cannot be read, lacks a column, a cell is no number, a row is longer or shorter than the first, or the
-    /// distance goes backwards; this build is without Parquet.
+    /// Reads a file. Cells are parted by commas or semicolons, else by blanks; `#` begins a comment. With a header the columns are
+    /// `distance_m` and `height_m`, or `left_height_m` and `right_height_m`, or `{c}_road_m` for the wheels; others are passed over.
+    /// Without one, two columns are distance and height, three are distance, left and right. A file that ends in `.parquet` or `.pq` has
+    /// the same columns. Errors: the file cannot be read, lacks a column, a cell is no number, a row is longer or shorter than the first,
+    /// or the distance goes backwards; this build is without Parquet.
     pub fn read(path: &Path) -> Result<Self, DataError> {
         let extension = path.extension().map(|extension| extension.to_ascii_lowercase());
         let is_parquet = extension.is_some_and(|extension| extension == "parquet" || extension == "pq");

@@ -31,10 +31,7 @@ pub struct Events {
 }
 
 impl Events {
-    /// Takes what the monitor says after a row; hands over what changed, with its time in s.
-    ///
-    /// # Errors
-    /// Those of `note`.
+    /// Takes what the monitor says after a row; hands over what changed, with its time in s. Errors: those of `note`.
     pub fn take(&mut self, report: &MonitorReport<f64>, note: Note<'_>) -> Result<(), DriveError> {
         let unchanged = self.before.as_ref().is_some_and(|before| before.time_s == report.time_s);
         if unchanged {

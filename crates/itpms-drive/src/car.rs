@@ -23,9 +23,7 @@ pub struct AnyCar {
 
 impl AnyCar {
     /// An estimator of `kind` for samples that come at about `sample_rate_hz`; of a car without corners wheel speeds are all there is.
-    ///
-    /// # Errors
-    /// The rate must be positive and finite; limits and parameters that the estimator refuses are named.
+    /// Errors: the rate must be positive and finite; limits and parameters that the estimator refuses are named.
     pub fn new(
         kind: EstimatorKind,
         config: &MonitorConfig<f64>,
@@ -56,10 +54,7 @@ impl AnyCar {
         self.car.follow_air(air);
     }
 
-    /// All tires have their placard pressures from the next sample on, for `seconds`.
-    ///
-    /// # Errors
-    /// The length must be positive and finite.
+    /// All tires have their placard pressures from the next sample on, for `seconds`. Errors: the length must be positive and finite.
     pub fn begin_calibration(&mut self, seconds: f64) -> Result<(), ParameterError> {
         self.car.begin_calibration(seconds)?;
         self.paper.as_mut().map_or(Ok(()), |paper| paper.begin_calibration(seconds))
@@ -70,9 +65,7 @@ impl AnyCar {
     }
 
     /// Begins with what an earlier drive taught, which the paper's filters have no use for.
-    ///
-    /// # Errors
-    /// An implausible calibration, or one of other corners or other placard pressures.
+    /// Errors: an implausible calibration, or one of other corners or other placard pressures.
     pub fn load_calibration(
         &mut self,
         calibration: &VehicleCalibration<f64>,
@@ -110,7 +103,7 @@ impl AnyCar {
         self.car.wheels_mut()
     }
 
-    /// What the monitors report after the last sample.
+    /// The monitors' reports after the last sample.
     pub fn report(&self) -> &MonitorReport<f64> {
         self.paper.as_ref().map_or_else(|| self.car.report(), |paper| paper.report())
     }

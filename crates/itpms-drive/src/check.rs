@@ -32,10 +32,7 @@ pub struct CheckedVehicle {
     log: String,
 }
 
-/// Holds a vehicle file against a drive.
-///
-/// # Errors
-/// No corner in common; the log cannot be read on; [`DriveError::Stopped`].
+/// Holds a vehicle file against a drive. Errors: no corner in common; the log cannot be read on; [`DriveError::Stopped`].
 pub fn check(vehicle: &Vehicle, log: &mut LogReader, watch: Watch<'_>) -> Result<CheckedVehicle, DriveError> {
     let corners = common_corners(log, vehicle)?;
     if corners.is_empty() {

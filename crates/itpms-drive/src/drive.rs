@@ -56,9 +56,7 @@ pub struct Drive {
 
 impl Drive {
     /// The estimator of these corners, and of the wheel speeds, at this rate; without corners of the wheel speeds alone.
-    ///
-    /// # Errors
-    /// A rate or a setting that the estimator refuses, or a stored reference that cannot be used.
+    /// Errors: a rate or a setting that the estimator refuses, or a stored reference that cannot be used.
     pub fn new(
         settings: &Settings,
         vehicle: &Vehicle,
@@ -117,9 +115,7 @@ impl Drive {
     }
 
     /// The same with the causal road under each wheel, which costs a quarter of the time.
-    ///
-    /// # Errors
-    /// Parameters of a corner that the road's filter refuses are named.
+    /// Errors: parameters of a corner that the road's filter refuses are named.
     pub fn with_road(
         mut self,
         vehicle: &Vehicle,
@@ -149,7 +145,7 @@ impl Drive {
         }
     }
 
-    /// What the calibration taught, once it is over.
+    /// The result of the calibration, once it is over.
     pub fn learned(&self) -> Taught {
         let wheel_speeds = self.car.wheels().and_then(MonitoredWheels::calibration).copied();
         let torsion = self.wheels.as_ref().map_or([None; 4], WheelSpeeds::learned_torsion);
@@ -198,7 +194,7 @@ impl Drive {
         }
     }
 
-    /// What the monitor says after the last row.
+    /// The monitor's report after the last row.
     pub fn report(&self) -> &MonitorReport<f64> {
         self.car.report()
     }

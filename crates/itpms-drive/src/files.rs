@@ -34,7 +34,7 @@ pub struct FilePaths {
     /// The drive itself and all that was found in it, on one time axis.
     #[cfg(feature = "mcap")]
     pub mcap: Option<PathBuf>,
-    /// What the calibration drive taught.
+    /// The result of the calibration drive.
     pub reference: Option<PathBuf>,
 }
 
@@ -64,9 +64,6 @@ pub struct Files {
 
 impl Files {
     /// Starts all files, so that one that cannot be written is known before the work begins.
-    ///
-    /// # Errors
-    /// A file cannot be created.
     pub fn create(
         paths: &FilePaths,
         settings: &Settings,
@@ -101,9 +98,7 @@ impl Files {
     }
 
     /// Completes all files and gives them their names.
-    ///
-    /// # Errors
-    /// A file cannot be written; a calibration drive taught nothing: then all files but the reference are there.
+    /// Errors: a file cannot be written; a calibration drive taught nothing: then all files but the reference are there.
     pub fn complete(self, done: &Done) -> Result<(), DriveError> {
         let mut files = Vec::new();
         if let Some(estimates) = self.estimates {

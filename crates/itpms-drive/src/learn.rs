@@ -59,14 +59,12 @@ pub struct LearnedVehicle {
     /// The wheelbase, if the drives show it; the vehicle's only where the file says that it was assumed.
     pub wheelbase: Option<FoundWheelbase>,
     pub readings: Vec<DriveReading>,
-    /// What should be known before believing it, a sentence each.
+    /// Caveats, a sentence each.
     pub concerns: Vec<String>,
 }
 
-/// Learns what `file` says from these drives. `watch` receives the share that is done.
-///
-/// # Errors
-/// A log that cannot be read, has none of the vehicle's corners or teaches nothing; a pressure that no tire has; [`DriveError::Stopped`].
+/// Learns what `file` says from these drives. `watch` receives the share that is done. Errors: a log that cannot be read, has none of the
+/// vehicle's corners or teaches nothing; a pressure that no tire has; [`DriveError::Stopped`].
 pub fn learn(
     file: &Vehicle,
     drives: &[KnownDrive],
@@ -80,9 +78,6 @@ pub fn learn(
 }
 
 /// The same where `open` gives the log of a drive by its number among the `drives`, anew for every pass over it.
-///
-/// # Errors
-/// As [`learn`], and those of `open`.
 pub fn learn_with(
     file: &Vehicle,
     drives: &[KnownDrive],

@@ -27,14 +27,12 @@ pub struct LearnedRadius {
     /// `d ln R / d ln p` before and after, each with its standard deviation.
     pub before: [f64; 2],
     pub after: [f64; 2],
-    /// What should be known before believing it, a sentence each.
+    /// Caveats, a sentence each.
     pub concerns: Vec<String>,
 }
 
-/// Learns it from two drives or more, of which loads may have been others.
-///
-/// # Errors
-/// A log without wheel speeds, one that teaches nothing, fewer than two drives, a pressure that is not known, or the same pressures in all.
+/// Learns it from two drives or more, of which loads may have been others. Errors: a log without wheel speeds, one that teaches nothing,
+/// fewer than two drives, a pressure that is not known, or the same pressures in all.
 pub fn learn_radius(
     file: &Vehicle,
     drives: &[KnownDrive],

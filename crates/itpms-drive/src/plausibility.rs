@@ -161,7 +161,7 @@ impl Plausibility {
         })
     }
 
-    /// What should be known, though it may be so.
+    /// Odd, but possible.
     pub(crate) fn concerns(&self) -> Vec<String> {
         self.in_g().into_iter().chain(self.clipped()).collect()
     }

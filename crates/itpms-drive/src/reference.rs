@@ -69,10 +69,7 @@ pub struct Saving {
 }
 
 impl Saving {
-    /// Starts the file.
-    ///
-    /// # Errors
-    /// It cannot be written, or the estimator does not learn.
+    /// Starts the file. Errors: it cannot be written, or the estimator does not learn.
     pub fn create(path: &Path, settings: &Settings, vehicle: &Vehicle) -> Result<Self, DriveError> {
         settings.expect_learning("--save-reference")?;
         let before = read(settings, vehicle)?.map(|(_, stored)| stored);
@@ -90,9 +87,7 @@ impl Saving {
     }
 
     /// The complete file, to be given its name together with the others.
-    ///
-    /// # Errors
-    /// Nothing was learned in the drive of `driven_s`, or what was learned is not plausible; the file cannot be written.
+    /// Errors: nothing was learned in the drive of `driven_s`, or what was learned is not plausible; the file cannot be written.
     pub fn complete(
         mut self,
         calibrate_s: Option<f64>,
@@ -155,9 +150,7 @@ impl Saving {
 }
 
 /// Stores what a fleet's calibration drive taught, or says why it taught nothing: it is a drive all the same.
-///
-/// # Errors
-/// The file cannot be written, or what was learned is not plausible.
+/// Errors: the file cannot be written, or what was learned is not plausible.
 pub fn teach(
     path: &Path,
     settings: &Settings,

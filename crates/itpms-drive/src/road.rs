@@ -40,10 +40,7 @@ pub struct RoadTrack {
 }
 
 impl RoadTrack {
-    /// Recorders of these corners for a log of this rate.
-    ///
-    /// # Errors
-    /// A corner's parameters are refused.
+    /// Recorders of these corners for a log of this rate. Errors: a corner's parameters are refused.
     pub fn new(vehicle: &Vehicle, corners: &[Corner], rate_hz: f64) -> Result<Self, DriveError> {
         let (rows, segments) = window_for(rate_hz, LOOKAHEAD_S);
         let mut recorders = [const { None }; 4];

@@ -67,9 +67,7 @@ impl Settings {
     }
 
     /// Refuses what `option`, a calibration or its result, cannot do with this estimator.
-    ///
-    /// # Errors
-    /// Only the default estimator learns from a calibration drive.
+    /// Errors: only the default estimator learns from a calibration drive.
     pub(crate) fn expect_learning(&self, option: &str) -> Result<(), DriveError> {
         let learns = EstimatorKind::default();
         if self.estimator == learns {

@@ -31,8 +31,7 @@ const NOT_THERE: f64 = 0.6;
 const OFF: f64 = 0.12;
 /// From here on two wheels at one moment are one signal: the car's pitch makes of two sensors a tenth.
 const SAME: f64 = 0.95;
-/// A speed whose rms about a straight line over a second is more than this, in m/s and as a share, is no car's; in so many of the
-/// seconds.
+/// A speed whose rms about a straight line over a second is more than this, in m/s and as a share, is no car's; in so many of the seconds.
 const ROUGH_M_S: f64 = 1.5;
 const ROUGH_SHARE: f64 = 0.1;
 const ROUGH_SECONDS: f64 = 0.5;

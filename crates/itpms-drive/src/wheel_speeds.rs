@@ -16,9 +16,7 @@ use crate::error::DriveError;
 use crate::settings::Settings;
 
 /// Whether the wheel speeds of a log are used with this vehicle and these corners, or the key that its file lacks for that.
-///
-/// # Errors
-/// The key, where the log has wheel speeds.
+/// Errors: the key, where the log has wheel speeds.
 pub fn wheel_speed_use(
     columns: &LogColumns,
     vehicle: &Vehicle,
@@ -52,9 +50,7 @@ pub(crate) struct WheelSpeeds {
 
 impl WheelSpeeds {
     /// This vehicle's, whose monitor begins with what was stored.
-    ///
-    /// # Errors
-    /// A setting that it refuses, or a stored reference without wheel speeds where there is nothing else.
+    /// Errors: a setting that it refuses, or a stored reference without wheel speeds where there is nothing else.
     pub(crate) fn new(
         settings: &Settings,
         vehicle: &Vehicle,

@@ -71,9 +71,6 @@ impl Model {
     }
 
     /// The same of the vehicle file in a folder of resources.
-    ///
-    /// # Errors
-    /// The file cannot be read.
     pub fn of_resources(folder: &Path) -> Result<Self, ModelError> {
         let path = folder.join(crate::package::VEHICLE_FILE);
         Vehicle::read(&path).map(Self::new).map_err(|error| ModelError::Vehicle(error.to_string()))
@@ -112,10 +109,7 @@ impl Model {
         *self = Self::new(self.file.clone());
     }
 
-    /// The tool has initialized or terminated it.
-    ///
-    /// # Errors
-    /// It was terminated before.
+    /// The tool has initialized or terminated it. Errors: it was terminated before.
     pub fn enter(&mut self, phase: Phase) -> Result<(), ModelError> {
         if self.phase == Phase::Terminated {
             return Err(ModelError::Order("or an initialization after the end"));
@@ -124,12 +118,9 @@ impl Model {
         Ok(())
     }
 
-    /// Takes the inputs as the sample at `time_s`; what can be read then is what is known after it. The first step begins the drive, and says
-    /// how many samples a second to expect.
-    ///
-    /// # Errors
-    /// A step before the initialization, after the end or of no length, a first one that is no time between two samples; a parameter that
-    /// the estimator refuses.
+    /// Takes the inputs as the sample at `time_s`; what can be read then is what is known after it. The first step begins the drive, and
+    /// says how many samples a second to expect. Errors: a step before the initialization, after the end or of no length, a first one that
+    /// is no time between two samples; a parameter that the estimator refuses.
     pub fn step(&mut self, time_s: f64, step_s: f64) -> Result<(), ModelError> {
         match self.phase {
             Phase::Made => return Err(ModelError::Order("before the initialization")),
@@ -304,10 +295,7 @@ impl Model {
         }
     }
 
-    /// All of it as bytes, with its version and a checksum.
-    ///
-    /// # Errors
-    /// It cannot be written, which a car of ours always can.
+    /// All of it as bytes, with its version and a checksum. Errors: it cannot be written, which a car of ours always can.
     pub fn to_bytes(&self) -> Result<Vec<u8>, ModelError> {
         let body = postcard::to_stdvec(&(self.file.to_toml(), &self.values, &self.drive, self.phase))
             .map_err(|error| ModelError::State(format!("cannot be written: {error}")))?;
@@ -315,10 +303,7 @@ impl Model {
         Ok([head.as_bytes(), &body].concat())
     }
 
-    /// Goes on from such bytes.
-    ///
-    /// # Errors
-    /// They are damaged, of another version, or of another vehicle file.
+    /// Goes on from such bytes. Errors: they are damaged, of another version, or of another vehicle file.
     pub fn restore(&mut self, bytes: &[u8]) -> Result<(), ModelError> {
         let refuse = |what: &str| ModelError::State(what.to_owned());
         let known = bytes.strip_prefix(MAGIC.as_bytes()).and_then(|rest| rest.split_at_checked(17));

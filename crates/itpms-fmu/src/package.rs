@@ -36,10 +36,7 @@ pub enum PackageError {
 }
 
 /// The shared library: as given, else beside the program, in the folder `deps` there, where cargo leaves it, or in `../lib/itpms`, where
-/// packages put it that have programs in a folder of their own.
-///
-/// # Errors
-/// It is in none of these places.
+/// packages put it that have programs in a folder of their own. Errors: it is in none of these places.
 pub fn find_library(given: Option<&Path>, program: &Path) -> Result<PathBuf, PackageError> {
     let name = library_name();
     let folder = program.parent().unwrap_or(Path::new("."));
@@ -71,10 +68,7 @@ fn platform(fmi: Fmi) -> Result<&'static str, PackageError> {
     })
 }
 
-/// The bytes of a vehicle's package.
-///
-/// # Errors
-/// The library cannot be read; the standard has no place for it.
+/// The bytes of a vehicle's package. Errors: the library cannot be read; the standard has no place for it.
 pub fn package(fmi: Fmi, vehicle: &Vehicle, library: &Path, step_s: f64) -> Result<Vec<u8>, PackageError> {
     let code = std::fs::read(library).map_err(|error| PackageError::Read(library.to_owned(), error))?;
     let suffix = std::env::consts::DLL_SUFFIX;

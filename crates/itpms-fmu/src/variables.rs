@@ -42,7 +42,7 @@ pub struct Variable {
     /// Its unit, one of [`UNITS`]; empty: none.
     pub unit: &'static str,
     pub text: &'static str,
-    /// What it is before anything is set.
+    /// Initial value.
     pub start: f64,
 }
 

@@ -59,10 +59,7 @@ enum Encryption {
 }
 
 impl BrokerAddress {
-    /// Reads an address.
-    ///
-    /// # Errors
-    /// It has another form.
+    /// Reads an address. Errors: it has another form.
     pub fn parse(text: &str) -> Result<Self, LiveError> {
         let read = || {
             let (encryption, usual_port, rest) = match text.strip_prefix("mqtts://") {
@@ -93,11 +90,8 @@ impl BrokerAddress {
         Ok(address)
     }
 
-    /// The same with a password, and with whom to believe that it is this broker: whom the certificates in `ca` have signed,
-    /// or whom the system believes.
-    ///
-    /// # Errors
-    /// There is a password and no user, or certificates and no encryption; or no certificate can be had.
+    /// The same with a password, and with whom to believe that it is this broker: whom the certificates in `ca` have signed, or whom the
+    /// system believes. Errors: there is a password and no user, or certificates and no encryption; or no certificate can be had.
     pub fn with_access(mut self, password: Option<Password>, ca: Option<&Path>) -> Result<Self, LiveError> {
         if password.is_some() && self.user.is_none() {
             return Err(LiveError::Refused(

@@ -44,10 +44,7 @@ pub(crate) struct Progress {
 }
 
 impl Drive {
-    /// A drive about to begin.
-    ///
-    /// # Errors
-    /// Parameters or a reference that the estimator refuses.
+    /// A drive about to begin. Errors: parameters or a reference that the estimator refuses.
     pub fn new(vehicle: &Vehicle, clock: Clock, options: &DriveOptions) -> Result<Self, LiveError> {
         let config = vehicle.car_config(&clock.corners);
         let refused = |error: &dyn std::fmt::Display| LiveError::Refused(error.to_string());
@@ -123,12 +120,12 @@ impl Drive {
         self.gate.lets_through(row.time_s)
     }
 
-    /// What the monitor says after the last row.
+    /// The monitor's report after the last row.
     pub fn report(&self) -> &MonitorReport<f64> {
         self.car.report()
     }
 
-    /// What was estimated after the last row.
+    /// The estimate after the last row.
     pub fn latest(&self) -> Option<&CarEstimate<f64>> {
         self.latest.as_ref()
     }

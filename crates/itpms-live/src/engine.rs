@@ -61,7 +61,7 @@ pub struct Engine {
     newest_unix_s: f64,
     units: UnitWatch,
     bursts_reported: bool,
-    /// What was doubtful about the source's signals.
+    /// Doubts about the source's signals.
     doubts: Vec<String>,
     /// Corners of the vehicle that do not come, and why.
     not_estimated: BTreeMap<&'static str, String>,
@@ -129,9 +129,7 @@ impl Engine {
     }
 
     /// Says what the rows will be, where the source knows it.
-    ///
-    /// # Errors
-    /// The vehicle has none of the corners, or the estimator refuses its parameters.
+    /// Errors: the vehicle has none of the corners, or the estimator refuses its parameters.
     pub fn open(
         &mut self,
         sample_rate_hz: f64,
@@ -156,9 +154,6 @@ impl Engine {
     }
 
     /// Takes a row and when it came, where that counts for the latency; what there is to tell goes to `publish`.
-    ///
-    /// # Errors
-    /// As [`Engine::open`], at the row that ends the survey.
     pub fn take(
         &mut self,
         row: &LogRow,
@@ -180,9 +175,6 @@ impl Engine {
     }
 
     /// There is nothing more: rows that wait for the end of the survey are estimated with what there is.
-    ///
-    /// # Errors
-    /// As [`Engine::take`].
     pub fn finish(&mut self, publish: &mut impl FnMut(Published)) -> Result<(), LiveError> {
         if let Stage::Surveying(rows) = &self.stage
             && rows.len() > 1

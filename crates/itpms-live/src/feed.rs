@@ -39,7 +39,7 @@ impl Feed {
         self.aligner.columns().are_enough()
     }
 
-    /// What was doubtful about the signals.
+    /// Doubts about the signals.
     pub fn doubts(&self) -> Vec<String> {
         self.decoder.resolved().assumptions()
     }

@@ -85,8 +85,7 @@ impl Hub {
         self.latest.subscribe()
     }
 
-    /// A receiver of every transition from now on. One that lags by more than 256 is notified and finds the last ones in
-    /// [`Hub::history`].
+    /// A receiver of every transition from now on. One that lags by more than 256 is notified and finds the last ones in [`Hub::history`].
     pub fn subscribe_transitions(&self) -> broadcast::Receiver<Arc<Transition>> {
         self.transitions.subscribe()
     }

@@ -1,7 +1,6 @@
 //! The estimating thread: takes what sources tell, keeps the clock of staleness, hands out what there is to tell.
 //!
-//! Called by `itpms monitor`. Waits for its source alone: every output has a queue of its own, and the state is written by
-//! another thread.
+//! Called by `itpms monitor`. Waits for its source alone: every output has a queue of its own, and the state is written by another thread.
 
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -89,11 +88,8 @@ impl Monitor {
         Self { feed: Some(feed), ..self }
     }
 
-    /// Estimates until the source ends or `stop` says so. Outputs get everything that was published before this returns,
-    /// and the state is saved.
-    ///
-    /// # Errors
-    /// The vehicle does not fit the source, the source broke in the middle, or an output or the state cannot be written.
+    /// Estimates until the source ends or `stop` says so. Outputs get everything that was published before this returns, and the state is
+    /// saved. Errors: the vehicle does not fit the source, the source broke in the middle, or an output or the state cannot be written.
     pub fn run(mut self, inputs: &Queue<Input>, stop: impl Fn() -> bool) -> Result<End, LiveError> {
         let end = self.estimate(inputs, stop);
         inputs.close();

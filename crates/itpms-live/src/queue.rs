@@ -38,8 +38,7 @@ impl<T> Queue<T> {
         Self { inner: Mutex::new(inner), filled: Condvar::new(), emptied: Condvar::new(), capacity }
     }
 
-    /// Adds all items, waiting for room before each when there is none. `false` if the queue was closed: what had no room
-    /// then is gone.
+    /// Adds all items, waiting for room before each when there is none. `false` if the queue was closed: what had no room then is gone.
     pub fn push_all(&self, items: impl IntoIterator<Item = T>) -> bool {
         let mut inner = self.lock();
         for item in items {

@@ -73,10 +73,7 @@ impl SavedDrive {
         Some([seal(MAGIC, &FORMAT.to_string(), &body).as_bytes(), &body].concat())
     }
 
-    /// The drive in the bytes of a file.
-    ///
-    /// # Errors
-    /// In words: another file, a damaged one, another format, another vehicle, other options.
+    /// The drive in the bytes of a file. Errors: in words: another file, a damaged one, another format, another vehicle, other options.
     pub fn parse(bytes: &[u8], vehicle: &Vehicle, options: &DriveOptions) -> Result<Self, String> {
         let (format, body) = unsealed(MAGIC, bytes).map_err(|error| match error {
             Unsealed::Foreign(found) => {
@@ -122,10 +119,7 @@ impl SavedDrive {
         }
     }
 
-    /// Reads a file. `None` if there is none yet.
-    ///
-    /// # Errors
-    /// In words: it cannot be read, or as [`SavedDrive::parse`].
+    /// Reads a file. `None` if there is none yet. Errors: in words: it cannot be read, or as [`SavedDrive::parse`].
     pub fn read(path: &Path, vehicle: &Vehicle, options: &DriveOptions) -> Result<Option<Self>, String> {
         let read = || {
             let mut bytes = Vec::new();
@@ -184,9 +178,6 @@ impl SavedDrive {
 }
 
 /// Writes the bytes of a state. Killed or without power at any moment, the file is the one before or this, whole.
-///
-/// # Errors
-/// It cannot be written.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), LiveError> {
     let mut file = AtomicFile::create(path)?;
     file.append(bytes)?;

@@ -1,7 +1,6 @@
 //! Blocks of an MDF4 file: read at their places, never believed before they are held against the file's length.
 //!
-//! Called by the readers of structure and data; knows the frame every block has (identifier, length, links), not what
-//! is inside.
+//! Called by the readers of structure and data; knows the frame every block has (identifier, length, links), not what is inside.
 
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};

@@ -53,7 +53,7 @@ const FIELDS: [&str; 9] = ["BusChannel", "ID", "IDE", "DLC", "DataLength", "Dir"
 /// The frames of one group, one by one.
 #[derive(Debug)]
 pub struct FrameCursor {
-    /// What the frames are.
+    /// Kind of the frames.
     pub kind: FrameGroupKind,
     /// The way through the samples; its bytes are the present frame's data.
     pub cursor: GroupCursor,

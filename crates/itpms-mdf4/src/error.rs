@@ -15,7 +15,7 @@ use thiserror::Error;
 pub struct Mdf4Error {
     /// The file.
     pub path: PathBuf,
-    /// What is wrong with it.
+    /// The problem.
     pub problem: Box<Mdf4Problem>,
 }
 
@@ -34,11 +34,11 @@ impl From<FileError> for Mdf4Error {
 /// A block that is not what its link promises.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Damage {
-    /// What the block should be.
+    /// Expected kind of block.
     pub block: &'static str,
     /// Its place in the file in bytes.
     pub at: u64,
-    /// What is there instead.
+    /// Found instead.
     pub found: String,
 }
 

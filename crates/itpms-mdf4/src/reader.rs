@@ -79,8 +79,7 @@ impl Mdf4Reader {
     /// is turned back (8 MB as writers are asked to write them, 128 MB at most).
     ///
     /// # Errors
-    /// There is no such group or channel, the group has no time, a channel holds no numbers, or a record is longer than
-    /// 4 MB.
+    /// There is no such group or channel, the group has no time, a channel holds no numbers, or a record is longer than 4 MB.
     pub fn cursor(&self, group: usize, channels: &[usize]) -> Result<GroupCursor, Mdf4Error> {
         let fail = |problem| Mdf4Error::new(&self.path, problem);
         let parts = self.parts(group, channels).map_err(fail)?;

@@ -1,5 +1,4 @@
-//! The records of one group: cut from the stream of its data group's bytes, in which those of other groups may lie
-//! between them.
+//! The records of one group: cut from the stream of its data group's bytes, in which those of other groups may lie between them.
 //!
 //! Called by the cursor. A gap in the data loses the records in it; where records of several kinds are mixed, no one can
 //! tell where the next one begins, and the gap is the end.

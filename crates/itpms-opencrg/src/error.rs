@@ -13,7 +13,7 @@ use thiserror::Error;
 pub struct CrgError {
     /// The file.
     pub path: PathBuf,
-    /// What is wrong with it.
+    /// The problem.
     pub problem: Box<CrgProblem>,
 }
 

@@ -47,8 +47,7 @@ pub enum Forgetting<T> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct GradientDescent<T> {
-    /// Step length `phi` of eq. (25) times the curvature `|dT/dlambda|²`, so that it has no unit; 1 is a
-    /// Gauss-Newton step, less is damped.
+    /// Step length `phi` of eq. (25) times the curvature `|dT/dlambda|²`, so that it has no unit; 1 is a Gauss-Newton step, less is damped.
     pub relative_step: T,
     /// `epsilon` of eq. (26): stop when the factor moves less than this.
     pub tolerance: T,
@@ -135,11 +134,8 @@ impl<T: Real> FilterConfig<T> {
         self
     }
 
-    /// Itself, if a filter can start from it.
-    ///
-    /// # Errors
-    /// Names the first value that is not finite, or not positive where it must be: variances, the initial
-    /// stiffness, the descent's settings.
+    /// Itself, if a filter can start from it. Errors: names the first value that is not finite, or not positive where it must be:
+    /// variances, the initial stiffness, the descent's settings.
     pub fn validated(self) -> Result<Self, ParameterError> {
         for value in self.initial_state.iter().copied() {
             finite("initial_state", value)?;

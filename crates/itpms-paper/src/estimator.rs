@@ -54,10 +54,7 @@ struct Corrected<T: Real> {
 
 impl<T: Real> PaperEstimator<T> {
     /// A filter for a corner whose samples come at about `sample_rate_hz`; `None` for [`EstimatorKind::Informed`], which is none of
-    /// the paper's.
-    ///
-    /// # Errors
-    /// The rate must be positive and finite; parameters of the corner that the filter refuses are named.
+    /// the paper's. Errors: the rate must be positive and finite; parameters of the corner that the filter refuses are named.
     pub fn new(
         kind: EstimatorKind,
         config: &CornerConfig<T>,
@@ -76,10 +73,7 @@ impl<T: Real> PaperEstimator<T> {
     }
 
     /// The tire has its placard pressure from the next sample on, for `seconds`: a calibration. The filters as published have no use
-    /// for it.
-    ///
-    /// # Errors
-    /// The length must be positive and finite.
+    /// for it. Errors: the length must be positive and finite.
     pub fn begin_calibration(&mut self, seconds: f64) -> Result<(), ParameterError> {
         let seconds = positive("calibrate_s", seconds)?;
         if let Filter::Corrected(corrected) = &mut self.filter {
@@ -89,8 +83,7 @@ impl<T: Real> PaperEstimator<T> {
         Ok(())
     }
 
-    /// Takes one sample: time in s, speed in m/s, body and wheel acceleration in m/s²; NaN is a missing value. Gives the estimate after
-    /// it.
+    /// Takes one sample: time in s, speed in m/s, body and wheel acceleration in m/s²; NaN is a missing value. Gives the estimate after it.
     pub fn update(
         &mut self,
         time_s: f64,
@@ -301,9 +294,7 @@ pub enum AnyEstimator<T: Real> {
 
 impl<T: Real> AnyEstimator<T> {
     /// An estimator of `kind` for a corner whose samples come at about `sample_rate_hz`.
-    ///
-    /// # Errors
-    /// The rate must be positive and finite; parameters of the corner that it refuses are named.
+    /// Errors: the rate must be positive and finite; parameters of the corner that it refuses are named.
     pub fn new(
         kind: EstimatorKind,
         config: &CornerConfig<T>,
@@ -318,9 +309,7 @@ impl<T: Real> AnyEstimator<T> {
     }
 
     /// The tire has its placard pressure from the next sample on, for `seconds`: a calibration.
-    ///
-    /// # Errors
-    /// The length must be positive and finite.
+    /// Errors: the length must be positive and finite.
     pub fn begin_calibration(&mut self, seconds: f64) -> Result<(), ParameterError> {
         match self {
             Self::Informed(estimator) => estimator.estimator_mut().begin_calibration(seconds),
@@ -328,8 +317,7 @@ impl<T: Real> AnyEstimator<T> {
         }
     }
 
-    /// Takes one sample: time in s, speed in m/s, body and wheel acceleration in m/s²; NaN is a missing value. Gives the estimate after
-    /// it.
+    /// Takes one sample: time in s, speed in m/s, body and wheel acceleration in m/s²; NaN is a missing value. Gives the estimate after it.
     pub fn update(
         &mut self,
         time_s: f64,

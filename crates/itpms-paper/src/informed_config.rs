@@ -24,8 +24,7 @@ pub struct InformedConfig<T> {
     pub initial_stiffness_sd_n_per_m: T,
     /// Random walk of the stiffness in N/m per sqrt(s).
     pub stiffness_walk_n_per_m_sqrt_s: T,
-    /// Standard deviation in N/m beyond which walk and forgetting stop: nothing is known there but that there is a
-    /// tire.
+    /// Standard deviation in N/m beyond which walk and forgetting stop: nothing is known there but that there is a tire.
     pub stiffness_sd_limit_n_per_m: T,
     pub lowest_stiffness_n_per_m: T,
     pub highest_stiffness_n_per_m: T,
@@ -57,9 +56,7 @@ impl<T: Real> InformedConfig<T> {
     }
 
     /// Itself, if a filter can start from it.
-    ///
-    /// # Errors
-    /// Names the first value that is not positive and finite, or outside the stiffness range.
+    /// Errors: names the first value that is not positive and finite, or outside the stiffness range.
     pub fn validated(self) -> Result<Self, ParameterError> {
         positive("accel_noise_m_s2", self.accel_noise_m_s2)?;
         positive("leak_rad_s", self.leak_rad_s)?;

@@ -12,8 +12,7 @@ pub enum ParameterForgetting<T> {
     /// Never: only the parameter's random walk lets it move.
     Off,
     Adaptive {
-        /// Number of measurements over which the innovation's variance is averaged while nothing changes;
-        /// infinite as published.
+        /// Number of measurements over which the innovation's variance is averaged while nothing changes; infinite as published.
         memory: T,
         /// Standard errors by which the measured variance must exceed the believed one; 0 as published.
         significance: T,
@@ -26,10 +25,7 @@ impl<T: Real> ParameterForgetting<T> {
         ParameterForgetting::Adaptive { memory: T::lit(f64::INFINITY), significance: T::zero() }
     }
 
-    /// Itself, if it makes sense.
-    ///
-    /// # Errors
-    /// The memory must be at least 2 measurements, the significance finite and not negative.
+    /// Itself, if it makes sense. Errors: the memory must be at least 2 measurements, the significance finite and not negative.
     pub fn validated(self) -> Result<Self, ParameterError> {
         if let ParameterForgetting::Adaptive { memory, significance } = self {
             if !(memory >= T::lit(2.0)) {

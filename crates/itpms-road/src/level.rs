@@ -79,20 +79,7 @@ impl<T: Real> LevelTracker<T> {
         self.slow = SlowPower::nothing();
     }
 
-    /// Take a given level and, if `update` is called again, go on from there.
-    pub(crate) fn set(&mut self, log_level: T) {
-        *self = Self {
-            weight: T::zero(),
-            power: T::zero(),
-            seen_s: T::zero(),
-            log_level,
-            slow: SlowPower::nothing(),
-            ..*self
-        };
-    }
-
-    /// One more wheel acceleration, `step_s` after the last; `power_per_intensity` from
-    /// [`crate::model::Model::wheel_power_per_intensity`].
+    /// One more wheel acceleration, `step_s` after the last; `power_per_intensity` from [`crate::model::Model::wheel_power_per_intensity`].
     pub(crate) fn update(
         &mut self,
         wheel_accel_m_s2: T,

@@ -1,5 +1,4 @@
-//! The Kalman recursion behind the road estimate: mean, covariance, prediction, correction (docs/math/road.md,
-//! section 3).
+//! The Kalman recursion behind the road estimate: mean, covariance, prediction, correction (docs/math/road.md, section 3).
 //!
 //! Called by [`crate::filter`]. Knows nothing of time stamps, missing values or levels.
 

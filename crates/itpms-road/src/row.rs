@@ -33,8 +33,7 @@ impl<T: Real> Default for RoadRow<T> {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RoadPoint<T> {
     pub time_s: f64,
-    /// Road height in m under the wheel at that time, without phase, behind the configured high-pass (0.05 Hz,
-    /// fourth order in all).
+    /// Road height in m under the wheel at that time, without phase, behind the configured high-pass (0.05 Hz, fourth order in all).
     pub road_m: T,
     /// Its standard deviation in m, slow drift included; for a band use [`crate::RoadLimits::band_sd_m`].
     pub road_sd_m: T,

@@ -62,8 +62,7 @@ pub struct LowPass {
 }
 
 impl LowPass {
-    /// The filter of a log with `rate_hz`, run `sampling_hz` times a second. Bilinear transform, its frequency scale
-    /// fitted at the corner.
+    /// The filter of a log with `rate_hz`, run `sampling_hz` times a second. Bilinear transform, its frequency scale fitted at the corner.
     pub fn new(spec: &AntiAliasSpec, rate_hz: f64, sampling_hz: f64) -> Self {
         let k = (PI * spec.corner * rate_hz / sampling_hz).tan();
         let sections = spec

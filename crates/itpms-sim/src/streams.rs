@@ -1,8 +1,7 @@
 //! Random numbers: one seed per drive, an independent generator for every purpose in it.
 //!
-//! Called by everything random in this crate. A road does not change when a sensor gets noisier, nor a sensor's
-//! noise when another corner is added: each draws from a generator of its own, derived from the drive's seed, the
-//! purpose and two indices.
+//! Called by everything random in this crate. A road does not change when a sensor gets noisier, nor a sensor's noise when another corner
+//! is added: each draws from a generator of its own, derived from the drive's seed, the purpose and two indices.
 
 use rand::SeedableRng;
 use rand_pcg::Pcg64;

@@ -1,5 +1,4 @@
-//! `itpms lab identify bump` on drops from a small simulator of its own, on a real rig where its data are there, and on
-//! damaged records.
+//! `itpms lab identify bump` on drops from a small simulator of its own, on a real rig where its data are there, and on damaged records.
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use crate::common;

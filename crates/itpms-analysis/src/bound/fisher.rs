@@ -99,8 +99,7 @@ pub fn transfers(
     (shape * h, shape * (h_k * corner.tire.stiffness_per_kpa()))
 }
 
-/// Information of one complex Gaussian vector of `C` signals about `N` parameters, `tr(Phi⁻¹ ∂Phi/∂i Phi⁻¹ ∂Phi/∂j)`
-/// (eq. 2).
+/// Information of one complex Gaussian vector of `C` signals about `N` parameters, `tr(Phi⁻¹ ∂Phi/∂i Phi⁻¹ ∂Phi/∂j)` (eq. 2).
 pub(super) fn information<const C: usize, const N: usize>(
     phi: &SMatrix<Complex<f64>, C, C>,
     derivatives: &[SMatrix<Complex<f64>, C, C>; N],

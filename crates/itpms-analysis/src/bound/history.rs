@@ -60,8 +60,7 @@ impl BoundPrior {
     }
 }
 
-/// Grid of pressures the information is tabulated on, 0 to 400 kPa; a straight line between its points is within
-/// half a per cent.
+/// Grid of pressures the information is tabulated on, 0 to 400 kPa; a straight line between its points is within half a per cent.
 const TABLE_STEP_KPA: f64 = 5.0;
 const TABLE_POINTS: usize = 81;
 /// A sub-step changes the variance by at most this share, so that the result is that of continuous time.

@@ -125,8 +125,7 @@ impl CornerBound {
         self.fisher.per_second(pressure_kpa)
     }
 
-    /// Information about the pressure alone in 1/(kPa² s), what level and slope cost taken off when they are
-    /// unknown (Schur complement).
+    /// Information about the pressure alone in 1/(kPa² s), what level and slope cost taken off when they are unknown (Schur complement).
     pub fn information_per_second_kpa2(&self, pressure_kpa: f64) -> f64 {
         let f = self.fisher.per_second(pressure_kpa);
         match self.knowledge {

@@ -58,8 +58,7 @@ pub struct CalibrationRow {
     pub band_95_n_per_m: f64,
     /// Measured less fitted, in N/m.
     pub residual_n_per_m: f64,
-    /// The residual over its standard deviation, had the row not taken part in the line. `None` where all others are
-    /// exactly on a line.
+    /// The residual over its standard deviation, had the row not taken part in the line. `None` where all others are exactly on a line.
     pub studentized: Option<f64>,
 }
 
@@ -79,10 +78,6 @@ impl Test {
 }
 
 /// Fits a tire's line to gauge pressures in kPa and stiffnesses in N/m; a pressure may be there several times.
-///
-/// # Errors
-/// See [`IdentifyError`]: too few rows, one pressure only, stiffness that falls with pressure, wrong units, an
-/// intercept that no vehicle file takes.
 pub fn calibrate(
     pressure_kpa: &[f64],
     stiffness_n_per_m: &[f64],

@@ -1,5 +1,4 @@
-//! Measurements that nothing can be identified from, in one sentence. Rows count from one, the header not
-//! included.
+//! Measurements that nothing can be identified from, in one sentence. Rows count from one, the header not included.
 
 use thiserror::Error;
 

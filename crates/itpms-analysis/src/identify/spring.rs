@@ -1,5 +1,4 @@
-//! Spring stiffness from a load-displacement record, loaded and unloaded slowly (paper, Sec. 5.1;
-//! docs/math/identification.md, section 1).
+//! Spring stiffness from a load-displacement record, loaded and unloaded slowly (paper, Sec. 5.1; docs/math/identification.md, section 1).
 //!
 //! Called by `itpms lab identify spring`. Load may be a force or a weight in newtons; which way either of them counts does
 //! not matter. Friction shows as a loop and is separated, preload as an offset.
@@ -59,7 +58,7 @@ pub struct SpringResult {
     /// Rows left out: next to turning points, or in strokes too short to use.
     pub rows_left_out: usize,
     pub residual_rms_n: f64,
-    /// What a careful reader should know before using the number.
+    /// Caveats on the number.
     pub concerns: Vec<String>,
     /// Displacement in m, load in N and residual in N of the rows used; for figures.
     #[serde(skip)]
@@ -83,9 +82,6 @@ struct Used {
 }
 
 /// Identifies a spring from displacement in m and load in N, in the order in which they were measured.
-///
-/// # Errors
-/// See [`IdentifyError`]: too few rows, no movement, clipping, wrong units, a slope that cannot be distinguished from zero.
 pub fn spring(displacement_m: &[f64], load_n: &[f64], units: Units) -> Result<SpringResult, IdentifyError> {
     guard::pair(("displacement_m", displacement_m), ("load_n", load_n))?;
     if load_n.len() < FEWEST_ROWS {

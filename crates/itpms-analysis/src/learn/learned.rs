@@ -17,7 +17,7 @@ pub struct LearnedCorner {
     pub friction_n: Parameter,
 }
 
-/// What the drives have taught.
+/// The result of the drives.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Learned {
     pub corners: [Option<LearnedCorner>; 4],

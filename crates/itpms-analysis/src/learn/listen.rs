@@ -76,9 +76,7 @@ const ANY_FRICTION_N: f64 = 50.0;
 
 impl Listener {
     /// For a drive of this car at these pressures in kPa gauge, by corner.
-    ///
-    /// # Errors
-    /// A rate or parameters that the estimator refuses; a pressure that is not positive and finite.
+    /// Errors: a rate or parameters that the estimator refuses; a pressure that is not positive and finite.
     pub fn new(
         config: &CarConfig<f64>,
         pressures_kpa: [f64; 4],

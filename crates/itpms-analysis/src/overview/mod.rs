@@ -102,8 +102,7 @@ pub struct FoundCorner {
     excerpt: Vec<(f64, f64, f64)>,
 }
 
-/// Courses over time: (s, lowest, highest) of both accelerations and (s, root mean square about the mean), (s, mean) of the
-/// rest.
+/// Courses over time: (s, lowest, highest) of both accelerations and (s, root mean square about the mean), (s, mean) of the rest.
 #[derive(Debug)]
 struct Tracks {
     body: Vec<(f64, f64, f64)>,
@@ -163,7 +162,7 @@ impl Overview {
         self.wheels.get_or_insert_with(|| Wheels::new(time_s, self.step_s)).push(time_s, signals);
     }
 
-    /// What was found; `None` without a row.
+    /// The findings; `None` without a row.
     pub fn finish(self) -> Option<Found> {
         let (span_s, steps, speed) = (self.span_s?, self.steps?, self.speed?);
         let named = CORNERS.into_iter().zip(self.corners);

@@ -15,7 +15,7 @@ const STEPS_PER_SD: f64 = 3.0;
 const SAME: f64 = 0.9999;
 
 impl Found {
-    /// What looks wrong, corner by corner; empty where nothing does.
+    /// Suspicious findings, corner by corner; empty without any.
     pub fn doubts(&self) -> Vec<String> {
         let mut out = Vec::new();
         if self.speed.is_none() && (self.wheels.is_none() || !self.corners.is_empty()) {

@@ -34,8 +34,7 @@ impl Axis {
         Self { scale: Scale::Logarithmic, ..Self::linear(label, unit) }
     }
 
-    /// From `low` to `high`, whatever the data: what lies beyond is cut off and marked. Without this the range is that
-    /// of the data.
+    /// From `low` to `high`, whatever the data: what lies beyond is cut off and marked. Without this the range is that of the data.
     pub fn within(mut self, low: f64, high: f64) -> Self {
         self.range = Some((low, high));
         self

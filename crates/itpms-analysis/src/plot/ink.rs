@@ -1,5 +1,4 @@
-//! Colors that the color-blind can tell apart (Okabe and Ito, 2008; the lighter ones darkened for thin lines on
-//! white), and who has which.
+//! Colors that the color-blind can tell apart (Okabe and Ito, 2008; the lighter ones darkened for thin lines on white), and who has which.
 
 /// Who or what is drawn. The same thing has the same color in every figure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

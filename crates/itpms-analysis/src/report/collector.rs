@@ -57,9 +57,8 @@ pub struct ReportOptions {
     pub settle_s: f64,
     /// Shortest and longest wavelength in m that the road estimate holds for.
     pub road_wavelengths_m: (f64, f64),
-    /// Degrees of freedom that the innovations add per second: two per complex value, one per real value, less
-    /// what overlaps. A filter with two outputs has `2 * rate`; 12 bins each 0.1 s from half-overlapping frames
-    /// have 120.
+    /// Degrees of freedom that the innovations add per second: two per complex value, one per real value, less what overlaps. A filter with
+    /// two outputs has `2 * rate`; 12 bins each 0.1 s from half-overlapping frames have 120.
     pub nis_dof_per_s: f64,
     /// Whether curves over time are kept, the bound's among them; figures are there without.
     pub curves: bool,

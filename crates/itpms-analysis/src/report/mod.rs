@@ -61,7 +61,7 @@ pub struct Provenance {
     pub options: Vec<(String, String)>,
     /// Where the vehicle's parameters come from, in words.
     pub sources: Vec<(Parameter, String)>,
-    /// What was repaired in the log, with counts.
+    /// Repairs of the log, with counts.
     pub repairs: Vec<(String, u64)>,
 }
 
@@ -76,12 +76,12 @@ pub struct ReportData {
     pub corners: Vec<CornerReport>,
     /// The corners of the vehicle that were not.
     pub not_estimated: Vec<Corner>,
-    /// What the monitor reported; `None` where there was none.
+    /// The monitor's reports; `None` without a monitor.
     pub watch: Option<WatchReport>,
-    /// What should be known before believing it, a sentence each.
+    /// Caveats, a sentence each.
     pub concerns: Vec<String>,
     pub pressure_unit: PressureUnit,
-    /// What the wheel speeds reported; `None` where they were not used.
+    /// The report by wheel speeds; `None` where they were not used.
     pub wheel_speeds: Option<WheelSpeedReport>,
     /// Dampers and load; `None` where not all four corners are measured.
     pub suspension: Option<SuspensionVerdict>,
@@ -129,8 +129,7 @@ pub struct TimeCurves {
     /// Information gate, 0 to 1.
     pub gate: Vec<f64>,
     pub change_probability: Vec<f64>,
-    /// Stretches `(from s, to s, code)`: 0 valid, 1 starting, 2 no information, 3 bad signal, 4 diverged,
-    /// 5 the car does not fit.
+    /// Stretches `(from s, to s, code)`: 0 valid, 1 starting, 2 no information, 3 bad signal, 4 diverged, 5 the car does not fit.
     pub validity: Vec<(f64, f64, f64)>,
     /// Stretches `(from s, to s, code)`: 0 none, 1 malfunction, 2 low.
     pub warning: Vec<(f64, f64, f64)>,
@@ -195,18 +194,12 @@ pub fn headline(data: &ReportData) -> String {
     title::title(data)
 }
 
-/// The page as text.
-///
-/// # Errors
-/// Only if the curves cannot be written as JSON.
+/// The page as text. Errors: only if the curves cannot be written as JSON.
 pub fn render_report(data: &ReportData) -> io::Result<String> {
     html::page(data)
 }
 
-/// Writes the page.
-///
-/// # Errors
-/// Those of the writer.
+/// Writes the page. Errors: those of the writer.
 pub fn write_report(mut out: impl io::Write, data: &ReportData) -> io::Result<()> {
     out.write_all(render_report(data)?.as_bytes())?;
     out.flush()

@@ -224,8 +224,7 @@ impl Track {
         self.buckets.iter().map(middle).zip(self.means(channel).map(|(_, mean)| mean))
     }
 
-    /// Stretches of constant value, `(from, to, value)`, of a channel that holds codes; the largest code in a bucket
-    /// stands for all of it.
+    /// Stretches of constant value, `(from, to, value)`, of a channel that holds codes; the largest code in a bucket stands for all of it.
     pub fn runs(&self, channel: usize) -> Vec<(f64, f64, f64)> {
         let longest = self.longest_step();
         let mut runs: Vec<(f64, f64, f64)> = Vec::new();

@@ -47,7 +47,7 @@ impl WatchCollector {
         Self { track, before: None, report: WatchReport::default() }
     }
 
-    /// What the monitor says after a sample; one that says the same as before adds nothing.
+    /// The monitor's report after a sample; a repeated one adds nothing.
     pub(super) fn push(&mut self, now: &MonitorReport<f64>) {
         if self.before.as_ref().is_some_and(|before| before.time_s == now.time_s) {
             return;

@@ -122,7 +122,7 @@ pub fn found(radii: &RadiusReport<f64>) -> String {
     }
 }
 
-/// What the wheel speeds cannot show, a sentence each.
+/// Limits of the wheel speeds, a sentence each.
 pub fn unseen(radii: &RadiusReport<f64>) -> Vec<String> {
     let known = !matches!(radii.state, RadiusState::Uncalibrated | RadiusState::Calibrating);
     let mut out = Vec::new();

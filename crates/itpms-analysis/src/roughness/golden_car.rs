@@ -53,10 +53,7 @@ pub struct GoldenCar {
 
 impl GoldenCar {
     /// A golden car about to drive over heights `spacing_m` apart. Above 0.3 m the standard calls a profile too
-    /// coarse; up to 1 m is computed all the same.
-    ///
-    /// # Errors
-    /// The spacing must be a number in (0, 1] m.
+    /// coarse; up to 1 m is computed all the same. Errors: the spacing must be a number in (0, 1] m.
     pub fn new(spacing_m: f64, enveloping: Enveloping) -> Result<Self, SpacingError> {
         if !(spacing_m > 0.0 && spacing_m <= 1.0) {
             return Err(SpacingError(spacing_m));

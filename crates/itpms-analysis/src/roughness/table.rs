@@ -182,8 +182,7 @@ impl RoughnessTable {
         text
     }
 
-    /// Everything: `segment_m`, `tracks` by name (`iri_m_per_km`, `known_m`), `mri_m_per_km`, and `segments` with their
-    /// tracks.
+    /// Everything: `segment_m`, `tracks` by name (`iri_m_per_km`, `known_m`), `mri_m_per_km`, and `segments` with their tracks.
     pub fn json(&self) -> Value {
         let whole = |(name, track): &(String, TrackRoughness)| json!({ "track": name, "iri_m_per_km": track.iri_m_per_km, "known_m": track.known_m });
         let segment = |i: usize| {

@@ -31,9 +31,7 @@ pub struct WheelSurvey {
 
 impl WheelSurvey {
     /// A wheel about to roll; segments of `segment_m` count from the distance zero, samples come at `rate_hz`.
-    ///
-    /// # Errors
-    /// The segment's length: see [`SurveyError`].
+    /// Errors: the segment's length: see [`SurveyError`].
     pub fn new(segment_m: f64, rate_hz: f64) -> Result<Self, SurveyError> {
         let survey = TrackSurvey::new(SurveyOptions {
             origin_m: 0.0,

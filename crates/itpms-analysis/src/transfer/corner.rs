@@ -1,5 +1,4 @@
-//! A corner's response against its file's: what damper and spring it shows, and what to change. Called by the binary, read by
-//! `page`.
+//! A corner's response against its file's: what damper and spring it shows, and what to change. Called by the binary, read by `page`.
 
 use std::f64::consts::TAU;
 
@@ -118,7 +117,7 @@ impl CornerCheck {
         matches!(self.verdict, Verdict::Compared { damping: (mean, error), .. } if mean < -APART * error)
     }
 
-    /// What was found and what to change, in a sentence.
+    /// The finding and the remedy, in a sentence.
     pub fn sentence(&self) -> String {
         match &self.verdict {
             Verdict::TooShort => {

@@ -1,5 +1,4 @@
-//! A BLF file as frames. Called by `FrameReader`; puts the pieces of the stream of objects together and takes them apart
-//! at the objects.
+//! A BLF file as frames. Called by `FrameReader`; puts the pieces of the stream of objects together and takes them apart at the objects.
 
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};

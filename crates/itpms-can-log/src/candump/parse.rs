@@ -14,7 +14,7 @@ pub struct Line<'a> {
     pub frame: CanFrame,
     /// The interface's name.
     pub interface: &'a str,
-    /// What the time counts from.
+    /// The origin of the time.
     pub clock: Clock,
 }
 
@@ -202,8 +202,7 @@ fn pairs(text: &[u8], most: usize) -> Result<Payload, LineProblem> {
     if rest.is_empty() { Ok(payload) } else { Err(wrong) }
 }
 
-/// Classic frames of 8 bytes may have been sent with a length code of 9 to 15; it follows as `_9` to `_F` and says
-/// nothing about the data.
+/// Classic frames of 8 bytes may have been sent with a length code of 9 to 15; it follows as `_9` to `_F` and says nothing about the data.
 fn without_raw_code(text: &[u8]) -> &[u8] {
     match text {
         [data @ .., b'_', code] if matches!(nibble(*code), Some(9..)) => data,

@@ -2,7 +2,7 @@
 //!
 //! Called by the parser of statements; does not know their meaning.
 
-/// What was found, and what belongs there instead.
+/// Found and expected.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Astray {
     pub(super) found: String,

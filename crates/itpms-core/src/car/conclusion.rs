@@ -146,8 +146,7 @@ impl<T: Real> CarEstimator<T> {
         fused.zip(considered)
     }
 
-    /// Correlation coefficients of the pressures' errors: of the fused estimate, or of what the corners have in common by the
-    /// vehicle file.
+    /// Correlation coefficients of the pressures' errors: of the fused estimate, or of what the corners have in common by the vehicle file.
     fn correlation(
         &self,
         corners: &[Option<&CornerConclusion<T>>; 4],

@@ -26,7 +26,7 @@ const FLAT_TOP: u32 = 3;
 /// Equal values in a row, at any magnitude, that are no signal: their steps are marked like saturated ones.
 const FLAT: u32 = 8;
 
-/// What was found in the raw samples so far.
+/// Counts of the raw samples so far.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SampleCounts {
@@ -207,7 +207,7 @@ impl<T: Real> Resampler<T> {
         self.periods.grid_s
     }
 
-    /// What was found so far.
+    /// The findings so far.
     #[must_use]
     pub fn counts(&self) -> SampleCounts {
         self.counts

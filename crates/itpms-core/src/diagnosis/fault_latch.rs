@@ -1,5 +1,4 @@
-//! A fault that it takes several sensors to tell, debounced, with what it would be called; and how a corner
-//! looks in the hop band.
+//! A fault that it takes several sensors to tell, debounced, with what it would be called; and how a corner looks in the hop band.
 
 use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
 use crate::diagnosis::{Fault, Malfunction};

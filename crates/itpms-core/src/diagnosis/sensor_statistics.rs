@@ -23,8 +23,7 @@ const FOURTH_DIFFERENCE: f64 = 70.0;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct SensorBlock<T> {
-    /// Power in (m/s²)² per sample of white noise with the fourth differences of the block's quietest part; `None` when
-    /// no part was whole.
+    /// Power in (m/s²)² per sample of white noise with the fourth differences of the block's quietest part; `None` when no part was whole.
     pub(crate) floor: Option<T>,
     /// Share of missing values of late.
     pub(crate) missing: T,

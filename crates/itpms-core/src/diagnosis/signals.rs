@@ -1,5 +1,4 @@
-//! The bands in which sensors are held against each other, and their moments, block by block
-//! (docs/math/monitor.md, section 3).
+//! The bands in which sensors are held against each other, and their moments, block by block (docs/math/monitor.md, section 3).
 //!
 //! | band | what is in it |
 //! |---|---|

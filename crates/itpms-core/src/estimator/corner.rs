@@ -174,8 +174,7 @@ impl<T: Real> CornerEstimator<T> {
         self.hold_calibration(time_s);
     }
 
-    /// What the last frames reported of the stiffness to one who believed in this one with that sd, in N/m, when there is
-    /// something new.
+    /// What the last frames reported of the stiffness to one who believed in this one with that sd, in N/m, when there is something new.
     pub(crate) fn pseudo_measurement(
         &mut self,
         believed: impl FnOnce() -> (T, T),
@@ -320,8 +319,7 @@ impl<T: Real> CornerEstimator<T> {
         self.resampler.counts()
     }
 
-    /// Standard deviation in N/m that the vehicle file leaves open: masses and stiffnesses of a wheel times one factor look the
-    /// same.
+    /// Standard deviation in N/m that the vehicle file leaves open: masses and stiffnesses of a wheel times one factor look the same.
     fn considered(&self, time_s: f64, reading: &Reading<T>, fused: Option<&FusedStiffness<T>>) -> (T, Level) {
         let calibrating = self.calibration_ends_s.is_some_and(|ends_s| time_s < ends_s);
         let (sd, level) = match fused {

@@ -58,8 +58,7 @@ impl<T: Real> PressureMap<T> {
         Ok(Self { stiffness_per_kpa, stiffness_at_zero, ..Self::BLANK })
     }
 
-    /// The same line with the standard deviations of its coefficients (N/m per kPa, N/m) and their
-    /// correlation, from -1 to 1.
+    /// The same line with the standard deviations of its coefficients (N/m per kPa, N/m) and their correlation, from -1 to 1.
     ///
     /// # Errors
     /// Names the value that is negative, not finite or outside its range.
@@ -212,8 +211,7 @@ mod tests {
     #[test]
     fn regression_of_table_1_gives_the_papers_line() {
         let (map, r2) = PressureMap::regression(&P, &K).unwrap();
-        // An independent script's least squares: 713.668 and 60 973.57. The paper prints 713.91 and 60 880,
-        // 0.03 % and 0.15 % away.
+        // An independent script's least squares: 713.668 and 60 973.57. The paper prints 713.91 and 60 880, 0.03 % and 0.15 % away.
         assert!((map.stiffness_per_kpa() - 713.668_293).abs() < 1e-5, "{}", map.stiffness_per_kpa());
         assert!((map.stiffness_at_zero() - 60_973.567_5).abs() < 1e-3, "{}", map.stiffness_at_zero());
         assert!(r2 > 0.998);

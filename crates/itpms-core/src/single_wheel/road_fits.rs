@@ -39,8 +39,7 @@ pub(crate) struct RoadFits<T: Real> {
 }
 
 impl<T: Real> RoadFits<T> {
-    /// Before the first fit, of which there are `times`; `nis` is the frame's mean power over what the most likely road had
-    /// expected.
+    /// Before the first fit, of which there are `times`; `nis` is the frame's mean power over what the most likely road had expected.
     pub(crate) fn begin(&mut self, posterior: &Posterior<T>, nis: T, times: u32) {
         (self.best, _) = posterior.most_likely();
         let (mass, best) = (posterior.cells(), self.best);

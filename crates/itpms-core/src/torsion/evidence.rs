@@ -22,7 +22,7 @@ pub(crate) struct TorsionEvidence<T> {
     pub change_kpa: [T; 4],
     /// Their information in 1/kPa², without what stays unknown however much is driven; zero where nothing was seen.
     pub information: [T; 4],
-    /// What the pressures should be, in kPa.
+    /// Reference pressures in kPa.
     pub reference_kpa: [T; 4],
 }
 

@@ -58,10 +58,7 @@ pub(crate) type Look<'a> = &'a mut dyn FnMut(f64) -> ControlFlow<()>;
 /// Frames, samples or rows between two looks.
 const LOOK: u64 = 4096;
 
-/// Converts a log; `None` when `look` broke it off.
-///
-/// # Errors
-/// The log cannot be read, the file not written, or an extension is not known.
+/// Converts a log; `None` when `look` broke it off. Errors: the log cannot be read, the file not written, or an extension is not known.
 pub fn convert(request: &Request<'_>, look: Look<'_>) -> Result<Option<Converted>, DataError> {
     match (
         LogFormat::of_log(request.input, request.options.dbc.as_deref())?,

@@ -1,7 +1,6 @@
 //! Frames to readings: the signals that are columns, in the columns' units.
 //!
-//! Called for every frame of a log or a bus, so nothing is allocated here once it is made. Does not know the
-//! readings are for.
+//! Called for every frame of a log or a bus, so nothing is allocated here once it is made. Does not know the readings are for.
 
 use std::collections::HashMap;
 
@@ -44,9 +43,8 @@ pub struct Decoder {
 struct Wanted {
     message: Message,
     signals: Vec<Carried>,
-    /// Where the message was seen first. The same identifier on another bus may be something else, or a gateway's
-    /// copy; in either case it is no second sensor. The same goes for a parameter group of SAE J1939 from a second sender, unless the
-    /// description names that one.
+    /// Where the message was seen first. The same identifier on another bus may be something else, or a gateway's copy; in either case it
+    /// is no second sensor. The same goes for a parameter group of SAE J1939 from a second sender, unless the description names that one.
     first: Option<(u16, CanId)>,
 }
 
@@ -62,9 +60,7 @@ struct Carried {
 
 impl Decoder {
     /// Decides which signals are columns: those of the map, and those whose names say so.
-    ///
-    /// # Errors
-    /// The map does not fit the description; see [`resolve`](crate::signals::resolve).
+    /// Errors: the map does not fit the description; see [`resolve`](crate::signals::resolve).
     pub fn new(dbc: Dbc, map: Option<&SignalMap>) -> Result<Self, DataError> {
         Self::knowing(dbc, map, &[])
     }

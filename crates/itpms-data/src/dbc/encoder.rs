@@ -37,9 +37,7 @@ struct Outgoing {
 
 impl Encoder {
     /// Decides which signals carry these columns, as a decoder would find them.
-    ///
-    /// # Errors
-    /// The map does not fit the description; see [`resolve`].
+    /// Errors: the map does not fit the description; see [`resolve`].
     pub fn new(dbc: &Dbc, map: Option<&SignalMap>, columns: &LogColumns) -> Result<Self, DataError> {
         let resolved = resolve(&candidates(dbc), map)?;
         let mut outgoing: Vec<Outgoing> = Vec::new();

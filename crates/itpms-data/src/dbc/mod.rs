@@ -16,10 +16,7 @@ use crate::error::{DataError, Problem};
 use crate::log::of_description;
 use crate::signals::Candidate;
 
-/// The description in this file.
-///
-/// # Errors
-/// It cannot be read, or is a description of another format.
+/// The description in this file. Errors: it cannot be read, or is a description of another format.
 pub fn described(path: &Path) -> Result<Dbc, DataError> {
     match of_description(path) {
         Some(way_out) => Err(DataError::new(path, Problem::Elsewhere(way_out))),

@@ -37,14 +37,14 @@ impl LogOptions {
         }
     }
 
-    /// What only tables have.
+    /// Options of tables alone.
     #[cfg(any(feature = "can", feature = "mdf4"))]
     pub(super) fn refuse_for_signals(&self) -> Result<(), Problem> {
         let what = "rows are selected of tables (--where); this log holds signals, each on its own clock";
         if self.rows.is_empty() { Ok(()) } else { Err(what.into()) }
     }
 
-    /// What only other logs have.
+    /// Options of other logs alone.
     pub(super) fn refuse_for_tables(&self) -> Result<(), Problem> {
         let what = "a DBC file says what the frames of a CAN log mean; this is a table";
         self.dbc.as_ref().map_or(Ok(()), |_| Err(what.into()))

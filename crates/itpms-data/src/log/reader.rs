@@ -63,19 +63,13 @@ pub struct LogReader {
 }
 
 impl LogReader {
-    /// Opens a drive log, CSV or Parquet by extension, and looks at its first [`SURVEY_ROWS`] rows.
-    ///
-    /// # Errors
-    /// The file cannot be read, a column is missing or twice there, or the first rows show that the log is useless:
-    /// see [`Problem`].
+    /// Opens a drive log, CSV or Parquet by extension, and looks at its first [`SURVEY_ROWS`] rows. Errors: the file cannot be read, a
+    /// column is missing or twice there, or the first rows show that the log is useless: see [`Problem`].
     pub fn open(path: &Path) -> Result<Self, DataError> {
         Self::open_with(path, &LogOptions::default())
     }
 
     /// The same with what else there is to know.
-    ///
-    /// # Errors
-    /// As [`LogReader::open`].
     pub fn open_with(path: &Path, options: &LogOptions) -> Result<Self, DataError> {
         let source = Source::open(path, options)?;
         Self::of(path, source, options.units)
@@ -83,9 +77,6 @@ impl LogReader {
 
     /// A drive that another program has read already, in pieces of which one is held at a time: columns of these names, NaN where a
     /// value is missing, `rows` in all where that is known, in messages called `name`. It is judged and repaired as a file is.
-    ///
-    /// # Errors
-    /// As [`LogReader::open`], columns of different lengths, and what `pieces` gives.
     pub fn from_pieces(
         name: &Path,
         names: &[String],
@@ -139,7 +130,7 @@ impl LogReader {
         &self.source.header().columns
     }
 
-    /// What the first rows say about the clock.
+    /// Evidence of the first rows about the clock.
     pub fn survey(&self) -> &Survey {
         &self.survey
     }
@@ -182,10 +173,7 @@ impl LogReader {
     }
 
     /// The next row, `None` after the last.
-    ///
-    /// # Errors
-    /// The file cannot be read on, a cell is no number, or so many rows are out of order that what is left would not
-    /// be this drive.
+    /// Errors: the file cannot be read on, a cell is no number, or so many rows are out of order that what is left would not be this drive.
     pub fn next_row(&mut self) -> Result<Option<LogRow>, DataError> {
         while self.ahead.is_empty() && !self.exhausted {
             self.pull()

@@ -27,7 +27,7 @@ pub struct RepairReport {
     pub longest_gap: Option<(f64, f64)>,
     /// Lines cut off at the end of the file, left out: 0 or 1.
     pub cut_off_lines: u64,
-    /// What the reader of the log's format mended, left out or assumed, in words.
+    /// Repairs, omissions and assumptions of the format's reader, in words.
     pub format: Vec<String>,
     /// Accelerations whose values are the same in all rows that were looked at first: one column, twice.
     pub same_columns: Vec<(String, String)>,
@@ -41,7 +41,7 @@ impl RepairReport {
         self.warnings().is_empty()
     }
 
-    /// What was found how often, leaving out what was not found at all.
+    /// Counts of the findings, zeros left out.
     pub fn counts(&self) -> Vec<(&'static str, u64)> {
         let all = [
             ("missing acceleration values", self.missing_accelerations),

@@ -35,7 +35,7 @@ pub struct MotionColumns {
     pub tire_sensors: [bool; 4],
     /// Whether `{c}_tpms_c` is there.
     pub tire_temperatures: [bool; 4],
-    /// What there is of the air around the car.
+    /// Measurements of the air around the car.
     pub air: AirColumns,
     /// Whether `latitude_deg` and `longitude_deg` are there.
     pub position: PositionColumns,
@@ -237,7 +237,7 @@ impl LogMotion {
 }
 
 impl LogRow {
-    /// What the estimators see of this row: everything but the truth.
+    /// The estimators' input: everything but the truth.
     pub fn sample(&self) -> CarSample<f64> {
         Sample {
             time_s: self.time_s,

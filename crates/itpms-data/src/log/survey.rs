@@ -19,7 +19,7 @@ pub(super) const POSSIBLE_RATES_HZ: std::ops::RangeInclusive<f64> = 20.0..=50_00
 /// Of wheel speeds alone, which come with every tenth of a second or more often.
 const POSSIBLE_WHEEL_SPEED_RATES_HZ: std::ops::RangeInclusive<f64> = 9.5..=50_000.0;
 
-/// What the first rows say about the clock.
+/// Evidence of the first rows about the clock.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Survey {
     pub rows: usize,
@@ -42,9 +42,7 @@ impl Survey {
     }
 
     /// What these rows say, in the order of their times.
-    ///
-    /// # Errors
-    /// There are fewer than two rows, or the rate is none of a car's accelerometers.
+    /// Errors: there are fewer than two rows, or the rate is none of a car's accelerometers.
     pub fn of<'a>(rows: impl IntoIterator<Item = &'a LogRow>) -> Result<Self, Problem> {
         let mut accelerations = false;
         let time_s = |row: &LogRow| {

@@ -294,7 +294,7 @@ impl TableSource {
         matches!(&self.table, Table::Csv(source) if source.cut_off())
     }
 
-    /// What the format's own reader mended or left out so far.
+    /// Repairs and omissions of the format's own reader so far.
     pub(super) fn repairs(&self) -> Vec<String> {
         let of_format = match &self.table {
             Table::Csv(source) => source.repairs(),

@@ -14,7 +14,7 @@ const MOST_BEFORE: usize = 100;
 /// Lines between the names and the first row: units, and what else is stated of each column.
 const MOST_BETWEEN: usize = 2;
 
-/// What stands before the first row.
+/// Content before the first row.
 #[derive(Debug, Clone)]
 pub(crate) struct TextHead {
     pub(crate) dialect: Dialect,

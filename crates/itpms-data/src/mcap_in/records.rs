@@ -71,10 +71,7 @@ impl Messages {
     }
 
     /// Hands the next schema, channel or message to `take`; false at the end. A file that is cut off or damaged ends there, and
-    /// [`Messages::repairs`] says so.
-    ///
-    /// # Errors
-    /// The file cannot be read, or its beginning is not that of MCAP.
+    /// [`Messages::repairs`] says so. Errors: the file cannot be read, or its beginning is not that of MCAP.
     pub(crate) fn step(&mut self, take: impl FnOnce(Message<'_>)) -> Result<bool, Problem> {
         while !self.is_over {
             let wanted = match self.next() {

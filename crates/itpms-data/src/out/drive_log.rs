@@ -62,17 +62,12 @@ impl From<Packing> for Compression {
 
 impl LogWriter {
     /// Starts the file with these columns, in the format that its extension asks for.
-    ///
-    /// # Errors
-    /// The file cannot be created, or its extension is not known; a CAN log needs [`LogWriter::create_with`].
+    /// Errors: the file cannot be created, or its extension is not known; a CAN log needs [`LogWriter::create_with`].
     pub fn create(path: &Path, columns: LogColumns) -> Result<Self, DataError> {
         Self::create_with(path, columns, &LogOptions::default(), Packing::default())
     }
 
     /// The same for a CAN log, too: the DBC file and the map say which signals carry the columns.
-    ///
-    /// # Errors
-    /// As [`LogWriter::create`]; the DBC file is missing, unusable, or has no signal for any column.
     #[cfg_attr(
         not(all(feature = "can", feature = "mdf4")),
         allow(unused_variables, reason = "tables take no start")
@@ -109,9 +104,6 @@ impl LogWriter {
     }
 
     /// Adds a row. What the columns do not ask for is left out, what the row lacks is missing.
-    ///
-    /// # Errors
-    /// The file cannot be written.
     pub fn write(&mut self, row: &LogRow) -> Result<(), DataError> {
         match &mut self.sink {
             Sink::Table { table, cells } => {
@@ -142,9 +134,6 @@ impl LogWriter {
     }
 
     /// Everything onto the disk; [`AtomicFile::commit`] then gives the file its name.
-    ///
-    /// # Errors
-    /// The file cannot be written.
     pub fn finish(self) -> Result<AtomicFile, DataError> {
         match self.sink {
             Sink::Table { table, .. } => table.finish(),

@@ -69,10 +69,7 @@ pub(crate) fn is_folder_of_parts(path: &Path) -> bool {
 }
 
 impl ParquetParts {
-    /// Opens a file or a folder.
-    ///
-    /// # Errors
-    /// It cannot be read, is no Parquet, or holds several recordings of which none is asked for.
+    /// Opens a file or a folder. Errors: it cannot be read, is no Parquet, or holds several recordings of which none is asked for.
     pub(crate) fn open(path: &Path, selections: &[Selection]) -> Result<Self, Problem> {
         let (parts, rows) = folder::parts(path, selections)?;
         if parts.is_empty() {
@@ -117,19 +114,13 @@ impl ParquetParts {
         &self.names
     }
 
-    /// What a column holds.
-    ///
-    /// # Errors
-    /// No numbers and no times.
+    /// What a column holds. Errors: no numbers and no times.
     pub(crate) fn meaning(&self, leaf: usize) -> Result<Meaning, Problem> {
         let (part, leaf) = self.first_part_with(leaf)?;
         part.meaning(leaf)
     }
 
-    /// What a column holds that is given as the clock.
-    ///
-    /// # Errors
-    /// No numbers, no times and no text of times.
+    /// What a column holds that is given as the clock. Errors: no numbers, no times and no text of times.
     pub(crate) fn clock_meaning(&self, leaf: usize) -> Result<Meaning, Problem> {
         let (part, leaf) = self.first_part_with(leaf)?;
         part.clock_meaning(leaf)
@@ -147,9 +138,7 @@ impl ParquetParts {
     }
 
     /// Reads these columns of numbers, and if it is among them `clock`, whose times come in s.
-    ///
-    /// # Errors
-    /// One holds something else, a part has no clock, or the rows that are asked for are not there.
+    /// Errors: one holds something else, a part has no clock, or the rows that are asked for are not there.
     pub(crate) fn choose(&mut self, leaves: &[usize], clock: Option<usize>) -> Result<(), Problem> {
         self.wanted.columns = leaves.iter().map(|leaf| self.names[*leaf].clone()).collect();
         self.wanted.clock = leaves.iter().position(|leaf| Some(*leaf) == clock);
@@ -217,10 +206,7 @@ impl ParquetParts {
         (self.rows_read as f64 / self.rows.max(1) as f64).min(1.0)
     }
 
-    /// Goes to the next row, by the clock; `None` after the last.
-    ///
-    /// # Errors
-    /// A part cannot be read on.
+    /// Goes to the next row, by the clock; `None` after the last. Errors: a part cannot be read on.
     pub(crate) fn advance(&mut self) -> Result<Option<Place>, Problem> {
         if let Some(part) = self.open.get_mut(self.now)
             && !part.advance()?

@@ -25,10 +25,7 @@ impl VehicleIdentity {
         Self { name: vehicle.name.clone(), id: vehicle.id.clone(), parameters }
     }
 
-    /// Refuses the first thing that tells this car from `wanted`.
-    ///
-    /// # Errors
-    /// [`ReferenceProblem::OtherVehicle`].
+    /// Refuses the first thing that tells this car from `wanted`. Errors: [`ReferenceProblem::OtherVehicle`].
     pub fn expect(&self, wanted: &Self) -> Result<(), ReferenceProblem> {
         let quoted =
             |text: &Option<String>| text.as_ref().map_or("not given".to_owned(), |id| format!("{id:?}"));

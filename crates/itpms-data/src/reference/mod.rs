@@ -102,9 +102,7 @@ pub struct StoredReference {
 
 impl StoredReference {
     /// What `vehicle` was found to be at the given time.
-    ///
-    /// # Errors
-    /// The reference is not plausible, or of no corner: a bad one is never stored.
+    /// Errors: the reference is not plausible, or of no corner: a bad one is never stored.
     pub fn new(
         vehicle: &Vehicle,
         mut reference: VehicleCalibration<f64>,
@@ -167,9 +165,7 @@ impl StoredReference {
 
     /// What `vehicle` is to be given, if this was learned on it, and the vehicle from whose parameters that counts: itself, but for a
     /// wheelbase that was assumed.
-    ///
-    /// # Errors
-    /// Another name, another id, or other parameters: deviations from one set of parameters say nothing of another.
+    /// Errors: another name, another id, or other parameters: deviations from one set of parameters say nothing of another.
     pub fn for_vehicle(&self, vehicle: &Vehicle) -> Result<(Vehicle, &VehicleCalibration<f64>), Problem> {
         self.vehicle.expect(&VehicleIdentity::of(vehicle))?;
         let wheelbase_m = self.wheelbase_m.or(vehicle.wheelbase_m);
@@ -182,10 +178,7 @@ impl StoredReference {
     }
 
     /// The reference in the bytes of a file. Checks everything but the vehicle, for which see
-    /// [`StoredReference::for_vehicle`].
-    ///
-    /// # Errors
-    /// Another file, a damaged one, a newer format, or numbers that no car has.
+    /// [`StoredReference::for_vehicle`]. Errors: another file, a damaged one, a newer format, or numbers that no car has.
     pub fn parse(bytes: &[u8]) -> Result<Self, Problem> {
         let stored = text::opened(bytes)?;
         check(&stored.reference).map_err(ReferenceProblem::Implausible)?;
@@ -205,19 +198,13 @@ impl StoredReference {
 
     /// Writes the file. Killed or without power at any moment, `path` holds what it held before or this, whole; what
     /// is left beside it does not disturb and goes with the next save.
-    ///
-    /// # Errors
-    /// The file cannot be written.
     pub fn save(&self, path: &Path) -> Result<(), DataError> {
         let mut file = AtomicFile::create(path)?;
         file.append(self.to_text().as_bytes())?;
         Ok(file.commit()?)
     }
 
-    /// Reads a file.
-    ///
-    /// # Errors
-    /// It cannot be read; and as [`StoredReference::parse`].
+    /// Reads a file. Errors: it cannot be read; and as [`StoredReference::parse`].
     pub fn read(path: &Path) -> Result<Self, DataError> {
         let read = || {
             let mut bytes = Vec::new();

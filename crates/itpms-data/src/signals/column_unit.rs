@@ -1,5 +1,4 @@
-//! The unit in the name of a table's column: `Speed [km/h]`, `AccZ_FL (g)`, `v_kmh`, `body_acc_fl_m_s2`; and whether a
-//! column is the clock.
+//! The unit in the name of a table's column: `Speed [km/h]`, `AccZ_FL (g)`, `v_kmh`, `body_acc_fl_m_s2`; and whether a column is the clock.
 //!
 //! Called where a table's columns are taken for signals.
 
@@ -40,8 +39,7 @@ pub(crate) fn seconds(unit: &str) -> Option<f64> {
     }
 }
 
-/// Seconds per unit of the column, if it is a clock: `time_s`, `Time`, `t [ms]`, `timestamps`. One that does not say its
-/// unit has seconds.
+/// Seconds per unit of the column, if it is a clock: `time_s`, `Time`, `t [ms]`, `timestamps`. One that does not say its unit has seconds.
 pub(crate) fn clock(name: &str) -> Option<f64> {
     let (bare, unit) = split(name);
     let letters: String = bare.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect();

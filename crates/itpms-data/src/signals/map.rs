@@ -49,10 +49,7 @@ pub(super) enum Scale {
 }
 
 impl SignalMap {
-    /// Reads a map.
-    ///
-    /// # Errors
-    /// The file cannot be read, is not TOML, has an unknown key, or a unit that is not one of the column's quantity.
+    /// Reads a map. Errors: the file cannot be read, is not TOML, has an unknown key, or a unit that is not one of the column's quantity.
     pub fn read(path: &Path) -> Result<Self, DataError> {
         let read = || parse(&input::read_text(path, "a map of signals (TOML)")?);
         let (entries, time) = read().map_err(|problem| DataError::new(path, problem))?;
@@ -60,9 +57,6 @@ impl SignalMap {
     }
 
     /// The map in this text; `path` is what messages call it.
-    ///
-    /// # Errors
-    /// As [`SignalMap::read`].
     pub fn parse(text: &str, path: &Path) -> Result<Self, DataError> {
         let (entries, time) = parse(text).map_err(|problem| DataError::new(path, problem))?;
         Ok(Self { path: path.to_owned(), entries, time })

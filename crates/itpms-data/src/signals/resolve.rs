@@ -59,18 +59,13 @@ impl Resolved {
 }
 
 /// Finds each column's signal. `time_s` is never among them: a log has its own clock.
-///
-/// # Errors
-/// The map asks for a signal that is not there or not the only one of its name, or for one whose unit is of no use and
-/// not given in the map. That names match nowhere is no error; see [`Resolved::unusable`].
+/// Errors: the map asks for a signal that is not there or not the only one of its name, or for one whose unit is of no use and not given in
+/// the map. That names match nowhere is no error; see [`Resolved::unusable`].
 pub fn resolve(candidates: &[Candidate], map: Option<&SignalMap>) -> Result<Resolved, DataError> {
     resolve_knowing(candidates, &[], map)
 }
 
 /// The same, knowing what else there is that cannot be read, so that the reason can be reported.
-///
-/// # Errors
-/// As [`resolve`].
 pub fn resolve_knowing(
     candidates: &[Candidate],
     unread: &[Unread],
@@ -81,9 +76,6 @@ pub fn resolve_knowing(
 
 /// The same where it is known which candidates have samples in this log; beyond the end of `has_samples` all have. One without is no column
 /// unless the map names it and no other.
-///
-/// # Errors
-/// As [`resolve`].
 pub fn resolve_among(
     candidates: &[Candidate],
     has_samples: &[bool],

@@ -57,8 +57,7 @@ impl VehicleDetails {
     }
 }
 
-/// The optional keys of a corner and of its tire. All standard deviations are relative ones (0.05 is 5 %) unless
-/// their name has a unit.
+/// The optional keys of a corner and of its tire. All standard deviations are relative ones (0.05 is 5 %) unless their name has a unit.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct CornerDetails {
     pub sprung_mass_relative_sd: Option<f64>,

@@ -190,10 +190,7 @@ impl Vehicle {
         self.details.corners.iter().find_map(|corner| corner.tire.rolling_radius_m)
     }
 
-    /// What the analysis of wheel speeds is given.
-    ///
-    /// # Errors
-    /// The key that the file lacks for that.
+    /// What the analysis of wheel speeds is given. Errors: the key that the file lacks for that.
     pub fn wheel_speed_config(&self) -> Result<WheelSpeedConfig<f64>, &'static str> {
         let VehicleDetails { track_front_m, track_rear_m, driven, limited_slip, .. } = self.details;
         let mut config = WheelSpeedConfig::new(
@@ -218,10 +215,7 @@ impl Vehicle {
     }
 
     /// What torsional analysis is given of each wheel, and the pressures that they should have in kPa: of a sensor and a tire nothing is known
-    /// of, where the file has nothing. Teeth and resonance are checked by the analysis.
-    ///
-    /// # Errors
-    /// The key that the file lacks for that.
+    /// of, where the file has nothing. Teeth and resonance are checked by the analysis. Errors: the key that the file lacks for that.
     pub fn torsion_config(&self) -> Result<([TorsionConfig<f64>; 4], [f64; 4]), &'static str> {
         let (mut wheels, mut placard_kpa) = ([TorsionConfig::new(); 4], [0.0; 4]);
         for (corner, (wheel, kpa)) in Corner::ALL.into_iter().zip(wheels.iter_mut().zip(&mut placard_kpa)) {
@@ -259,18 +253,13 @@ impl Vehicle {
     }
 
     /// Reads a vehicle file.
-    ///
-    /// # Errors
-    /// The file cannot be read, is not TOML, has an unknown or lacks a needed key, or a value is out of its range.
+    /// Errors: the file cannot be read, is not TOML, has an unknown or lacks a needed key, or a value is out of its range.
     pub fn read(path: &Path) -> Result<Self, DataError> {
         let read = || Self::parse(&input::read_text(path, "a vehicle file (TOML)")?);
         read().map_err(|problem| DataError::new(path, problem))
     }
 
     /// The vehicle described by the text of a vehicle file.
-    ///
-    /// # Errors
-    /// As [`Vehicle::read`], without the name of a file.
     pub fn parse(text: &str) -> Result<Self, Problem> {
         let document = DeTable::parse(text).map_err(|error| syntax_problem(text, &error))?;
         let root = Table::root(text, document.get_ref());
@@ -333,9 +322,6 @@ impl Vehicle {
     }
 
     /// Writes a vehicle file, completely or not at all.
-    ///
-    /// # Errors
-    /// The file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), DataError> {
         let mut file = AtomicFile::create(path)?;
         file.append(self.to_toml().as_bytes())?;

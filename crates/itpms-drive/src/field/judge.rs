@@ -40,7 +40,7 @@ pub(super) struct Findings {
     pub(super) facts: Vec<String>,
     /// Why it is not good enough.
     pub(super) faults: Vec<String>,
-    /// What would be better, or should be known.
+    /// Advice and caveats.
     pub(super) notes: Vec<String>,
 }
 

@@ -48,9 +48,7 @@ pub struct FieldCheck {
 }
 
 /// Reads a log to its end, judges it, and packs it if `packs` and it is good enough. `watch` receives the share that is done.
-///
-/// # Errors
-/// The log cannot be read on; [`DriveError::Stopped`].
+/// Errors: the log cannot be read on; [`DriveError::Stopped`].
 pub fn check_field(
     vehicle: &Vehicle,
     log: &mut LogReader,
@@ -124,7 +122,7 @@ impl FieldCheck {
         self.findings.faults.is_empty()
     }
 
-    /// What the log has, a sentence each.
+    /// The log's content, a sentence each.
     pub fn facts(&self) -> &[String] {
         &self.findings.facts
     }
@@ -134,7 +132,7 @@ impl FieldCheck {
         &self.findings.faults
     }
 
-    /// What would be better, or should be known.
+    /// Advice and caveats.
     pub fn notes(&self) -> &[String] {
         &self.findings.notes
     }

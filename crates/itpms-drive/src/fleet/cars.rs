@@ -31,10 +31,7 @@ pub enum Cars {
 }
 
 impl Cars {
-    /// The car that one vehicle file describes; it is called by its id, or else its name.
-    ///
-    /// # Errors
-    /// The file cannot be used.
+    /// The car that one vehicle file describes; it is called by its id, or else its name. Errors: the file cannot be used.
     pub fn one(path: &Path) -> Result<Self, DriveError> {
         let vehicle = Vehicle::read(path)?;
         let id = vehicle.id.clone().unwrap_or_else(|| vehicle.name.clone());
@@ -47,9 +44,7 @@ impl Cars {
     }
 
     /// The cars whose vehicle files lie in a folder. A file that cannot be used is no error: its car's drives fail.
-    ///
-    /// # Errors
-    /// The folder cannot be read, or holds no vehicle file.
+    /// Errors: the folder cannot be read, or holds no vehicle file.
     pub fn folder(path: &Path) -> Result<Self, DriveError> {
         let unreadable = |error| DriveError::Mismatch(format!("{}: cannot be read: {error}", path.display()));
         let mut cars = Vec::new();
@@ -77,10 +72,7 @@ impl Cars {
         Ok(Self::Many(cars))
     }
 
-    /// The car of a drive.
-    ///
-    /// # Errors
-    /// A sentence about the drive: no car, or more than one.
+    /// The car of a drive. Errors: a sentence about the drive: no car, or more than one.
     pub fn of(&self, drive: &Path) -> Result<&Car, String> {
         let cars = match self {
             Self::One(car) => return Ok(car),

@@ -77,12 +77,9 @@ impl Found {
     }
 }
 
-/// The files that these names and patterns mean, each once, in natural order (`drive2` before `drive10`). What lies in
-/// `out`, where the results go, is left out, by whatever links it is reached; folders are, too. What else is no file is among them,
-/// with the reason. A table of tooth pulses belongs to the drive beside it and is no drive.
-///
-/// # Errors
-/// A pattern that is none, or that fits no file.
+/// The files that these names and patterns mean, each once, in natural order (`drive2` before `drive10`). What lies in `out`, where the
+/// results go, is left out, by whatever links it is reached; folders are, too. What else is no file is among them, with the reason. A table
+/// of tooth pulses belongs to the drive beside it and is no drive. Errors: a pattern that is none, or that fits no file.
 pub fn files(patterns: &[PathBuf], out: &Path) -> Result<Vec<Found>, DriveError> {
     let own = real(out);
     let mut paths: Vec<PathBuf> = Vec::new();

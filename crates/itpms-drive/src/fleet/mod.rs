@@ -123,9 +123,7 @@ struct Assigned<'a> {
 }
 
 /// Estimates all drives that are not done, and writes the tables and the page.
-///
-/// # Errors
-/// The folder cannot be used, or [`DriveError::Stopped`]: what is finished is kept. A drive that fails is no error.
+/// Errors: the folder cannot be used, or [`DriveError::Stopped`]: what is finished is kept. A drive that fails is no error.
 pub fn survey(plan: &Plan, watch: Watch<'_>) -> Result<Outcome, DriveError> {
     let mut records = Records::open(&plan.out.join("drives.jsonl"), heading(plan)?)?;
     let mut failed = BTreeMap::new();

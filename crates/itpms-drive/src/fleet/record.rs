@@ -140,9 +140,9 @@ pub struct DriveRecord {
     /// The wheels of the vehicle file that were not.
     #[serde(default)]
     pub not_estimated: Vec<String>,
-    /// What the monitor reported, a sentence each.
+    /// The monitor's reports, a sentence each.
     pub alerts: Vec<String>,
-    /// What should be known before believing it, a sentence each.
+    /// Caveats, a sentence each.
     pub concerns: Vec<String>,
     /// What it has shown of its day since the calibration, by wheel speeds and where it has a date.
     pub day: Option<DayRecord>,
@@ -152,8 +152,7 @@ pub struct DriveRecord {
 }
 
 impl DriveRecord {
-    /// What it has to do with calibration: `drive` (it taught the car), `carried` (it starts with what an earlier one taught)
-    /// or `none`.
+    /// What it has to do with calibration: `drive` (it taught the car), `carried` (it starts with what an earlier one taught) or `none`.
     pub fn calibration(&self) -> &'static str {
         match (self.taught, &self.inputs.reference) {
             (true, _) => "drive",

@@ -1,8 +1,7 @@
 //! The page of the live monitor, and what scripts and scrapers read beside it, over HTTP.
 //!
-//! Started by `itpms monitor --http`. Runs in one thread of its own with its own small runtime, so that nothing a client does
-//! reaches the estimating thread. Read-only: there is nothing a request could change. It sees the car through the [`Hub`]
-//! alone and never opens a file.
+//! Started by `itpms monitor --http`. Runs in one thread of its own with its own small runtime, so that nothing a client does reaches the
+//! estimating thread. Read-only: there is nothing a request could change. It sees the car through the [`Hub`] alone and never opens a file.
 //!
 //! | address | gives |
 //! |---|---|
@@ -74,10 +73,7 @@ pub struct Server {
 }
 
 impl Server {
-    /// Starts to listen.
-    ///
-    /// # Errors
-    /// [`HttpError`] if the address cannot be had.
+    /// Starts to listen. Errors: [`HttpError`] if the address cannot be had.
     pub fn start(options: Options, hub: Arc<Hub>) -> Result<Self, HttpError> {
         let runtime =
             tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(HttpError::Start)?;

@@ -27,9 +27,6 @@ pub struct JsonLines {
 
 impl JsonLines {
     /// Lines appended to a file, which grows as they come; `-` is standard output.
-    ///
-    /// # Errors
-    /// The file cannot be written.
     pub fn open(path: &Path) -> Result<Self, LiveError> {
         let name = path.display().to_string();
         let target: Box<dyn Write + Send> = if name == "-" {

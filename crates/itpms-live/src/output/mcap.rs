@@ -68,9 +68,6 @@ pub struct McapOut {
 
 impl McapOut {
     /// Begins a recording. One that is there is left alone, as the format cannot be added to: the new one is then `drive-2.mcap` and so on.
-    ///
-    /// # Errors
-    /// The file cannot be written.
     pub fn open(path: &Path) -> Result<Self, LiveError> {
         let failed = |error| LiveError::Output { target: path.display().to_string(), error };
         let (path, file) = create(path).map_err(failed)?;

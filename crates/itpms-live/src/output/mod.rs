@@ -98,15 +98,12 @@ impl Output {
         self.failed.get().map(String::as_str)
     }
 
-    /// What was lost because the output was slow.
+    /// Losses because the output was slow.
     pub fn dropped(&self) -> u64 {
         self.queue.dropped()
     }
 
     /// Waits until everything is out.
-    ///
-    /// # Errors
-    /// It cannot be written.
     pub fn finish(mut self) -> Result<(), LiveError> {
         self.queue.close();
         match self.thread.take().map(JoinHandle::join) {

@@ -33,9 +33,6 @@ pub struct Pulses {
 
 impl Pulses {
     /// Opens the table.
-    ///
-    /// # Errors
-    /// It cannot be read, or is none.
     pub fn open(path: &Path) -> Result<Self, DataError> {
         Ok(Self { reader: PulseReader::open(path)?, span_s: None, within: 0 })
     }

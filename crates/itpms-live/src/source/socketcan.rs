@@ -40,10 +40,7 @@ pub struct Interface {
 }
 
 impl Interface {
-    /// Opens an interface such as `can0`.
-    ///
-    /// # Errors
-    /// There is no such interface, or no right to it.
+    /// Opens an interface such as `can0`. Errors: there is no such interface, or no right to it.
     pub fn open(interface: &str) -> Result<Self, LiveError> {
         let socket = open(interface)
             .map_err(|error| LiveError::Interface { interface: interface.to_owned(), error })?;

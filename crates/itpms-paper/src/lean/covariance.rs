@@ -1,5 +1,4 @@
-//! A symmetric 5x5 covariance in fifteen numbers, and its way through one step.
-//! Derivation: `docs/math/lean-aekf-ui.md`, sections 1 and 2.
+//! A symmetric 5x5 covariance in fifteen numbers, and its way through one step. Derivation: `docs/math/lean-aekf-ui.md`, sections 1 and 2.
 //!
 //! Called by [`crate::lean`]; knows nothing of the factor's choice or of divergence.
 

@@ -86,8 +86,7 @@ impl<T: Real> PeriodSearch<T> {
         self.now.fill(T::zero());
     }
 
-    /// Takes one grid step of `wheel + θ force`, and asks for `θ` now and then; gives the period in s once the signal
-    /// repeats itself.
+    /// Takes one grid step of `wheel + θ force`, and asks for `θ` now and then; gives the period in s once the signal repeats itself.
     pub(crate) fn push(&mut self, wheel: T, force: T, theta: impl FnOnce() -> T) -> Option<T> {
         self.wheel += wheel;
         self.force += force;

@@ -5,7 +5,7 @@ use super::plant::{CLASS_A, CLASS_B, CLASS_C, Drive, Log, drive};
 use super::{causal, config, heights, record};
 use itpms_road::{RoadConfig, SensorDelay};
 
-/// What one run gives, in percent.
+/// Result of one run, in percent.
 struct Score {
     band: f64,
     /// Against the truth without what its sampling folds.

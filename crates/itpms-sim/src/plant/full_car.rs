@@ -95,10 +95,7 @@ pub struct FullCar {
 impl FullCar {
     /// A car at rest on the roads of the given heights, carrying nothing. The corners are the file's quarter cars with the
     /// true ones' deviations; their sprung masses are what each tire carries of the body at rest, the body's own mass
-    /// moves.
-    ///
-    /// # Errors
-    /// A factor that leaves a parameter without physical sense.
+    /// moves. Errors: a factor that leaves a parameter without physical sense.
     pub fn new(
         body: &Body,
         corners: &[(QuarterCar<f64>, Deviations); 4],

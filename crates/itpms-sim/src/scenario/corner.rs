@@ -26,17 +26,13 @@ impl Default for TireSpec {
 }
 
 impl TireSpec {
-    /// The map from pressure to stiffness.
-    ///
-    /// # Errors
-    /// A slope that is not positive or an intercept that is negative.
+    /// The map from pressure to stiffness. Errors: a slope that is not positive or an intercept that is negative.
     pub fn map(&self) -> Result<PressureMap<f64>, InvalidValue> {
         Ok(PressureMap::new(self.stiffness_per_kpa, self.stiffness_at_zero)?)
     }
 }
 
-/// A corner as written in a scenario. What a vehicle file also says has the same name here, and the paper's Table 2
-/// and eq. (5) as default.
+/// A corner as written in a scenario. What a vehicle file also says has the same name here, and the paper's Table 2 and eq. (5) as default.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CornerSpec {
@@ -139,10 +135,7 @@ impl CornerSpec {
         self.wheel_sensor = Some(SensorSpec { noise_m_s2: variance_m2_s4.sqrt(), ..sensor });
     }
 
-    /// The quarter car the estimator is given.
-    ///
-    /// # Errors
-    /// Names the parameter that is not positive.
+    /// The quarter car the estimator is given. Errors: names the parameter that is not positive.
     pub fn quarter_car(&self) -> Result<QuarterCar<f64>, InvalidValue> {
         Ok(QuarterCar::new(
             self.sprung_mass_kg,

@@ -16,8 +16,7 @@ use crate::error::{InvalidValue, within};
 use crate::road::{AfterLast, Amplitude, RoadClass, Segment, Segments};
 use crate::streams::{Purpose, generator};
 
-/// What journeys are composed of. Stretches follow each other at random, each with a class of road and the speeds one
-/// drives there.
+/// What journeys are composed of. Stretches follow each other at random, each with a class of road and the speeds one drives there.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct JourneySpec {

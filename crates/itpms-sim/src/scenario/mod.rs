@@ -1,8 +1,7 @@
 //! A drive written down: how long, how fast, over which road, with which pressures, seen through which sensors.
 //!
-//! Called by the binary and the score; [`Simulation`](crate::simulation::Simulation) drives it. A scenario says both what the estimator is given
-//! about a corner and how the true one differs. All fields are public: a study takes a built-in scenario and changes what it
-//! studies.
+//! Called by the binary and the score; [`Simulation`](crate::simulation::Simulation) drives it. A scenario says both what the estimator is
+//! given about a corner and how the true one differs. All fields are public: a study takes a built-in scenario and changes what it studies.
 //!
 //! The built-in scenarios are the TOML files in `scenarios/`, which also serve as examples.
 
@@ -33,8 +32,7 @@ use crate::wheel_speeds::WheelSpeedSpec;
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ClockSpec {
-    /// Each sample is early or late by up to this fraction of the sampling period, evenly spread; `time_s` says when
-    /// it was really taken.
+    /// Each sample is early or late by up to this fraction of the sampling period, evenly spread; `time_s` says when it was really taken.
     pub jitter: f64,
 }
 
@@ -72,8 +70,7 @@ pub struct Scenario {
     /// right wheels independent roads.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub car: Option<CarSpec>,
-    /// What speed, road, turns and loads are composed of, from the seed; `speed` and `road.surface` are `"journey"`
-    /// then.
+    /// What speed, road, turns and loads are composed of, from the seed; `speed` and `road.surface` are `"journey"` then.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub journey: Option<JourneySpec>,
     /// The speeds of the four wheels; not in the log, if not given. Needs a [`CarSpec`].
@@ -108,18 +105,13 @@ fn is_one(value: &f64) -> bool {
 }
 
 impl Scenario {
-    /// Checks every number.
-    ///
-    /// # Errors
-    /// [`ScenarioError::Invalid`] names the first value that is out of range.
+    /// Checks every number. Errors: [`ScenarioError::Invalid`] names the first value that is out of range.
     pub fn validate(&self) -> Result<(), ScenarioError> {
         self.first_invalid().map_err(|source| ScenarioError::Invalid { scenario: self.name.clone(), source })
     }
 
     /// The drive of a seed with every point written out; without a [`JourneySpec`] the scenario as it is.
-    ///
-    /// # Errors
-    /// A value out of range, or a journey in only a part of the scenario.
+    /// Errors: a value out of range, or a journey in only a part of the scenario.
     pub fn composed(&self, seed: u64) -> Result<Self, ScenarioError> {
         self.validate()?;
         Ok(self.with_journey(seed))
@@ -234,9 +226,7 @@ impl Scenario {
     }
 
     /// What the estimator of a corner is given: the vehicle file's values, the sensor noise, where to start.
-    ///
-    /// # Errors
-    /// The scenario has no such corner, or one of the values is out of range.
+    /// Errors: the scenario has no such corner, or one of the values is out of range.
     pub fn corner_config(&self, corner: Corner) -> Result<CornerConfig<f64>, ScenarioError> {
         let config = match self.corner.get(corner) {
             Some(spec) => spec

@@ -1,7 +1,6 @@
 //! Cars that differ as cars do: a journey's deviations of body, tires and sensors, drawn from the seed.
 //!
-//! Part of a scenario's `[journey]`; applied when the scenario is composed. What a corner already deviates by is kept and
-//! multiplied.
+//! Part of a scenario's `[journey]`; applied when the scenario is composed. What a corner already deviates by is kept and multiplied.
 
 use std::fmt;
 

@@ -26,8 +26,7 @@ pub struct CornerRow {
     pub wheel_accel_m_s2: f64,
     /// True gauge pressure in kPa.
     pub pressure_kpa: f64,
-    /// What a log holds as the pressure in kPa: the reading of the scenario's pressure sensor, or the true pressure
-    /// where it has none.
+    /// What a log holds as the pressure in kPa: the reading of the scenario's pressure sensor, or the true pressure where it has none.
     pub pressure_reading_kpa: f64,
     pub stiffness_n_per_m: f64,
     /// True road height in m under this wheel's axle: a point of the profile.
@@ -43,7 +42,7 @@ impl SimRow {
         Some(Sample { time_s: self.time_s, speed_m_s: self.speed_m_s, corners: row.sample() })
     }
 
-    /// What the estimator of the whole car sees.
+    /// Input of the estimator of the whole car.
     pub fn car_sample(&self) -> Sample<f64, [Option<CornerSample<f64>>; 4]> {
         let corners = self.corners.map(|row| row.map(|r| r.sample()));
         Sample { time_s: self.time_s, speed_m_s: self.speed_m_s, corners }

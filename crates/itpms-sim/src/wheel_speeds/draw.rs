@@ -14,7 +14,7 @@ use crate::scenario::JourneySpec;
 use crate::streams::{Purpose, generator};
 
 itpms_core::labelled! {
-    /// What the later days of a study are like.
+    /// Conditions of the later days of a study.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
     #[serde(rename_all = "kebab-case")]
     pub enum Condition {
@@ -34,7 +34,7 @@ itpms_core::labelled! {
 pub struct Day {
     pub car_seed: u64,
     pub seed: u64,
-    /// What later days are like.
+    /// Conditions of the later days.
     pub condition: Condition,
     /// The day of the calibration: on a dry or wet road, without a trailer, no distance driven before.
     pub calibrates: bool,

@@ -113,10 +113,7 @@ pub enum CertifyError {
 /// Called now and then with how many simulated seconds of how many are driven; [`ControlFlow::Break`] ends it.
 pub type Progress<'a> = &'a (dyn Fn(u64, u64) -> ControlFlow<()> + Sync);
 
-/// The tests of a request, in order.
-///
-/// # Errors
-/// None has such a name.
+/// The tests of a request, in order. Errors: none has such a name.
 pub fn procedures(request: &Request) -> Result<Vec<Procedure>, CertifyError> {
     let all = Procedure::all(request.extent, request.sensors);
     let Some(part) = &request.only else { return Ok(all) };
@@ -129,9 +126,7 @@ pub fn procedures(request: &Request) -> Result<Vec<Procedure>, CertifyError> {
 }
 
 /// Drives the tests on all processors. The same request gives the same result, however many there are.
-///
-/// # Errors
-/// No such test, a stop, or a scenario that cannot be driven.
+/// Errors: no such test, a stop, or a scenario that cannot be driven.
 pub fn certify(request: &Request, progress: Progress<'_>) -> Result<Certificate, CertifyError> {
     let mut runs = vec![];
     for procedure in procedures(request)? {

@@ -36,8 +36,7 @@ impl Rule {
         }
     }
 
-    /// Slowest and fastest speed in km/h at which time counts, all of which is to be driven: R141 Annex 3 1.4.2, FMVSS
-    /// S5.3.2.
+    /// Slowest and fastest speed in km/h at which time counts, all of which is to be driven: R141 Annex 3 1.4.2, FMVSS S5.3.2.
     pub fn band_km_h(self, test: Test) -> [f64; 2] {
         match (self, test) {
             (Self::UnR141, Test::Low(_)) => [40.0, 120.0],
@@ -77,7 +76,7 @@ impl Rule {
         (self == Self::UnR141 && test == Test::LowAll).then_some(1800.0)
     }
 
-    /// What the monitor is set to.
+    /// The monitor's settings.
     pub fn limits(self) -> Limits<f64> {
         match self {
             Self::UnR141 => Regulation::UnR141,

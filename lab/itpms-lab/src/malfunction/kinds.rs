@@ -12,8 +12,7 @@ pub struct Kind {
     pub name: &'static str,
     /// Seconds of driving within which it is reported.
     pub stated_s: f64,
-    /// What happens to the sensors. Times are filled in when it is put in. None: a road that tells nothing, on a drive of
-    /// its own.
+    /// What happens to the sensors. Times are filled in when it is put in. None: a road that tells nothing, on a drive of its own.
     pub faults: Vec<FaultSpec>,
     /// The words of [`Malfunction::label`] that pass for its name: its own, and those of what it looks like.
     pub labels: &'static [&'static str],
@@ -44,7 +43,7 @@ impl Kind {
         }
     }
 
-    /// What the monitor should say, as exactly as it can: any of these.
+    /// Correct reports: any of these.
     fn exact(&self) -> Vec<Malfunction<f64>> {
         let all: Vec<_> = self.faults.iter().filter_map(exact).collect();
         let [Malfunction::Swapped(a, b), Malfunction::Swapped(..)] = *all else { return all };
@@ -192,8 +191,7 @@ pub fn kinds() -> Vec<Kind> {
         swapped("bodies swapped, front and rear", 25.0, fr, Body, rr, Body),
         corners("corners swapped, left and right", rl, rr),
         corners("corners swapped, front and rear", fr, rr),
-        // The monitor says it after ten minutes of driving; ten seconds more until the car is on that road and nothing is
-        // learned any more.
+        // The monitor says it after ten minutes of driving; ten seconds more until the car is on that road and nothing is learned any more.
         kind("road smooth as glass", 610.0, &["no-information"], vec![]),
     ]
 }

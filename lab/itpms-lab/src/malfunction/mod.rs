@@ -1,8 +1,7 @@
 //! Every malfunction put into many everyday drives: is it reported in time, is no wrong pressure shown at any wheel, is no tire
 //! warned of, does the monitor come back; and is nothing reported on the same drives without.
 //!
-//! Called by the binary's `malfunctions`. Deterministic: the same request gives the same figures on any number of
-//! processors.
+//! Called by the binary's `malfunctions`. Deterministic: the same request gives the same figures on any number of processors.
 //!
 //! | module | idea |
 //! |---|---|

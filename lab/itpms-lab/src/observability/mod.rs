@@ -49,8 +49,7 @@ pub struct Curve {
     pub words: &'static str,
     pub situation: Situation,
     pub car: Car,
-    /// (time in s, sd in kPa); infinite (`null` in JSON) where nothing can be known.
-    /// (value, sd in kPa).
+    /// (time in s, sd in kPa); infinite (`null` in JSON) where nothing can be known. (value, sd in kPa).
     pub points: Vec<(f64, f64)>,
 }
 
@@ -115,7 +114,7 @@ const TIMES_S: [f64; 15] = [0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0, 11.0, 1
 pub struct Observability {
     pub vehicle: String,
     pub corner: String,
-    /// What was assumed, by name with unit.
+    /// Assumptions, by name with unit.
     pub conditions: Conditions,
     pub twins: Twins,
     pub ranks: Vec<RankCase>,

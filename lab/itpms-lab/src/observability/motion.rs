@@ -1,5 +1,4 @@
-//! A steady motion over a road of six waves, looked at in one instant, and the exact derivatives of the accelerations
-//! there.
+//! A steady motion over a road of six waves, looked at in one instant, and the exact derivatives of the accelerations there.
 //!
 //! Called by `rank`. Units that make everything of order one: heights in cm, time in `1 / omega` of the wheel hop,
 //! stiffness in the first wheel's.

@@ -179,8 +179,7 @@ pub(super) struct SourceBound<'a> {
 }
 
 impl<'a> SourceBound<'a> {
-    /// # Errors
-    /// A damping that is none.
+    /// Errors: a damping that is none.
     pub(super) fn new(
         subject: &'a Subject,
         sources: Sources,
@@ -207,8 +206,7 @@ impl<'a> SourceBound<'a> {
         Ok(bound)
     }
 
-    /// Smallest sd in kPa of the front's pressure now, `seconds` after the start or the loss; infinite where nothing
-    /// can be known.
+    /// Smallest sd in kPa of the front's pressure now, `seconds` after the start or the loss; infinite where nothing can be known.
     pub(super) fn sd_kpa(&self, situation: Situation, seconds: f64) -> f64 {
         let (before, after) = match situation {
             Situation::Constant => (seconds, 0.0),

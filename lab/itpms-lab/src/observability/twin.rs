@@ -32,8 +32,7 @@ pub struct Twin {
     pub wheel_accel_m_s2: Vec<f64>,
     /// Root mean square of the difference to the first tire's road in m.
     pub road_difference_rms_m: f64,
-    /// Largest difference of (body, wheel) acceleration to the first tire's at any step, over the largest
-    /// acceleration.
+    /// Largest difference of (body, wheel) acceleration to the first tire's at any step, over the largest acceleration.
     pub relative_difference: [f64; 2],
 }
 

@@ -63,9 +63,7 @@ impl Data {
     }
 
     /// `{"name": .., "title": .., "columns": {name: [..]}}`, columns in their order.
-    ///
-    /// # Errors
-    /// Never for what can be put into it; the serializer's interface has an error.
+    /// Errors: never for what can be put into it; the serializer's interface has an error.
     pub fn json(&self) -> Result<String, serde_json::Error> {
         serde_json::to_string(self).map(|text| text + "\n")
     }

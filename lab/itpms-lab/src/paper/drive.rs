@@ -45,7 +45,7 @@ pub(super) struct Trace {
     pub(super) road_m: Vec<f64>,
 }
 
-/// What was true, in the same form.
+/// The truth, in the same form.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Truth {
     pub(super) time_s: Vec<f64>,

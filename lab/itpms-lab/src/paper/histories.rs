@@ -1,5 +1,4 @@
-//! Panels that several figures share: pressure, forgetting factor, error and covariance over time, all four
-//! estimators in each.
+//! Panels that several figures share: pressure, forgetting factor, error and covariance over time, all four estimators in each.
 //!
 //! Called by the sections of the estimator figures.
 
@@ -115,8 +114,7 @@ pub(super) fn errors(outcome: &Outcome, record: &Record) -> Vec<f64> {
     record.trace.pressure_kpa.iter().zip(&outcome.truth.pressure_kpa).map(|(p, truth)| p - truth).collect()
 }
 
-/// From the smallest variance that any claims to the largest, within what is not absurd: a filter about to diverge
-/// claims anything.
+/// From the smallest variance that any claims to the largest, within what is not absurd: a filter about to diverge claims anything.
 pub(super) fn variance_axis<'a>(outcomes: impl IntoIterator<Item = &'a Outcome>) -> Axis {
     let all =
         outcomes.into_iter().flat_map(Outcome::shown).flat_map(|record| &record.trace.stiffness_variance);
@@ -128,8 +126,7 @@ pub(super) fn variance_axis<'a>(outcomes: impl IntoIterator<Item = &'a Outcome>)
     axis.within(decade(low.max(1e-2) / 1.2, f64::floor), decade(high.min(1e11) * 1.2, f64::ceil))
 }
 
-/// Forgetting factors of a record; none while a reset holds the estimate, when every word about the pressure is followed
-/// by growth.
+/// Forgetting factors of a record; none while a reset holds the estimate, when every word about the pressure is followed by growth.
 pub(super) fn forgetting_factors(outcome: &Outcome, record: &Record) -> Vec<f64> {
     let held = |time_s: f64| record.who.reset_s > 0.0 && time_s <= record.who.reset_s + HELD_S;
     let times = outcome.truth.time_s.iter();

@@ -58,7 +58,7 @@ const CORNER: Corner = Corner::FrontLeft;
 /// Called after every drive with how many of how many are done; a break ends the study.
 pub type Progress<'a> = plan::Callback<'a>;
 
-/// What the paper leaves open, and how many drives.
+/// Open points of the paper, and the number of drives.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Request {
     pub seeds: usize,
@@ -147,10 +147,7 @@ impl Study {
         table.map_or_else(String::new, |table| format!("{head}\n\n{}", table.text(4)))
     }
 
-    /// The page, each figure as SVG, the data of each figure and table as CSV and JSON.
-    ///
-    /// # Errors
-    /// JSON that cannot be written.
+    /// The page, each figure as SVG, the data of each figure and table as CSV and JSON. Errors: JSON that cannot be written.
     pub fn files(&self) -> Result<Vec<File>, PaperError> {
         let file = |name: String, content: String| File { name, content };
         let mut files = vec![file("index.html".to_owned(), page::page(&self.sections, &self.request))];

@@ -41,8 +41,7 @@ impl Section {
         self
     }
 
-    /// A figure with its caption (HTML) and its data, each written under its own name; one of them should be named as
-    /// the figure.
+    /// A figure with its caption (HTML) and its data, each written under its own name; one of them should be named as the figure.
     pub fn figure(mut self, figure: Figure, caption: impl Into<String>, data: Vec<Data>) -> Self {
         self.parts.push(Part::Figure { figure, caption: caption.into(), data });
         self

@@ -1,8 +1,6 @@
-//! The accuracy table, recomputed: an estimator drives the standard scenarios over many seeds and is held against the
-//! goals.
+//! The accuracy table, recomputed: an estimator drives the standard scenarios over many seeds and is held against the goals.
 //!
-//! Called by the binary's `score`. Deterministic: the same request gives the same figures on any number of
-//! processors.
+//! Called by the binary's `score`. Deterministic: the same request gives the same figures on any number of processors.
 //!
 //! | module | idea |
 //! |---|---|

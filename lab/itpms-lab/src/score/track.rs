@@ -1,5 +1,4 @@
-//! How closely an estimate follows a pressure that drops: the paper's scenarios, a wrong mass, the grid of roads, the
-//! test bed.
+//! How closely an estimate follows a pressure that drops: the paper's scenarios, a wrong mass, the grid of roads, the test bed.
 //!
 //! Called by the score. The rows on coverage are drawn from the same drives.
 
@@ -128,8 +127,7 @@ pub(super) struct Plan {
 }
 
 impl Plan {
-    /// `wanted` parts with `drives` each, by these estimators. More than one estimator is compared in the paper's
-    /// scenarios alone.
+    /// `wanted` parts with `drives` each, by these estimators. More than one estimator is compared in the paper's scenarios alone.
     pub(super) fn new(
         wanted: impl Fn(Part) -> bool,
         kinds: &[EstimatorKind],

@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Car, Plan, SoakError};
 
-/// What the monitor says when it cannot know; honest, and no false warning.
+/// The monitor's report where nothing can be known; no false warning.
 pub(super) const NO_INFORMATION: &str = "no-information";
 
 /// Rows between two questions whether to go on.
@@ -71,8 +71,7 @@ pub struct WheelHour {
     pub rmse_kpa: Option<f64>,
     /// Largest error over its standard deviation, with its sign.
     pub worst_z: Option<f64>,
-    /// Smallest distance in kPa of the 95 % upper limit (p + 1.645 sd) from the limit of a warning; negative where a
-    /// warning was due.
+    /// Smallest distance in kPa of the 95 % upper limit (p + 1.645 sd) from the limit of a warning; negative where a warning was due.
     pub low_margin_kpa: Option<f64>,
     pub low_margin_s: Option<f64>,
     /// Smallest 95 % lower limit (p - 1.645 sd) in kPa.

@@ -96,9 +96,6 @@ pub enum SoakError {
 
 /// Drives these seeds, `jobs` at a time. Each drive is handed to `done` when it is complete, in whatever order;
 /// `flow` is asked every few seconds of driving, and by both [`ControlFlow::Break`] ends the whole.
-///
-/// # Errors
-/// See [`SoakError`]; drives that were not complete are lost.
 pub fn soak(
     plan: &Plan,
     seeds: &[u64],

@@ -55,8 +55,7 @@ pub struct BumpMasses {
 #[derive(Debug, Clone, PartialEq)]
 pub struct BumpResult {
     pub corners: Vec<BumpFit>,
-    /// Where both corners of an axle were measured, their mean motion as one corner: the roll that couples them is not in
-    /// it.
+    /// Where both corners of an axle were measured, their mean motion as one corner: the roll that couples them is not in it.
     pub axles: Vec<BumpFit>,
 }
 
@@ -112,10 +111,6 @@ pub struct BumpWindow {
 }
 
 /// Identifies the corners of a record of one drop or bump.
-///
-/// # Errors
-/// See [`IdentifyError`]: columns of unequal length or with gaps, time that does not increase, a rate below 100 Hz, nothing
-/// that moves, too short a motion, a spring that cannot be distinguished from zero.
 pub fn bump(
     time_s: &[f64],
     corners: &[BumpCorner<'_>],

@@ -205,7 +205,7 @@ impl<T: Real> Fusion<T> {
         self.belief.set_calibrating(active);
     }
 
-    /// What the last calibration taught.
+    /// The result of the last calibration.
     pub(super) fn calibration(&self) -> Option<VehicleCalibration<T>> {
         self.belief.calibration().copied()
     }
@@ -247,8 +247,7 @@ impl<T: Real> Fusion<T> {
         self.inter_axle.has_partner(corner)
     }
 
-    /// Whether the belief is better than what the corners find by themselves: while the shared road may still be found, and
-    /// from then on.
+    /// Whether the belief is better than what the corners find by themselves: while the shared road may still be found, and from then on.
     pub(super) fn is_trusted(&self) -> bool {
         self.learned_s() >= ENOUGH_S || self.inter_axle.travel().unshared_s() < T::lit(PATIENCE_S)
     }

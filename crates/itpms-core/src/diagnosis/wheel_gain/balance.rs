@@ -1,7 +1,6 @@
 //! Wheel sensors with a wrong gain. Below the body's own swing body and wheel go up and down together, so their ratio is the same at all
-//! corners, and more so at both of an axle, which stand at the same distance from where the body pitches about. What both sides of
-//! one axle differ by shows at the other one, too, where it is the road's
-//! (docs/math/monitor.md, section 3, "Gain of a wheel").
+//! corners, and more so at both of an axle, which stand at the same distance from where the body pitches about. What both sides of one axle
+//! differ by shows at the other one, too, where it is the road's (docs/math/monitor.md, section 3, "Gain of a wheel").
 
 use crate::diagnosis::debounce::{DebounceTimes, Evidence};
 use crate::diagnosis::fault_latch::FaultLatch;

@@ -17,8 +17,7 @@ const BLOCKS: f64 = 12.0;
 const FILLED: f64 = 0.6;
 /// What a wheel does to the body over another one, as a share of the power that it gives the one over itself.
 const TO_OTHERS: f64 = 0.05;
-/// Averages that the usual one is the mean of; after which the usual hop frequency is known; and after which
-/// all of it is.
+/// Averages that the usual one is the mean of; after which the usual hop frequency is known; and after which all of it is.
 const USUAL_BLOCKS: u32 = 60;
 const TUNED_BLOCKS: u32 = 16;
 const KNOWN_BLOCKS: u32 = 48;
@@ -82,8 +81,7 @@ impl<T: Real> Shift<T> {
         self.hop_shifted = wheel_over_strut > T::lit(if self.hop_shifted { 0.5 * SLOWER } else { SLOWER });
     }
 
-    /// Takes the newest average and its deviation from the usual one. `beside`: another corner's hop
-    /// frequency has changed.
+    /// Takes the newest average and its deviation from the usual one. `beside`: another corner's hop frequency has changed.
     fn judge(
         &mut self,
         [time_s, step_s]: [f64; 2],
@@ -215,8 +213,7 @@ mod tests {
 
     const BLOCK_S: f64 = 0.5;
 
-    /// How rough each wheel's road is, the masses over the wheels, their sensors' gains and the change of
-    /// their hop frequency, as a log.
+    /// How rough each wheel's road is, the masses over the wheels, their sensors' gains and the change of their hop frequency, as a log.
     struct Drive {
         rough: [f64; 4],
         masses: [f64; 4],

@@ -147,10 +147,7 @@ fn pairs<'a>(rows: impl Iterator<Item = &'a LogRow> + Clone) -> Vec<Pair> {
     Corner::ALL.into_iter().filter_map(pair).collect()
 }
 
-/// Refuses numbers that cannot be in m/s², m/s and kPa. See the module.
-///
-/// # Errors
-/// [`Problem::Units`], with what they seem to be and why.
+/// Refuses numbers that cannot be in m/s², m/s and kPa. See the module. Errors: [`Problem::Units`], with what they seem to be and why.
 pub fn check<'a>(rows: impl Iterator<Item = &'a LogRow> + Clone) -> Result<(), Problem> {
     let speeds = || rows.clone().map(|row| row.speed_m_s).filter(|speed| speed.is_finite());
     let fast = speeds().filter(|speed| *speed > FASTEST_M_S).count();

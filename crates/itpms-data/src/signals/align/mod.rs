@@ -1,5 +1,4 @@
-//! From readings with clocks of their own to rows: what a bus or a measurement file tells signal by signal becomes what
-//! an estimator takes.
+//! From readings with clocks of their own to rows: what a bus or a measurement file tells signal by signal becomes what an estimator takes.
 //!
 //! Called by the log reader and by whoever listens to a bus. Nothing is invented on the way:
 //!

@@ -51,7 +51,7 @@ impl AlignmentReport {
         self.signals.iter().filter_map(|signal| self.remark(signal)).collect()
     }
 
-    /// What was left out: one sentence each.
+    /// Omissions, a sentence each.
     pub fn warnings(&self) -> Vec<String> {
         let mut out = Vec::new();
         for (count, what) in [

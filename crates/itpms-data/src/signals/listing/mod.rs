@@ -1,8 +1,7 @@
 //! What is in a log, whatever its format: every signal with its rate and range, read once from beginning to end.
 //!
-//! Called by `itpms signals`, a stretch at a time so that it can show progress and be interrupted. Memory grows with the
-//! number of signals, not with the length of the log. Knows nothing of columns; [`resolve`](super::resolve) says which
-//! signal is which.
+//! Called by `itpms signals`, a stretch at a time so that it can show progress and be interrupted. Memory grows with the number of signals,
+//! not with the length of the log. Knows nothing of columns; [`resolve`](super::resolve) says which signal is which.
 
 #[cfg(feature = "can")]
 mod frames;
@@ -103,9 +102,7 @@ pub struct ListedSignal {
 
 impl Lister {
     /// Opens a log by its extension. `dbc`: what the frames of a CAN log mean; `rows`: which rows of a table.
-    ///
-    /// # Errors
-    /// The log or the description cannot be read, or a description is given for something else than a CAN log.
+    /// Errors: the log or the description cannot be read, or a description is given for something else than a CAN log.
     pub fn open(path: &Path, dbc: Option<&Path>, rows: &[Selection]) -> Result<Self, DataError> {
         let fail = |problem| DataError::new(path, problem);
         let format = LogFormat::of_log(path, dbc)?;
@@ -135,9 +132,6 @@ impl Lister {
     }
 
     /// Reads on for a stretch of some thousand values; false at the end.
-    ///
-    /// # Errors
-    /// The log cannot be read on.
     pub fn step(&mut self) -> Result<bool, DataError> {
         match &mut self.source {
             Source::Table(source) => source.step().map_err(|problem| DataError::new(&self.path, problem)),

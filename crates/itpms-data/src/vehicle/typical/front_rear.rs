@@ -18,10 +18,7 @@ impl<T: Copy> FrontRear<T> {
         [self.front, self.rear]
     }
 
-    /// `230`, or `230,250`: front, rear. `parse` reads one value.
-    ///
-    /// # Errors
-    /// Those of `parse`.
+    /// `230`, or `230,250`: front, rear. `parse` reads one value. Errors: those of `parse`.
     pub fn read<E>(text: &str, parse: impl Fn(&str) -> Result<T, E>) -> Result<Self, E> {
         match text.split_once(',') {
             None => parse(text.trim()).map(Self::both),

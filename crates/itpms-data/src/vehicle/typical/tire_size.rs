@@ -87,13 +87,6 @@ impl TireSize {
     pub fn stiffness_at_zero(&self) -> f64 {
         STRUCTURE_KPA * self.stiffness_per_kpa()
     }
-
-    /// Vertical stiffness in N/m by Rhyne's own relation, fitted over many tires each at one pressure:
-    /// `K = 0.00028 p sqrt(W D) + 3.45` kg/mm. For comparison: pressure changes one tire less than that.
-    pub fn rhyne_n_per_m(&self, pressure_kpa: f64) -> f64 {
-        const KG_PER_MM: f64 = 9_806.65;
-        KG_PER_MM * (0.000_28 * pressure_kpa * self.scale_mm() + 3.45)
-    }
 }
 
 #[cfg(test)]
@@ -132,12 +125,5 @@ mod tests {
                 assert!((by_size / n_per_m - 1.0).abs() < 0.05, "{size} at {kpa} kPa: {by_size:.0}");
             }
         }
-    }
-
-    #[test]
-    fn rhynes_relation_is_the_printed_one() {
-        // 205/60R15 at 220 kPa: W = 0.79 * 205 = 161.95 mm, D = 627 mm, K = 0.00028 * 220 * 318.66 + 3.45 = 23.079 kg/mm.
-        let size: TireSize = "205/60R15".parse().unwrap();
-        assert!((size.rhyne_n_per_m(220.0) / (23.079 * 9_806.65) - 1.0).abs() < 1e-4);
     }
 }

@@ -36,9 +36,7 @@ pub struct Mqtt {
 
 impl Mqtt {
     /// Starts to connect; a broker that is not there yet is waited for.
-    ///
-    /// # Errors
-    /// The prefix has a wildcard, which a broker answers by hanging up; or the system gives no thread.
+    /// Errors: the prefix has a wildcard, which a broker answers by hanging up; or the system gives no thread.
     pub fn open(address: BrokerAddress, say: &NoteSink) -> Result<Self, LiveError> {
         if address.topic.contains(['#', '+']) {
             return Err(LiveError::BrokerAddress { found: address.topic });

@@ -23,9 +23,9 @@ const MOST_LINES: usize = 60;
 /// Rougher than anything that is driven on: 25 m/km is a track that can hardly be passed.
 const ROUGHEST_M_PER_KM: f64 = 60.0;
 
-/// What was found, with a line that says where.
+/// The findings, with a line that names the place.
 struct Found {
-    /// What was read, in a few words.
+    /// The input in a few words.
     about: String,
     table: RoughnessTable,
     /// Holes and bumps of the left and the right track, of a drive.

@@ -83,7 +83,7 @@ pub(crate) fn run(args: &SoakArgs, screen: &Screen, interrupt: &Interrupt) -> Re
     finish(args, &Summary::of(&asked), record.path(), screen)
 }
 
-/// What the later days are like, if there are some.
+/// Conditions of the later days, if there are some.
 fn days(args: &SoakArgs) -> Result<Option<Days>, Failure> {
     let Some(condition) = args.condition else { return Ok(None) };
     if args.sensors != Sensors::WheelSpeeds {

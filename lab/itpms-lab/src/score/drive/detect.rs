@@ -1,7 +1,6 @@
 //! How soon a loss of a fifth is warned of, and whether the right wheel is named: by the monitor as it is shipped.
 //!
-//! Called by the plan of the four-wheel parts. Speed, road, wheel, kind of car and how fast the tire goes down change from
-//! drive to drive.
+//! Called by the plan of the four-wheel parts. Speed, road, wheel, kind of car and how fast the tire goes down change from drive to drive.
 
 use itpms_core::model::Corner;
 use itpms_sim::road::{RoadClass, RoadSpec};

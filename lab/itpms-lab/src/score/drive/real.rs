@@ -42,7 +42,7 @@ struct Wheel {
     rows: u64,
 }
 
-/// What one drive showed by one estimator.
+/// Result of one drive with one estimator.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Level {
     wheels: [Wheel; 4],
