@@ -82,18 +82,7 @@ impl Engine {
         saved: Option<SavedDrive>,
         say: NoteSink,
     ) -> Self {
-        let source = Source {
-            name: source.name,
-            kind: source.kind,
-            state: SourceState::Stale,
-            rows: 0,
-            frames: 0,
-            dropped: 0,
-            unknown_ids: 0,
-            malformed: 0,
-            reconnects: 0,
-            rate_hz: f64::NAN,
-        };
+        let source = Source { name: source.name, kind: source.kind, rate_hz: f64::NAN, ..Source::default() };
         let stage = Stage::Surveying(Vec::new());
         let latency = LatencyWindow::default();
         let units = UnitWatch::new(options.units);
@@ -360,15 +349,10 @@ impl Engine {
             source: self.source.clone(),
             vehicle: self.vehicle.name.clone(),
             speed_m_s: f64::NAN,
-            speed_doubt: None,
             distance_m: f64::NAN,
             latency_ms,
-            wheels: Vec::new(),
-            tracks: Vec::new(),
-            alerts: Vec::new(),
-            sensors: Vec::new(),
             not_estimated: self.not_estimated.clone(),
-            all_fine: false,
+            ..Snapshot::default()
         };
         if let Stage::Running(drive) = &self.stage {
             snapshot.time_s = drive.time_s();

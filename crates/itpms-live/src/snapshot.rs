@@ -9,7 +9,7 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 /// The car at one moment.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Default, Serialize)]
 pub struct Snapshot {
     /// Counts the snapshots of this process from 0; one that is missing was not seen.
     pub seq: u64,
@@ -41,7 +41,7 @@ pub struct Snapshot {
     pub all_fine: bool,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Source {
     /// Interface, file or topic, such as `can0`.
     pub name: String,
@@ -63,19 +63,20 @@ pub struct Source {
     pub rate_hz: f64,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum SourceState {
     /// A row came within the last second.
     Live,
     /// Nothing has come for more than a second, or nothing yet: what is reported is old.
+    #[default]
     Stale,
     /// The log or the input is at its end.
     Ended,
 }
 
 /// From the arrival of the frame that completed a row to the estimate, in ms, over the last ten seconds.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Latency {
     pub p50: f64,
     /// 99 of 100 are below.
@@ -83,7 +84,7 @@ pub struct Latency {
     pub max: f64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Wheel {
     /// `fl`, `fr`, `rl` or `rr`.
     pub corner: &'static str,

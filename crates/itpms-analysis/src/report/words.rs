@@ -7,15 +7,17 @@ use itpms_core::warning::{Doubt, WheelState};
 
 use super::{CornerReport, Reading};
 
-/// How a corner fares, in the order of urgency.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Status {
-    Low,
-    Malfunction,
-    Over,
-    Uncertain,
-    Unknown,
-    Fine,
+itpms_core::labelled! {
+    /// How a corner fares, in the order of urgency.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+    pub(super) enum Status {
+        Low = "Low",
+        Malfunction = "Malfunction",
+        Over = "Over-inflated",
+        Uncertain = "Uncertain",
+        Unknown = "Unknown",
+        Fine = "Fine",
+    }
 }
 
 impl Status {
@@ -33,17 +35,6 @@ impl Status {
             Self::Unknown
         } else {
             Self::Fine
-        }
-    }
-
-    pub(super) fn label(self) -> &'static str {
-        match self {
-            Self::Low => "Low",
-            Self::Malfunction => "Malfunction",
-            Self::Over => "Over-inflated",
-            Self::Uncertain => "Uncertain",
-            Self::Unknown => "Unknown",
-            Self::Fine => "Fine",
         }
     }
 

@@ -18,6 +18,7 @@ const DAY_S: f64 = 86_400.0;
 const MIDNIGHT_S: f64 = 60.0;
 
 /// A file or a folder of files.
+#[derive(Default)]
 pub(crate) struct ParquetParts {
     names: Vec<String>,
     /// The parts that have some first, for what these are, and for each name the part among them.
@@ -75,20 +76,7 @@ impl ParquetParts {
         if parts.is_empty() {
             return Err(FileProblem::IsDirectory.into());
         }
-        let mut of_all = Self {
-            names: Vec::new(),
-            first: Vec::new(),
-            first_with: Vec::new(),
-            wanted: Wanted { rows, ..Wanted::default() },
-            lacking: Vec::new(),
-            overlap: None,
-            waiting: Vec::new(),
-            open: Vec::new(),
-            goes_over_midnight: false,
-            now: 0,
-            rows: 0,
-            rows_read: 0,
-        };
+        let mut of_all = Self { wanted: Wanted { rows, ..Wanted::default() }, ..Self::default() };
         let is_folder = parts.len() > 1;
         for Part { path, .. } in parts {
             let columns =

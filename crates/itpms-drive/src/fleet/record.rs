@@ -37,7 +37,7 @@ impl DayRecord {
 }
 
 /// What a drive's results depend on; with the same inputs it is not estimated again.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Inputs {
     pub bytes: u64,
     pub modified: String,
@@ -66,7 +66,7 @@ pub struct Loss {
 }
 
 /// What a drive showed of one wheel.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct WheelRecord {
     /// `fl`, `fr`, `rl` or `rr`.
     pub wheel: String,
@@ -120,7 +120,7 @@ pub struct FitRecord {
     pub misfit: Option<String>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct DriveRecord {
     pub file: String,
     pub car: String,
@@ -239,53 +239,24 @@ fn unsealed(line: &str) -> Option<String> {
 /// A drive that says this of one damper and nothing else.
 #[cfg(test)]
 pub(super) fn sample(name: &str, state: &str, over: f64) -> DriveRecord {
+    let (state, over_reference, left_right) = (state.to_owned(), Some(over), Some(over - 1.0));
     let wheel = WheelRecord {
         wheel: name.to_owned(),
         placard_kpa: 240.0,
         state: "fine".to_owned(),
         warning: "none".to_owned(),
-        last: None,
-        lowest: None,
         share_valid: 1.0,
-        warnings: 0,
-        first_warning_s: None,
-        malfunctions: 0,
-        first_malfunction_s: None,
-        lost: None,
-        iri_m_per_km: None,
-        fit: None,
-        damper: Some(DamperRecord {
-            state: state.to_owned(),
-            over_reference: Some(over),
-            left_right: Some(over - 1.0),
-        }),
-    };
-    let inputs = Inputs {
-        bytes: 1,
-        modified: String::new(),
-        vehicle: String::new(),
-        calibrate: false,
-        reference: None,
-        pulses: None,
+        damper: Some(DamperRecord { state, over_reference, left_right }),
+        ..WheelRecord::default()
     };
     DriveRecord {
         file: "d.csv".to_owned(),
         car: "car".to_owned(),
         vehicle: "car".to_owned(),
-        inputs,
-        taught: false,
-        start_s: 0.0,
-        origin_s: 0.0,
         duration_s: 200.0,
         rate_hz: 200.0,
-        distance_m: None,
         wheels: vec![wheel],
-        not_estimated: Vec::new(),
-        alerts: Vec::new(),
-        concerns: Vec::new(),
-        day: None,
-        report: None,
-        estimates: None,
+        ..DriveRecord::default()
     }
 }
 

@@ -78,7 +78,6 @@ pub struct FaultSpec {
     pub sensor: FaultPlace,
     pub from_s: f64,
     /// When it ends, in s; never, if not given.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub to_s: Option<f64>,
     pub kind: FaultKind,
 }

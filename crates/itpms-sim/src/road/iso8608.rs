@@ -129,7 +129,6 @@ pub struct Iso8608 {
     #[serde(default)]
     pub amplitude: Amplitude,
     /// The road repeats itself after this many metres (a test bed's segment); never, if not given.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub repeat_every_m: Option<f64>,
 }
 

@@ -48,10 +48,8 @@ pub struct CornerSpec {
     #[serde(default = "placard_kpa")]
     pub placard_kpa: f64,
     /// Sensor noise the estimator is given, in m/s² rms per sample; the wheel sensor's true one, if not given.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub accel_noise_m_s2: Option<f64>,
     /// Stiffness the estimator starts from, in N/m; the placard's, if not given.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub initial_stiffness_n_per_m: Option<f64>,
     pub pressure: Pressure,
     #[serde(default)]
@@ -60,13 +58,10 @@ pub struct CornerSpec {
     #[serde(default)]
     pub truth: Deviations,
     /// The body's accelerometer, if not the scenario's usual one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub body_sensor: Option<SensorSpec>,
     /// The wheel's accelerometer, if not the scenario's usual one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wheel_sensor: Option<SensorSpec>,
     /// The sensor whose reading a log holds as the pressure; without one it holds the true pressure.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pressure_sensor: Option<PressureSensorSpec>,
 }
 
@@ -182,13 +177,9 @@ impl CornerSpec {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Corners {
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fl: Option<CornerSpec>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fr: Option<CornerSpec>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rl: Option<CornerSpec>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rr: Option<CornerSpec>,
 }
 

@@ -68,13 +68,10 @@ pub struct Scenario {
     pub clock: ClockSpec,
     /// The body over all four corners; without one, corners are quarter cars on their own, and the tracks of left and
     /// right wheels independent roads.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub car: Option<CarSpec>,
     /// What speed, road, turns and loads are composed of, from the seed; `speed` and `road.surface` are `"journey"` then.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub journey: Option<JourneySpec>,
     /// The speeds of the four wheels; not in the log, if not given. Needs a [`CarSpec`].
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wheel_speeds: Option<WheelSpeedSpec>,
     /// Sensors that go wrong for a while.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

@@ -67,25 +67,27 @@ impl Findings {
     }
 }
 
-/// Whether a test is passed, and if not, the first reason.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Verdict {
-    Pass,
-    /// A lamp was lit before anything was wrong.
-    FalseAlarm,
-    /// The tell-tale did not come on in time.
-    NotInTime,
-    WentOut,
-    /// It was not lit any more after the key had been out.
-    NotRelit,
-    /// It stayed lit with everything put right.
-    NotOut,
-    /// Something was reported that is not the matter at all: the other lamp, or an overfull tire. The regulations do not ask; a
-    /// driver would.
-    OtherLamp,
-    /// The right lamp was lit, but a wheel was named with which nothing is wrong. We ask this, too.
-    WrongWheel,
+itpms_core::labelled! {
+    /// Whether a test is passed, and if not, the first reason.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Verdict {
+        Pass = "pass",
+        /// A lamp was lit before anything was wrong.
+        FalseAlarm = "FAIL: false alarm",
+        /// The tell-tale did not come on in time.
+        NotInTime = "FAIL: not in time",
+        WentOut = "FAIL: went out",
+        /// It was not lit any more after the key had been out.
+        NotRelit = "FAIL: not lit again",
+        /// It stayed lit with everything put right.
+        NotOut = "FAIL: stays lit",
+        /// Something was reported that is not the matter at all: the other lamp, or an overfull tire. The regulations do not ask; a
+        /// driver would.
+        OtherLamp = "FAIL: another lamp lit",
+        /// The right lamp was lit, but a wheel was named with which nothing is wrong. We ask this, too.
+        WrongWheel = "FAIL: wrong wheel named",
+    }
 }
 
 impl Verdict {
@@ -106,19 +108,6 @@ impl Verdict {
             Self::WrongWheel
         } else {
             Self::Pass
-        }
-    }
-
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Pass => "pass",
-            Self::FalseAlarm => "FAIL: false alarm",
-            Self::NotInTime => "FAIL: not in time",
-            Self::WentOut => "FAIL: went out",
-            Self::NotRelit => "FAIL: not lit again",
-            Self::NotOut => "FAIL: stays lit",
-            Self::OtherLamp => "FAIL: another lamp lit",
-            Self::WrongWheel => "FAIL: wrong wheel named",
         }
     }
 }
