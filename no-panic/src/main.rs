@@ -1,9 +1,8 @@
 //! Links only if nothing in a car's life can panic: `cd no-panic && cargo build --release`.
 //!
-//! The panic handler calls a function that does not exist. Where the compiler can prove that no panic is ever reached, the
-//! handler is left out and with it the call; where one is left, the linker says so. Nothing is run.
-//! `--features left` puts one in: then it must not link. `--features count` has a handler that links, so that
-//! `.ci/no_panic.py` can say where panics are left.
+//! The panic handler calls a function that does not exist. Where the compiler can prove that no panic is ever reached, the handler is left
+//! out and with it the call; where one is left, the linker says so. Nothing is run. `--features left` puts one in: then it must not link.
+//! `--features count` has a handler that links, so that `.ci/no_panic.py` can say where panics are left.
 #![no_std]
 #![no_main]
 

@@ -16,6 +16,7 @@
 //! | [`suspension`] | dampers and load of a drive against what the car was when it was healthy |
 //! | [`transfer`] | how a corner's body answers its wheel, and whether that is its vehicle file's suspension |
 #![forbid(unsafe_code)]
+#![allow(missing_docs, reason = "a part of the program: names say it, and comments what they do not")]
 
 pub mod bound;
 pub mod identify;

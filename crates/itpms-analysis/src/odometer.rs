@@ -15,8 +15,6 @@ pub struct Odometer {
 }
 
 impl Odometer {
-    /// Nothing is known yet.
-    #[must_use]
     pub fn new() -> Self {
         Self { speed: SpeedHold::new(), time_s: f64::NAN, speed_m_s: f64::NAN, distance_m: f64::NAN }
     }
@@ -36,13 +34,11 @@ impl Odometer {
     }
 
     /// The speed in m/s to go by, NaN when that is unknown.
-    #[must_use]
     pub fn speed_m_s(&self) -> f64 {
         self.speed_m_s
     }
 
     /// The way in m so far, NaN while no speed was ever known.
-    #[must_use]
     pub fn distance_m(&self) -> f64 {
         self.distance_m
     }

@@ -28,7 +28,6 @@ const HEAD: &str = include_str!("../assets/head.html");
 
 /// A whole page of which `body` is the template: the shared beginning and the `{{places}}` of both filled. A place without a part stays
 /// empty; what is filled in is not searched for further places.
-#[must_use]
 pub fn page(body: &str, parts: &[(&str, String)]) -> String {
     let base_style = [("base_style", BASE_STYLE.to_owned() + &percent_style() + &night_style())];
     under_policy(&[HEAD, body].concat(), &[parts, &base_style].concat())
@@ -36,13 +35,11 @@ pub fn page(body: &str, parts: &[(&str, String)]) -> String {
 
 /// A page of figures and tables: a title, which is text, and what stands under it, which is markup, with a style of its own after the shared
 /// one.
-#[must_use]
 pub fn figures_page(title: &str, style: &str, content: String) -> String {
     let style = FIGURES_STYLE.to_owned() + style;
     page(FIGURES_BODY, &[("title", escape(title)), ("style", style), ("content", content)])
 }
 
-/// The template with its parts, among them the policy.
 fn under_policy(template: &str, parts: &[(&str, String)]) -> String {
     let policy = format!(
         "default-src 'none'; style-src {}; script-src {}; img-src data:; base-uri 'none'; form-action 'none'",
@@ -85,7 +82,6 @@ fn percent_style() -> String {
 }
 
 /// A share in per cent, as the number of a class of the shared style: `w12`, a width, or `x12`, a place.
-#[must_use]
 pub fn whole_percent(percent: f64) -> u8 {
     // A number that is none is 0.
     percent.round().clamp(0.0, 100.0) as u8

@@ -17,7 +17,6 @@ use synthetic::{Drive, report};
 
 const PAPER: Drive = Drive { seconds: 40.0, rate_hz: 500.0, corners: 1, truth_known: true };
 
-/// The JSON the page carries.
 fn embedded(page: &str) -> serde_json::Value {
     let start = page.find("id=\"report-data\">").unwrap() + "id=\"report-data\">".len();
     let end = start + page[start..].find("</script>").unwrap();

@@ -10,7 +10,6 @@ use super::frame::{CanFrame, CanId, Direction, FrameKind, Payload};
 use super::line_reader::{LineContent, LineFormat};
 use super::lines::Words;
 
-/// What a log begins with.
 pub(super) const BEGINNING: &[u8] = b"***BUSMASTER";
 
 const EXPECTED_TIME: &str = "a time such as 14:11:30:0210";

@@ -1,7 +1,5 @@
-//! Numbers in text logs: hexadecimal, decimal, and seconds with a fraction. Called by the readers of text; knows
-//! nothing of frames.
+//! Numbers in text logs: hexadecimal, decimal, and seconds with a fraction. Called by the readers of text; knows nothing of frames.
 
-/// Value of a hexadecimal digit.
 pub(super) fn nibble(digit: u8) -> Option<u8> {
     match digit {
         b'0'..=b'9' => Some(digit - b'0'),
@@ -46,7 +44,6 @@ pub(super) fn byte(digits: &[u8]) -> Option<u8> {
 /// Digits that certainly fit 64 bits: enough for the present date in nanoseconds.
 const FITTING_DIGITS: usize = 19;
 
-/// Digits of a time, at most.
 const MOST_DIGITS: usize = 40;
 
 /// A number of seconds such as `1436509052.249713` or, before a trigger, `-0.25`, correctly rounded. Digits and at most one point.

@@ -16,7 +16,7 @@ use crate::dbc::problem::DbcError;
 pub struct CanError {
     /// The file.
     pub path: PathBuf,
-    /// What is wrong with it.
+    /// The problem.
     pub problem: Box<CanProblem>,
 }
 
@@ -54,33 +54,22 @@ pub enum CanProblem {
     #[cfg(feature = "mdf4")]
     #[error(transparent)]
     Mdf4(#[from] itpms_mdf4::Mdf4Problem),
-    /// Zero bytes or blank lines only.
     #[error("the file is empty, expected CAN frames ({expected})")]
     Empty { expected: &'static str },
-    /// Not one line that means anything.
     #[error("none of the first {lines} lines is understood; line {line} is {found:?}, expected {expected}")]
     NothingUnderstood { lines: u64, line: u64, found: String, expected: &'static str },
-    /// candump's screen form without `-t`.
     #[error(
         "line {line}: the frame has no time stamp ({found:?}); log with candump -L, or with candump -ta on the screen"
     )]
     NoTimeStamp { line: u64, found: String },
-    /// A BLF that is none.
     #[error("found {found:?} at the beginning of {bytes} bytes, expected a BLF header that begins with LOGG")]
     NoHeader { found: String, bytes: u64 },
-    /// A BLF without any object.
     #[error(
         "nothing in the file is understood; at byte {byte}: found {found}, expected an object that begins with LOBJ"
     )]
     NoObject { byte: u64, found: String },
-    /// An MDF4 file without frames of a CAN bus.
     #[error("has no frames of a CAN bus, expected a channel group with CAN_DataFrame (ASAM MDF bus logging)")]
     NoFrameGroup,
-    /// A frame that a log cannot hold.
     #[error("frame {number}: time is {time_s} s, expected 0 s to the end of the year 9999")]
-    Time {
-        /// Which frame, from one.
-        number: u64,
-        time_s: f64,
-    },
+    Time { number: u64, time_s: f64 },
 }

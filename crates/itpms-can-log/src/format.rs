@@ -6,7 +6,6 @@ use itpms_files::FileProblem;
 
 use crate::error::CanError;
 
-/// A format of CAN logs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum LogFormat {
     /// Also BUSMASTER's, which has the same extension.

@@ -5,8 +5,7 @@
 
 use std::fmt;
 
-/// Identifier of a frame: standard (11 bit) or extended (29 bit). The same number is another identifier in the other
-/// form.
+/// Identifier of a frame: standard (11 bit) or extended (29 bit). The same number is another identifier in the other form.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct CanId(u32);
 
@@ -65,7 +64,7 @@ impl fmt::Display for CanId {
     }
 }
 
-/// What kind of frame it is.
+/// Kind of frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FrameKind {
     /// Classic data frame, up to 8 bytes.
@@ -168,7 +167,7 @@ pub struct CanFrame {
     pub bus: u16,
     /// Its identifier.
     pub id: CanId,
-    /// What kind of frame.
+    /// Kind of frame.
     pub kind: FrameKind,
     /// Received or sent.
     pub direction: Direction,

@@ -23,11 +23,10 @@ pub(super) trait LineFormat {
     /// What a line looks like.
     const EXPECTED: &'static str;
 
-    /// What is on a line, or what was expected instead.
+    /// The content of a line, or the expected content.
     fn line(&mut self, text: &[u8]) -> Result<LineContent, &'static str>;
 }
 
-/// Reads frames from the lines of a format.
 #[derive(Debug)]
 pub(super) struct LineReader<F> {
     lines: TextLines,

@@ -10,8 +10,7 @@ use super::digits::{self, Base};
 use super::frame::Payload;
 use crate::error::CanProblem;
 
-/// Bytes of a line that are kept. The longest line a logger writes has less than 500; of a longer one the rest is
-/// passed over.
+/// Bytes of a line that are kept. The longest line a logger writes has less than 500; of a longer one the rest is passed over.
 const KEPT: u64 = 4096;
 /// Bytes of a line that are passed over, at most. A power cut may leave zeros in a log by the megabyte; what goes on for longer
 /// has no lines.
@@ -88,7 +87,6 @@ impl TextLines {
         self.line.trim_ascii_end()
     }
 
-    /// Its number, from one.
     pub(super) fn number(&self) -> u64 {
         self.number
     }
@@ -144,7 +142,6 @@ impl<'a> Iterator for Words<'a> {
     }
 }
 
-/// The beginning of a line, for a message.
 pub(super) fn beginning(line: &[u8]) -> String {
     const MOST: usize = 60;
     let line = line.trim_ascii();

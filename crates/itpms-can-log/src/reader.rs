@@ -146,7 +146,6 @@ pub fn is_frame_table(path: &Path) -> bool {
     lines.is_ok_and(|mut lines| frame_table(&mut lines).is_ok())
 }
 
-/// Which table of frames begins here.
 fn frame_table(lines: &mut TextLines) -> Result<FrameTable, CanProblem> {
     let text = lines.beginning()?;
     let first = text.split(|byte| *byte == b'\n').next().unwrap_or(text);

@@ -28,9 +28,9 @@ impl fmt::Display for FramePlace {
 pub struct NotUnderstood {
     /// Where.
     pub place: FramePlace,
-    /// What was found.
+    /// The finding.
     pub found: String,
-    /// What was expected there.
+    /// The expected content.
     pub expected: &'static str,
 }
 
@@ -49,7 +49,7 @@ pub struct FrameRepairs {
     pub lost_by_logger: u64,
     /// Where the file is cut off: the last line or object is not whole and was left out.
     pub cut_off: Option<FramePlace>,
-    /// What was assumed where the log does not say, one sentence each.
+    /// Assumptions where the log is silent, a sentence each.
     pub assumptions: Vec<String>,
 }
 
@@ -63,8 +63,7 @@ impl FrameRepairs {
         self.not_understood == 0 && self.lost_by_logger == 0 && self.cut_off.is_none()
     }
 
-    /// One sentence per kind of repair, without the file's name. What was passed over is no repair and is not among
-    /// them.
+    /// One sentence per kind of repair, without the file's name. What was passed over is no repair and is not among them.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let mut out = Vec::new();

@@ -1,5 +1,4 @@
-//! DBC files by hand, with values by hand: both byte orders, signs, floats, multiplexing, long identifiers, CAN FD, and
-//! what is broken.
+//! DBC files by hand, with values by hand: both byte orders, signs, floats, multiplexing, long identifiers, CAN FD, and what is broken.
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use std::path::Path;
@@ -17,7 +16,6 @@ fn standard(dbc: &Dbc, id: u32) -> &Message {
     dbc.message(CanId::standard(id).unwrap()).unwrap()
 }
 
-/// Name and value of every signal in these data.
 fn decoded(message: &Message, data: &[u8]) -> Vec<(String, f64)> {
     let mut values = Vec::new();
     message.decode(data, |place, value| values.push((message.signals[place].name.clone(), value)));

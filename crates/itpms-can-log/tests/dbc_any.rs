@@ -114,7 +114,6 @@ fn many_lines_cost_time_in_proportion() {
     exercise(text.as_bytes(), &[1; 64]);
 }
 
-/// A message with one signal of this layout.
 fn one_signal(start: u64, bits: u64, order: u8, sign: char, scale: (f64, f64)) -> Option<Message> {
     let (factor, offset) = scale;
     let text = format!(

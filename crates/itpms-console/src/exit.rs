@@ -21,29 +21,21 @@ use thiserror::Error;
 
 /// The end of a command that did not complete.
 #[derive(Debug, Error)]
-#[allow(missing_docs, reason = "the messages say it")]
 pub enum Failure {
-    /// A file in or out.
     #[error("{error}{hint}", error = .0, hint = remedy(.0))]
     Data(#[from] DataError),
-    /// A scenario.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
-    /// The directory for several outputs.
     #[error("{}: cannot be written: {}", .0.display(), .1)]
     Directory(PathBuf, io::Error),
-    /// Options and inputs that do not go together.
     #[error("{0}")]
     Usage(String),
-    /// The page about the drive.
     #[error("the report cannot be made: {0}")]
     Report(io::Error),
-    /// A study is complete, and what it found is not what was wanted of it.
     #[error("{0}")]
     Missed(String),
     #[error("interrupted, nothing was written")]
     Interrupted,
-    /// The same, in a run whose finished parts are kept.
     #[error("interrupted; what is finished is kept, the same command goes on from there")]
     Paused,
 }
@@ -87,7 +79,6 @@ impl From<DriveError> for Failure {
 }
 
 impl Failure {
-    /// The exit code.
     pub fn code(&self) -> ExitCode {
         match self {
             Failure::Data(_)

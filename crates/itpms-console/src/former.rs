@@ -8,10 +8,7 @@ use crate::exit::Failure;
 use crate::screen::Screen;
 
 /// Copies what is at `path` to the first free one of `path.before`, `path.before2` and so on, unless nothing is there or what would
-/// be written: `text`.
-///
-/// # Errors
-/// It cannot be read or copied.
+/// be written: `text`. Errors: it cannot be read or copied.
 pub fn keep(path: &Path, text: &str, screen: &Screen) -> Result<(), Failure> {
     let failed = |error| Failure::Usage(format!("{}: cannot be kept: {error}", path.display()));
     let about = match fs::metadata(path) {

@@ -26,7 +26,6 @@ pub struct Interrupt(Arc<Flags>);
 #[derive(Debug, Default)]
 struct Flags {
     wanted: AtomicBool,
-    /// It was looked at since.
     noticed: AtomicBool,
     /// What is finished is kept, and the same command goes on from there.
     resumes: AtomicBool,

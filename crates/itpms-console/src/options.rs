@@ -21,10 +21,7 @@ pub struct Speaking {
     pub color: clap::ColorChoice,
 }
 
-/// A value that must be a positive number.
-///
-/// # Errors
-/// It is none.
+/// A value that must be a positive number. Errors: it is none.
 pub fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
@@ -41,10 +38,7 @@ pub struct Strict {
 }
 
 impl Strict {
-    /// The end of a study with so many of `what`.
-    ///
-    /// # Errors
-    /// There are some, and it is strict.
+    /// The end of a study with so many of `what`. Errors: there are some, and it is strict.
     pub fn judge(self, marked: usize, what: &str) -> Result<(), Failure> {
         if self.strict && marked > 0 {
             return Err(Failure::Missed(format!("--strict: {what}: {marked}")));

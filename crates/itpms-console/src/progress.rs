@@ -10,7 +10,6 @@ const STEPS: u64 = 1000;
 pub struct Progress(ProgressBar);
 
 impl Progress {
-    /// A bar on the terminal.
     pub fn shown(label: &str) -> Self {
         // A target on standard error hides itself where that is a file or a pipe.
         let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr());
@@ -26,7 +25,6 @@ impl Progress {
         Self(ProgressBar::hidden())
     }
 
-    /// Other words beside the bar.
     pub fn say(&self, label: &str) {
         self.0.set_message(label.to_owned());
     }

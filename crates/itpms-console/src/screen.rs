@@ -28,7 +28,6 @@ fn note(written: io::Result<()>) {
 
 /// A text on one line, without anything that a terminal would obey: names of files, cars and signals are another's.
 /// Such a character is written as JSON writes it, so that JSON stays JSON.
-#[must_use]
 pub fn plain(text: &str) -> Cow<'_, str> {
     escaped(text, is_obeyed)
 }
@@ -90,7 +89,6 @@ pub struct Screen {
 impl Screen {
     /// With `--quiet`, remarks and progress bars are left out; errors never are. `arguments`: of the command line, where an option of
     /// `-` says that a file goes to standard output.
-    #[must_use]
     pub fn new(speaking: Speaking, arguments: impl IntoIterator<Item = OsString>) -> Self {
         let arguments: Vec<OsString> = arguments.into_iter().collect();
         let is_option = |argument: &OsString| argument.len() > 1 && argument.as_encoded_bytes()[0] == b'-';
@@ -108,7 +106,6 @@ impl Screen {
     }
 
     /// Whether remarks and progress bars are left out.
-    #[must_use]
     pub fn is_quiet(&self) -> bool {
         self.quiet
     }
@@ -145,10 +142,7 @@ impl Screen {
         note(io::stdout().write_all(bytes));
     }
 
-    /// Whether all of the result could be written so far.
-    ///
-    /// # Errors
-    /// A part of it could not.
+    /// Whether all of the result could be written so far. Errors: a part of it could not.
     pub fn check(&self) -> Result<(), Failure> {
         note(io::stdout().flush());
         if LOST.load(Ordering::Relaxed) {
@@ -181,7 +175,6 @@ impl Screen {
     }
 
     /// The end of the program: its exit code, after the one message of a command that failed.
-    #[must_use]
     pub fn end(&self, result: Result<(), Failure>) -> ExitCode {
         match result.and_then(|()| self.check()) {
             Ok(()) => ExitCode::SUCCESS,
@@ -193,7 +186,6 @@ impl Screen {
     }
 
     /// A progress bar, unless it is to be quiet.
-    #[must_use]
     pub fn progress(&self, label: &str) -> Progress {
         if self.quiet { Progress::hidden() } else { Progress::shown(label) }
     }

@@ -1,8 +1,7 @@
 //! Indirect tire pressure monitoring from the accelerations of a car's body and wheels.
 //!
-//! This crate is what a controller ships: no heap, no clock, no files, no `unsafe`, generic over `f32` and `f64`.
-//! Time comes with every sample, an estimator is a value that can be cloned, saved and resumed, and bad input is flagged,
-//! never believed.
+//! This crate is what a controller ships: no heap, no clock, no files, no `unsafe`, generic over `f32` and `f64`. Time comes with every
+//! sample, an estimator is a value that can be cloned, saved and resumed, and bad input is flagged, never believed.
 //!
 //! It starts from parameters of the car (masses, springs, dampers, the tire's stiffness over pressure), takes vertical accelerations of
 //! body and wheel at 100 Hz to 2 kHz and the speed, and learns while the road moves the wheels. Accelerations are in m/s², positive
@@ -131,6 +130,7 @@ mod decision;
 pub mod diagnosis;
 pub mod estimator;
 mod inter_axle;
+mod labelled;
 mod memory;
 pub mod model;
 pub mod monitor;

@@ -29,7 +29,6 @@ struct Driven {
 }
 
 impl Driven {
-    /// The drive with other stamps.
     fn with(stamp: impl Fn(usize, f64) -> f64) -> Self {
         let config = config::<f64>();
         let mut car = Box::new(MonitoredCar::new(&MonitorConfig::new(&config), RATE_HZ).unwrap());

@@ -26,7 +26,6 @@ fn changed(change: impl Fn(&mut CarSample<f64>)) -> Vec<CarSample<f64>> {
     rows
 }
 
-/// The car whose speed is unknown in this time.
 fn without_speed(from_s: f64, to_s: f64) -> Vec<CarSample<f64>> {
     changed(|row| {
         if (from_s..to_s).contains(&row.time_s) {

@@ -9,7 +9,6 @@ use itpms_core::model::{CarConfig, CarSample, CornerConfig, CornerEstimate, Corn
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_core::warning::{Cause, MonitorReport};
 
-/// One corner under its monitor.
 fn watched(rows: &[Row], rate_hz: f64) -> Vec<(CornerEstimate<f64>, MonitorReport<f64>)> {
     let corners = [Some(CornerConfig::paper()), None, None, None];
     let config = CarConfig { corners, wheelbase_m: Some(2.7) };

@@ -1,8 +1,7 @@
 //! Small tables of measurements: named columns of numbers from a CSV or Parquet file, every row complete.
 //!
-//! Called by the commands that identify a part on a bench. Unlike a drive log, such a table is short, is read as a
-//! whole, and has no missing values: a cell that is no finite number is refused with its line and column. Knows
-//! nothing of the columns' meaning.
+//! Called by the commands that identify a part on a bench. Unlike a drive log, such a table is short, is read as a whole, and has no
+//! missing values: a cell that is no finite number is refused with its line and column. Knows nothing of the columns' meaning.
 
 use std::path::Path;
 
@@ -15,7 +14,6 @@ use crate::log::{Lines, cells, number, separator, shortened};
 #[cfg(feature = "parquet")]
 use crate::parquet_columns::ParquetColumns;
 
-/// Columns of equal length.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Columns {
     names: Vec<String>,
@@ -24,31 +22,24 @@ pub struct Columns {
 }
 
 impl Columns {
-    /// Reads the columns `needed`, and those of `optional` that are there; others are passed over. Comments (`#`),
-    /// blank lines and quotes are as in drive logs.
-    ///
-    /// # Errors
-    /// The file cannot be read, is empty, has no row, lacks a needed column or has one twice, a row is longer or
-    /// shorter than the header, or a cell of these columns is no finite number.
+    /// Reads the columns `needed`, and those of `optional` that are there; others are passed over. Comments (`#`), blank lines and quotes
+    /// are as in drive logs. Errors: the file cannot be read, is empty, has no row, lacks a needed column or has one twice, a row is longer
+    /// or shorter than the header, or a cell of these columns is no finite number.
     pub fn read(path: &Path, needed: &[&str], optional: &[&str]) -> Result<Self, DataError> {
         read(path, needed, optional).map_err(|problem| DataError::new(path, problem))
     }
 
-    /// The column of this name, if it is there.
-    #[must_use]
     pub fn get(&self, name: &str) -> Option<&[f64]> {
         let place = self.names.iter().position(|n| n == name)?;
         self.values.get(place).map(Vec::as_slice)
     }
 
     /// The column of this name; empty if it is not there, which for a needed one cannot be.
-    #[must_use]
     pub fn column(&self, name: &str) -> &[f64] {
         self.get(name).unwrap_or_default()
     }
 
     /// Line of the file that holds each row; of a Parquet file the row, from one.
-    #[must_use]
     pub fn lines(&self) -> &[u64] {
         &self.lines
     }
@@ -129,7 +120,6 @@ fn not_finite(place: Place, column: &str, found: &str) -> Problem {
     Problem::Refused(format!("{place}, column {column}: found {found}, expected a finite number"))
 }
 
-/// The names asked for that are in the header.
 fn chosen(header: &[String], needed: &[&str], optional: &[&str]) -> Result<Vec<String>, Problem> {
     let wanted = || needed.iter().chain(optional);
     let mut names = Vec::new();

@@ -23,7 +23,6 @@ pub(crate) fn is_signal(group: &ChannelGroup, channel: &Channel) -> bool {
     group.has_time && !channel.is_time && channel.kind == ChannelKind::Number
 }
 
-/// What a channel is called as a signal.
 pub(crate) fn signal_name(group: &ChannelGroup, channel: &Channel) -> String {
     let array = channel.element.zip(channel.name.rsplit_once('['));
     array.map_or_else(

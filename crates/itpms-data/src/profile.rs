@@ -12,7 +12,6 @@ use crate::log::{Lines, number, shortened};
 #[cfg(feature = "parquet")]
 use crate::parquet_columns::ParquetColumns;
 
-/// Heights along the road.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RoadProfile {
     /// Distance in m, increasing.
@@ -25,7 +24,6 @@ pub struct RoadProfile {
     pub rows_left_out: u64,
 }
 
-/// The heights under one track.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RoadTrack {
     /// `left` or `right`, a wheel (`fl`, `fr`, `rl`, `rr`), or `road` where there is one track only.
@@ -59,7 +57,6 @@ enum Slot {
 
 impl RoadTrack {
     /// Whether a wheel has felt this road: then a tire has smoothed it already.
-    #[must_use]
     pub fn is_wheel(&self) -> bool {
         !matches!(self.name, "left" | "right" | "road")
     }
@@ -67,21 +64,17 @@ impl RoadTrack {
 
 impl RoadProfile {
     /// Rows per second, from the median step in time; `None` without times.
-    #[must_use]
     pub fn rate_hz(&self) -> Option<f64> {
         let mut steps: Vec<f64> = self.time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
         steps.sort_by(f64::total_cmp);
         steps.get(steps.len() / 2).filter(|step| **step > 0.0 && step.is_finite()).map(|step| 1.0 / step)
     }
 
-    /// Reads a file. Cells are parted by commas or semicolons, else by blanks; `#` begins a comment. With a header the
-    /// columns are `distance_m` and `height_m`, or `left_height_m` and `right_height_m`, or `{c}_road_m` for the wheels;
-    /// others are passed over. Without one, two columns are distance and height, three are distance, left and right.
-    /// A file that ends in `.parquet` or `.pq` has the same columns.
-    ///
-    /// # Errors
-    /// The file cannot be read, lacks a column, a cell is no number, a row is longer or shorter than the first, or the
-    /// distance goes backwards; this build is without Parquet.
+    /// Reads a file. Cells are parted by commas or semicolons, else by blanks; `#` begins a comment. With a header the columns are
+    /// `distance_m` and `height_m`, or `left_height_m` and `right_height_m`, or `{c}_road_m` for the wheels; others are passed over.
+    /// Without one, two columns are distance and height, three are distance, left and right. A file that ends in `.parquet` or `.pq` has
+    /// the same columns. Errors: the file cannot be read, lacks a column, a cell is no number, a row is longer or shorter than the first,
+    /// or the distance goes backwards; this build is without Parquet.
     pub fn read(path: &Path) -> Result<Self, DataError> {
         let extension = path.extension().map(|extension| extension.to_ascii_lowercase());
         let is_parquet = extension.is_some_and(|extension| extension == "parquet" || extension == "pq");
@@ -106,7 +99,6 @@ impl RoadProfile {
         }
     }
 
-    /// Adds a row of values with what they are.
     fn add(&mut self, place: Place, row: impl Iterator<Item = (Slot, f64)>) -> Result<(), Problem> {
         let mut heights = vec![f64::NAN; self.tracks.len()];
         let (mut distance_m, mut time_s) = (f64::NAN, None);
@@ -183,7 +175,6 @@ fn read_text(path: &Path) -> Result<RoadProfile, Problem> {
     Ok(profile)
 }
 
-/// The cells of a line.
 fn parts(line: &[u8]) -> impl Iterator<Item = &[u8]> {
     let separated = line.iter().any(|byte| b",;".contains(byte));
     line.split(move |byte| if separated { b",;".contains(byte) } else { byte.is_ascii_whitespace() })

@@ -21,7 +21,6 @@ pub(crate) fn syntax_problem(text: &str, error: &toml::de::Error) -> Problem {
     Problem::Refused(format!("line {line}: not valid TOML: {}", error.message()))
 }
 
-/// One table of a document.
 pub(crate) struct Table<'a> {
     text: &'a str,
     entries: &'a DeTable<'a>,
@@ -143,7 +142,6 @@ impl<'a> Table<'a> {
         Problem::Refused(format!("line {}: {} {error}", self.line_of_key(error.name), self.path))
     }
 
-    /// A key that is missing from this table.
     pub(crate) fn lacks(&self, key: &str) -> Problem {
         let line = self.line.map(|line| format!(" (table at line {line})")).unwrap_or_default();
         Problem::Refused(format!("{} has no {key}{line}", self.path))

@@ -10,7 +10,6 @@ use itpms_data::LogReader;
 use itpms_data::log::{LogOptions, UnitCheck};
 use itpms_data::signals::{Lister, Resolved, SignalMap, resolve_knowing};
 
-/// Characters of a refusal.
 const MOST: usize = 400;
 
 /// Headers with separators and decimal points as loggers have them; a clock, a speed, then accelerations and whatever else.

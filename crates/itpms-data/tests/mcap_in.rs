@@ -89,7 +89,6 @@ impl Bench {
         Ok((rows, log.repairs().warnings()))
     }
 
-    /// Reads a file that has every sample.
     fn check(&self, bytes: &[u8], what: &str) {
         let (rows, said) = self.read(bytes).unwrap();
         assert_eq!((rows.len(), said), (SAMPLES as usize, Vec::new()), "{what}");

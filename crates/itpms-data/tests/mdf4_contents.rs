@@ -19,7 +19,6 @@ fn values(k: u32) -> [f64; 3] {
     [20.0, f64::from(k % 41) - 20.0, f64::from(k * 7 % 301) - 150.0]
 }
 
-/// A group of these channels.
 fn group(name: &str, channels: &[&str]) -> GroupSpec {
     let units = ["m/s", "m/s^2", "m/s^2"];
     let channels = channels.iter().zip(units);
@@ -69,7 +68,6 @@ impl Bench {
     }
 }
 
-/// Places of the blocks of this kind.
 fn blocks(bytes: &[u8], id: &[u8; 4]) -> Vec<usize> {
     (0..bytes.len() - 4).step_by(8).filter(|at| &bytes[*at..at + 4] == id).collect()
 }
@@ -83,7 +81,6 @@ fn text(bytes: &[u8], at: usize) -> String {
     String::from_utf8(bytes[at + 24..end].iter().copied().take_while(|byte| *byte != 0).collect()).unwrap()
 }
 
-/// The channel of this name: its block.
 fn channel(bytes: &[u8], name: &str) -> usize {
     let named = |at: &usize| text(bytes, word(bytes, at + 24 + 2 * 8) as usize) == name;
     blocks(bytes, b"##CN").into_iter().find(named).unwrap()

@@ -29,8 +29,7 @@ fn column<T: DataType>(group: &mut Group<'_>, values: &[T::T]) {
     column.close().unwrap();
 }
 
-/// A drive of 100 Hz whose clock or whose body acceleration has the type in question: required columns, body -20 to 20, wheel
-/// twice of it.
+/// A drive of 100 Hz whose clock or whose body acceleration has the type in question: required columns, body -20 to 20, wheel twice of it.
 fn write(path: &Path, schema: &str, compression: Compression, odd: impl Fn(&mut Group<'_>)) {
     let schema = Arc::new(parse_message_type(&format!("message drive {{ {schema} }}")).unwrap());
     let properties = Arc::new(WriterProperties::builder().set_compression(compression).build());

@@ -1,9 +1,8 @@
 //! A program that saves references is killed without warning, at 200 random moments: the file is the old one or the new
 //! one, every time, and what lies beside it disturbs nothing.
 //!
-//! What a kill cannot show is a power cut, where what the system still held in memory is lost. There the order counts
-//! (contents to the disk, then the name, then the directory; `AtomicFile`), and the checksum (tests/reference.rs tears
-//! files at every byte).
+//! What a kill cannot show is a power cut, where what the system still held in memory is lost. There the order counts (contents to the
+//! disk, then the name, then the directory; `AtomicFile`), and the checksum (tests/reference.rs tears files at every byte).
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use crate::stored;

@@ -37,9 +37,8 @@ fn cars_on_the_road_hop_and_sway_as_cars_do() {
         assert_eq!(vehicle.details.confidence, Confidence::Typical);
         for corner in Corner::ALL {
             let f = figures(&vehicle, corner);
-            // Wheels hop at 10 to 15 Hz, bodies at 1 to 1.8 Hz damped 0.2 to 0.4 (Gillespie, Fundamentals of Vehicle
-            // Dynamics, ch. 5; Mitschke and Wallentowitz, Dynamik der Kraftfahrzeuge); car tires have 180 to 280 kN/m,
-            // a van's at 3 bar more.
+            // Wheels hop at 10 to 15 Hz, bodies at 1 to 1.8 Hz damped 0.2 to 0.4 (Gillespie, Fundamentals of Vehicle Dynamics, ch. 5;
+            // Mitschke and Wallentowitz, Dynamik der Kraftfahrzeuge); car tires have 180 to 280 kN/m, a van's at 3 bar more.
             assert!((10.0..15.0).contains(&f.hop_hz), "{name} {corner:?}: hop at {} Hz", f.hop_hz);
             assert!((1.0..1.8).contains(&f.body_hz), "{name} {corner:?}: body at {} Hz", f.body_hz);
             assert!((0.2..0.4).contains(&f.body_damping_ratio), "{name}: {}", f.body_damping_ratio);

@@ -24,7 +24,6 @@ fn read(path: &Path, options: &LogOptions) -> (LogColumns, Vec<LogRow>) {
     (columns, log.map(Result::unwrap).collect())
 }
 
-/// Every row has the speeds of its time, in m/s.
 fn expect(rows: &[LogRow], within_m_s: f64) {
     assert!(rows.len() + 8 > ROWS as usize, "{}", rows.len());
     for row in rows {

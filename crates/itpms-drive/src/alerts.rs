@@ -31,10 +31,7 @@ pub struct Events {
 }
 
 impl Events {
-    /// Takes what the monitor says after a row; hands over what changed, with its time in s.
-    ///
-    /// # Errors
-    /// Those of `note`.
+    /// Takes what the monitor says after a row; hands over what changed, with its time in s. Errors: those of `note`.
     pub fn take(&mut self, report: &MonitorReport<f64>, note: Note<'_>) -> Result<(), DriveError> {
         let unchanged = self.before.as_ref().is_some_and(|before| before.time_s == report.time_s);
         if unchanged {
@@ -69,7 +66,6 @@ impl Events {
     }
 
     /// What there is to list. Alerts that still stand have their newest numbers.
-    #[must_use]
     pub fn complete(mut self) -> Alerts {
         for now in self.before.iter().flat_map(MonitorReport::alerts) {
             let standing = self.listed.iter_mut().rev().find(|listed| {
@@ -119,13 +115,10 @@ impl Alerts {
     }
 
     /// Those that are listed, in the order in which they were reported.
-    #[must_use]
     pub fn listed(&self) -> &[Listed] {
         &self.listed
     }
 
-    /// The same as JSON.
-    #[must_use]
     pub fn json(&self) -> Value {
         let one = |listed: &Listed| {
             let mut object = alert_object(&listed.alert);

@@ -23,9 +23,7 @@ pub struct AnyCar {
 
 impl AnyCar {
     /// An estimator of `kind` for samples that come at about `sample_rate_hz`; of a car without corners wheel speeds are all there is.
-    ///
-    /// # Errors
-    /// The rate must be positive and finite; limits and parameters that the estimator refuses are named.
+    /// Errors: the rate must be positive and finite; limits and parameters that the estimator refuses are named.
     pub fn new(
         kind: EstimatorKind,
         config: &MonitorConfig<f64>,
@@ -42,8 +40,6 @@ impl AnyCar {
         Ok(Self { car, paper })
     }
 
-    /// The default estimator, where it is that one.
-    #[must_use]
     pub fn estimator(&self) -> Option<&CarEstimator<f64>> {
         self.paper.is_none().then(|| self.car.estimator())
     }
@@ -58,24 +54,18 @@ impl AnyCar {
         self.car.follow_air(air);
     }
 
-    /// All tires have their placard pressures from the next sample on, for `seconds`.
-    ///
-    /// # Errors
-    /// The length must be positive and finite.
+    /// All tires have their placard pressures from the next sample on, for `seconds`. Errors: the length must be positive and finite.
     pub fn begin_calibration(&mut self, seconds: f64) -> Result<(), ParameterError> {
         self.car.begin_calibration(seconds)?;
         self.paper.as_mut().map_or(Ok(()), |paper| paper.begin_calibration(seconds))
     }
 
-    /// Ends the calibration that is under way.
     pub fn end_calibration(&mut self) {
         self.car.end_calibration();
     }
 
     /// Begins with what an earlier drive taught, which the paper's filters have no use for.
-    ///
-    /// # Errors
-    /// An implausible calibration, or one of other corners or other placard pressures.
+    /// Errors: an implausible calibration, or one of other corners or other placard pressures.
     pub fn load_calibration(
         &mut self,
         calibration: &VehicleCalibration<f64>,
@@ -104,7 +94,6 @@ impl AnyCar {
     }
 
     /// The monitor of the wheel speeds, where they are used.
-    #[must_use]
     pub fn wheels(&self) -> Option<&MonitoredWheels<f64>> {
         self.car.wheels()
     }
@@ -114,14 +103,12 @@ impl AnyCar {
         self.car.wheels_mut()
     }
 
-    /// What the monitors report after the last sample.
-    #[must_use]
+    /// The monitors' reports after the last sample.
     pub fn report(&self) -> &MonitorReport<f64> {
         self.paper.as_ref().map_or_else(|| self.car.report(), |paper| paper.report())
     }
 
     /// Whether the speed says that the car stands while its wheels roll.
-    #[must_use]
     pub fn denies_standstill(&self) -> bool {
         self.paper.as_ref().map_or_else(|| self.car.denies_standstill(), |paper| paper.denies_standstill())
     }

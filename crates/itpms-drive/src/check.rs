@@ -18,10 +18,8 @@ use crate::summary::fit_json;
 use crate::suspension::{SuspensionWatch, dampers_json, left_right_lines};
 use crate::time_axis::TimeAxis;
 
-/// Steps of time that are a gap.
 const GAP_STEPS: f64 = 1.5;
 
-/// What a drive says of a vehicle file.
 #[derive(Debug, Clone)]
 pub struct CheckedVehicle {
     /// Corner by corner, those that the log has measured and the file describes.
@@ -34,10 +32,7 @@ pub struct CheckedVehicle {
     log: String,
 }
 
-/// Holds a vehicle file against a drive.
-///
-/// # Errors
-/// No corner in common; the log cannot be read on; [`DriveError::Stopped`].
+/// Holds a vehicle file against a drive. Errors: no corner in common; the log cannot be read on; [`DriveError::Stopped`].
 pub fn check(vehicle: &Vehicle, log: &mut LogReader, watch: Watch<'_>) -> Result<CheckedVehicle, DriveError> {
     let corners = common_corners(log, vehicle)?;
     if corners.is_empty() {
@@ -124,7 +119,6 @@ fn suspension(vehicle: &Vehicle, corner: Corner) -> Option<Suspension> {
 
 impl CheckedVehicle {
     /// Corner by corner: what `itpms vehicle check --json` prints.
-    #[must_use]
     pub fn document(&self) -> Value {
         let corner = |check: &CornerCheck| {
             let (damping, spring) = match &check.verdict {
@@ -150,13 +144,11 @@ impl CheckedVehicle {
     }
 
     /// Left against right of each axle, a line each; none where corners are missing.
-    #[must_use]
     pub fn damper_lines(&self) -> Vec<String> {
         self.suspension.as_ref().map_or_else(Vec::new, left_right_lines)
     }
 
     /// The page with a picture of each corner (HTML, complete in itself).
-    #[must_use]
     pub fn page(&self) -> String {
         page(&self.vehicle, &self.log, &self.corners)
     }

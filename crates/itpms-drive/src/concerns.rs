@@ -26,9 +26,7 @@ const CONTRADICTION_SDS: f64 = 2.5;
 const ASK_KPA: f64 = 10.0;
 
 /// The corners that the log has measured and the vehicle file describes; none where wheel speeds are all that both have.
-///
-/// # Errors
-/// There is none, or the accelerations are sampled too slowly.
+/// Errors: there is none, or the accelerations are sampled too slowly.
 pub fn common_corners(log: &LogReader, vehicle: &Vehicle) -> Result<Vec<Corner>, DriveError> {
     let measured = log.columns().present();
     let common: Vec<Corner> = measured.iter().copied().filter(|c| vehicle.corner(*c).is_some()).collect();
@@ -91,7 +89,6 @@ fn labels(corners: &[Corner]) -> String {
     corners.iter().map(|corner| corner.label()).collect::<Vec<_>>().join(" ")
 }
 
-/// The same of wheel speeds.
 fn of_wheel_speeds(job: &Job<'_>, log: &LogReader, drive: &Drive) -> Option<String> {
     let (vehicle, settings) = (job.vehicle, job.settings);
     let wheel_speeds = match wheel_speed_use(log.columns(), vehicle, job.corners) {

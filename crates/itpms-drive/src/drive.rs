@@ -31,7 +31,6 @@ const MEETING_S: f64 = 15.0;
 /// Share of the time for which a speed may be unknown before that is reported.
 const UNKNOWN_SHARE: f64 = 0.1;
 
-/// The running estimator under its monitor.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Drive {
@@ -57,9 +56,7 @@ pub struct Drive {
 
 impl Drive {
     /// The estimator of these corners, and of the wheel speeds, at this rate; without corners of the wheel speeds alone.
-    ///
-    /// # Errors
-    /// A rate or a setting that the estimator refuses, or a stored reference that cannot be used.
+    /// Errors: a rate or a setting that the estimator refuses, or a stored reference that cannot be used.
     pub fn new(
         settings: &Settings,
         vehicle: &Vehicle,
@@ -118,9 +115,7 @@ impl Drive {
     }
 
     /// The same with the causal road under each wheel, which costs a quarter of the time.
-    ///
-    /// # Errors
-    /// Parameters of a corner that the road's filter refuses are named.
+    /// Errors: parameters of a corner that the road's filter refuses are named.
     pub fn with_road(
         mut self,
         vehicle: &Vehicle,
@@ -135,7 +130,6 @@ impl Drive {
     }
 
     /// The cars as they seem to be now, in the order of [`Corner::ALL`].
-    #[must_use]
     pub fn quarter_cars(&self) -> QuarterCars {
         self.car.estimator().map_or([None; 4], CarEstimator::quarter_cars)
     }
@@ -151,8 +145,7 @@ impl Drive {
         }
     }
 
-    /// What the calibration taught, once it is over.
-    #[must_use]
+    /// The result of the calibration, once it is over.
     pub fn learned(&self) -> Taught {
         let wheel_speeds = self.car.wheels().and_then(MonitoredWheels::calibration).copied();
         let torsion = self.wheels.as_ref().map_or([None; 4], WheelSpeeds::learned_torsion);
@@ -181,7 +174,6 @@ impl Drive {
     }
 
     /// What the wheel speeds say, where they are used.
-    #[must_use]
     pub fn radii(&self) -> Option<RadiusRow> {
         self.car.wheels().map(|wheels| RadiusRow {
             radii: *wheels.radii(),
@@ -191,7 +183,6 @@ impl Drive {
     }
 
     /// What tooth pulses say of each tire since the calibration, where they are read.
-    #[must_use]
     pub fn torsion(&self) -> Option<[Option<TorsionChange<f64>>; 4]> {
         self.wheels.as_ref()?.torsion()
     }
@@ -203,38 +194,31 @@ impl Drive {
         }
     }
 
-    /// What the monitor says after the last row.
-    #[must_use]
+    /// The monitor's report after the last row.
     pub fn report(&self) -> &MonitorReport<f64> {
         self.car.report()
     }
 
-    /// Seconds from the first row to the last.
-    #[must_use]
     pub fn length_s(&self) -> f64 {
         self.time_s - self.first_s
     }
 
     /// Whether the car has been driven for long, and front and rear never met the same road.
-    #[must_use]
     pub fn never_met(&self) -> bool {
         !self.met && self.apart_s > MEETING_S
     }
 
     /// The share of the time in which the speed was unknown, if it is more than should be.
-    #[must_use]
     pub fn speed_unknown(&self) -> Option<f64> {
         Some(self.unknown_s / self.passed_s).filter(|share| *share > UNKNOWN_SHARE)
     }
 
     /// How many rows have a speed in m/s that no car has, and the first such speed, if there are any.
-    #[must_use]
     pub fn absurd_speeds(&self) -> Option<(u64, f64)> {
         self.absurd
     }
 
     /// Seconds for which the speed was zero while its wheels rolled, if there were any.
-    #[must_use]
     pub fn denied_s(&self) -> Option<f64> {
         Some(self.denied_s).filter(|seconds| *seconds > 0.0)
     }
@@ -245,19 +229,16 @@ impl Drive {
     }
 
     /// How well body and wheel of a corner go together, and what does not, if the car has that corner.
-    #[must_use]
     pub fn fit(&self, corner: Corner) -> Option<(BodyFit<f64>, Option<Misfit>)> {
         self.car.estimator()?.fit(corner)
     }
 
     /// By how much the spectra read more than the placard's pressures in the calibration, with its sd, in kPa.
-    #[must_use]
     pub fn calibration_excess_kpa(&self) -> Option<[f64; 2]> {
         self.car.estimator()?.calibration_excess_kpa()
     }
 
     /// Seconds by which the speed was found to come late, if it was.
-    #[must_use]
     pub fn speed_latency_s(&self) -> Option<f64> {
         Some(self.car.estimator()?.speed_latency_s()).filter(|seconds| *seconds != 0.0)
     }

@@ -12,27 +12,19 @@ use thiserror::Error;
 /// Why a drive was not estimated. Its message is complete.
 #[derive(Debug, Error)]
 #[non_exhaustive]
-#[allow(missing_docs, reason = "the messages say it")]
 pub enum DriveError {
-    /// A file in or out.
     #[error(transparent)]
     Data(#[from] DataError),
-    /// A parameter that the estimator or its monitor refuses.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// A scenario.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
-    /// Nothing can be learned of these drives.
     #[error(transparent)]
     Learn(#[from] itpms_analysis::learn::LearnError),
-    /// A log that contradicts itself, or does not show what is looked for.
     #[error("{0}")]
     Log(String),
-    /// Settings and inputs that do not go together.
     #[error("{0}")]
     Mismatch(String),
-    /// The page about the drive.
     #[error("the report cannot be made: {0}")]
     Report(io::Error),
     #[error("interrupted")]

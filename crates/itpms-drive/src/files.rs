@@ -22,27 +22,24 @@ use crate::road::LateRow;
 use crate::run::{Done, Heights, Sink};
 use crate::settings::Settings;
 
-/// Which files are wanted.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct FilePaths {
     /// Pressures: .csv or .parquet.
     pub estimates: Option<PathBuf>,
     /// The road under each wheel: .csv or .parquet.
     pub road: Option<PathBuf>,
-    /// The page about the drive.
     pub report: Option<PathBuf>,
     /// Warnings and malfunctions as they come and go.
     pub events: Option<PathBuf>,
     /// The drive itself and all that was found in it, on one time axis.
     #[cfg(feature = "mcap")]
     pub mcap: Option<PathBuf>,
-    /// What the calibration drive taught.
+    /// The result of the calibration drive.
     pub reference: Option<PathBuf>,
 }
 
 impl FilePaths {
     /// The heights of the road that they need.
-    #[must_use]
     pub fn heights(&self) -> Heights {
         #[cfg(feature = "mcap")]
         let mcap = self.mcap.is_some();
@@ -52,7 +49,6 @@ impl FilePaths {
     }
 }
 
-/// The files in the making.
 #[derive(Debug)]
 pub struct Files {
     estimates: Option<EstimateWriter>,
@@ -68,9 +64,6 @@ pub struct Files {
 
 impl Files {
     /// Starts all files, so that one that cannot be written is known before the work begins.
-    ///
-    /// # Errors
-    /// A file cannot be created.
     pub fn create(
         paths: &FilePaths,
         settings: &Settings,
@@ -105,9 +98,7 @@ impl Files {
     }
 
     /// Completes all files and gives them their names.
-    ///
-    /// # Errors
-    /// A file cannot be written; a calibration drive taught nothing: then all files but the reference are there.
+    /// Errors: a file cannot be written; a calibration drive taught nothing: then all files but the reference are there.
     pub fn complete(self, done: &Done) -> Result<(), DriveError> {
         let mut files = Vec::new();
         if let Some(estimates) = self.estimates {

@@ -9,7 +9,6 @@ use crate::settings::Settings;
 /// Which heights of the road under each wheel are computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Heights {
-    /// None.
     #[default]
     None,
     /// Those that are known with each row: for a roughness.
@@ -21,15 +20,11 @@ pub enum Heights {
 /// What is to be done with a log.
 #[derive(Debug, Clone, Copy)]
 pub struct Job<'a> {
-    /// The car.
     pub vehicle: &'a Vehicle,
     /// The corners to estimate: see [`crate::common_corners`].
     pub corners: &'a [Corner],
-    /// How.
     pub settings: &'a Settings,
-    /// How the log was opened.
     pub reading: &'a LogOptions,
-    /// Which heights of the road are computed.
     pub road: Heights,
     /// Whether a report is drawn: what only a report shows is not computed without one.
     pub report: bool,

@@ -33,7 +33,6 @@ const READING: f64 = 0.1;
 pub const KNOWN_KPA: std::ops::RangeInclusive<f64> = 60.0..=1500.0;
 
 /// Why a pressure in kPa is no tire's, in words.
-#[must_use]
 pub fn no_pressure(kpa: f64) -> Option<String> {
     let usable = KNOWN_KPA.contains(&kpa);
     let (from, to) = KNOWN_KPA.into_inner();
@@ -47,33 +46,25 @@ pub fn no_pressure(kpa: f64) -> Option<String> {
 /// they do not count.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KnownDrive {
-    /// The log.
     pub log: PathBuf,
-    /// How it is read.
     pub options: LogOptions,
     /// The pressures; for a wheel with NaN the median reading of the tire's own sensor in the log.
     pub pressures_kpa: [f64; 4],
 }
 
-/// What came out.
 #[derive(Debug, Clone)]
 pub struct LearnedVehicle {
-    /// The vehicle to go on with.
     pub vehicle: Vehicle,
-    /// Parameter by parameter.
     pub learned: Learned,
     /// The wheelbase, if the drives show it; the vehicle's only where the file says that it was assumed.
     pub wheelbase: Option<FoundWheelbase>,
-    /// What each drive has shown.
     pub readings: Vec<DriveReading>,
-    /// What should be known before believing it, a sentence each.
+    /// Caveats, a sentence each.
     pub concerns: Vec<String>,
 }
 
-/// Learns what `file` says from these drives. `watch` receives the share that is done.
-///
-/// # Errors
-/// A log that cannot be read, has none of the vehicle's corners or teaches nothing; a pressure that no tire has; [`DriveError::Stopped`].
+/// Learns what `file` says from these drives. `watch` receives the share that is done. Errors: a log that cannot be read, has none of the
+/// vehicle's corners or teaches nothing; a pressure that no tire has; [`DriveError::Stopped`].
 pub fn learn(
     file: &Vehicle,
     drives: &[KnownDrive],
@@ -87,9 +78,6 @@ pub fn learn(
 }
 
 /// The same where `open` gives the log of a drive by its number among the `drives`, anew for every pass over it.
-///
-/// # Errors
-/// As [`learn`], and those of `open`.
 pub fn learn_with(
     file: &Vehicle,
     drives: &[KnownDrive],
@@ -254,7 +242,6 @@ fn name(path: &Path) -> String {
     path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }
 
-/// The drives and their pressures in words.
 fn described(drives: &[KnownDrive]) -> String {
     let each = drives.iter().map(|drive| {
         let [first, rest @ ..] = drive.pressures_kpa;
@@ -322,7 +309,6 @@ fn parameters(corner: &LearnedCorner) -> [(&'static str, &'static str, Parameter
 
 impl LearnedVehicle {
     /// What no drive has shown, and what no drive can show, a sentence each.
-    #[must_use]
     pub fn unknown(&self) -> Vec<String> {
         let mut unknown = vec![
             "all unsprung masses, tires, springs, dampers and friction times one factor move alike: that factor rests on the file's sprung masses, unsprung masses and tires".to_owned(),
@@ -354,7 +340,6 @@ impl LearnedVehicle {
     }
 
     /// Whether the vehicle's wheelbase is the one that the drives show.
-    #[must_use]
     pub fn wheelbase_is_learned(&self) -> bool {
         self.wheelbase.is_some_and(|found| {
             self.vehicle.wheelbase_m.is_some_and(|m| (m - found.wheelbase_m).abs() < 1e-3)
@@ -363,7 +348,6 @@ impl LearnedVehicle {
     }
 
     /// Parameters before and after by corner, what stays unknown and what should be known: what `itpms vehicle learn --json` prints.
-    #[must_use]
     pub fn document(&self) -> Value {
         let parameter = |p: Parameter| {
             json!({
@@ -399,7 +383,6 @@ impl LearnedVehicle {
     }
 
     /// The vehicle file, with a comment on where each value comes from.
-    #[must_use]
     pub fn to_toml(&self, from: &str) -> String {
         let mut head = vec![
             format!(

@@ -23,20 +23,16 @@ const PASSENGER: [f64; 3] = [-3e-4, -2e-4, 2e-4];
 /// What drives at known pressures show of a car with wheel speeds alone.
 #[derive(Debug, Clone)]
 pub struct LearnedRadius {
-    /// The vehicle to go on with.
     pub vehicle: Vehicle,
     /// `d ln R / d ln p` before and after, each with its standard deviation.
     pub before: [f64; 2],
-    /// The same after.
     pub after: [f64; 2],
-    /// What should be known before believing it, a sentence each.
+    /// Caveats, a sentence each.
     pub concerns: Vec<String>,
 }
 
-/// Learns it from two drives or more, of which loads may have been others.
-///
-/// # Errors
-/// A log without wheel speeds, one that teaches nothing, fewer than two drives, a pressure that is not known, or the same pressures in all.
+/// Learns it from two drives or more, of which loads may have been others. Errors: a log without wheel speeds, one that teaches nothing,
+/// fewer than two drives, a pressure that is not known, or the same pressures in all.
 pub fn learn_radius(
     file: &Vehicle,
     drives: &[KnownDrive],
@@ -84,7 +80,6 @@ pub fn learn_radius(
     Ok(LearnedRadius { vehicle, before, after, concerns })
 }
 
-/// To a millionth.
 fn rounded(value: f64) -> f64 {
     (1e6 * value).round() * 1e-6
 }

@@ -25,6 +25,7 @@
 //!
 //! Called by the binary and by the Python package. Knows no terminal, no exit codes and no mathematics.
 #![forbid(unsafe_code)]
+#![allow(missing_docs, reason = "a part of the program: names say it, and comments what they do not")]
 
 mod air;
 pub mod alerts;

@@ -30,7 +30,6 @@ struct Read {
     end: Option<Result<(), DriveError>>,
 }
 
-/// A row and what was estimated after it.
 struct Step {
     row: LogRow,
     estimates: Estimates,
@@ -41,9 +40,6 @@ struct Step {
 }
 
 /// Estimates a drive on three threads, of which the calling one estimates.
-///
-/// # Errors
-/// As [`estimate`](crate::estimate()), and the same one where there are several.
 pub fn estimate_in_pipeline(
     log: &mut LogReader,
     job: &Job<'_>,

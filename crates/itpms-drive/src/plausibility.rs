@@ -27,7 +27,6 @@ const LEAST_BODY_SHARE: f64 = 0.03;
 /// they read 10 kPa low, at two fifths 30 to 50 kPa.
 const CLIPPED: f64 = 0.05;
 
-/// See the [module](self).
 #[derive(Debug, Default)]
 pub(crate) struct Plausibility {
     /// Sum of the logarithm of wheel speeds over speed.
@@ -162,7 +161,7 @@ impl Plausibility {
         })
     }
 
-    /// What should be known, though it may be so.
+    /// Odd, but possible.
     pub(crate) fn concerns(&self) -> Vec<String> {
         self.in_g().into_iter().chain(self.clipped()).collect()
     }

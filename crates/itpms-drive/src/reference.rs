@@ -15,24 +15,17 @@ use crate::car::AnyCar;
 use crate::error::DriveError;
 use crate::settings::{LOG_END_S, Settings};
 
-/// What a calibration drive taught.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Taught {
-    /// Of corners with accelerations.
     pub corners: Option<VehicleCalibration<f64>>,
-    /// Of wheel speeds.
     pub wheel_speeds: Option<RadiusCalibration<f64>>,
-    /// Of tooth pulses.
     pub torsion: LearnedTorsion,
-    /// Of struts and body.
     pub suspension: Option<SuspensionReference>,
     /// What the days since the calibration of the wheel speeds show, with this one, or why it does not count; `None` without one.
     pub days: Option<Result<RadiusDays<f64>, &'static str>>,
 }
 
 impl Taught {
-    /// Whether it taught nothing.
-    #[must_use]
     pub fn is_nothing(&self) -> bool {
         self.corners.is_none() && self.wheel_speeds.is_none()
     }
@@ -76,10 +69,7 @@ pub struct Saving {
 }
 
 impl Saving {
-    /// Starts the file.
-    ///
-    /// # Errors
-    /// It cannot be written, or the estimator does not learn.
+    /// Starts the file. Errors: it cannot be written, or the estimator does not learn.
     pub fn create(path: &Path, settings: &Settings, vehicle: &Vehicle) -> Result<Self, DriveError> {
         settings.expect_learning("--save-reference")?;
         let before = read(settings, vehicle)?.map(|(_, stored)| stored);
@@ -97,9 +87,7 @@ impl Saving {
     }
 
     /// The complete file, to be given its name together with the others.
-    ///
-    /// # Errors
-    /// Nothing was learned in the drive of `driven_s`, or what was learned is not plausible; the file cannot be written.
+    /// Errors: nothing was learned in the drive of `driven_s`, or what was learned is not plausible; the file cannot be written.
     pub fn complete(
         mut self,
         calibrate_s: Option<f64>,
@@ -162,9 +150,7 @@ impl Saving {
 }
 
 /// Stores what a fleet's calibration drive taught, or says why it taught nothing: it is a drive all the same.
-///
-/// # Errors
-/// The file cannot be written, or what was learned is not plausible.
+/// Errors: the file cannot be written, or what was learned is not plausible.
 pub fn teach(
     path: &Path,
     settings: &Settings,

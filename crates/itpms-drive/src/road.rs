@@ -22,7 +22,6 @@ type Recorder = RoadRecorder<f64, Vec<RoadRow<f64>>, Vec<Segment<f64>>>;
 /// A row with everything that is known of it once its road is there.
 #[derive(Debug, Clone)]
 pub struct LateRow {
-    /// The row itself.
     pub row: LogRow,
     /// The speed in m/s to go by; NaN while it is unknown.
     pub speed_m_s: f64,
@@ -41,10 +40,7 @@ pub struct RoadTrack {
 }
 
 impl RoadTrack {
-    /// Recorders of these corners for a log of this rate.
-    ///
-    /// # Errors
-    /// A corner's parameters are refused.
+    /// Recorders of these corners for a log of this rate. Errors: a corner's parameters are refused.
     pub fn new(vehicle: &Vehicle, corners: &[Corner], rate_hz: f64) -> Result<Self, DriveError> {
         let (rows, segments) = window_for(rate_hz, LOOKAHEAD_S);
         let mut recorders = [const { None }; 4];
@@ -102,7 +98,6 @@ impl RoadTrack {
         }
     }
 
-    /// The next row whose road is there at all corners.
     pub fn pop(&mut self) -> Option<LateRow> {
         if self.recorders.iter().flatten().any(|(_, points)| points.is_empty()) {
             return None;

@@ -32,10 +32,7 @@ pub(crate) const ROWS_PER_LOOK: u64 = 1024;
 /// Who gets the results of a drive as they come.
 pub trait Sink {
     /// A row of the log, what was estimated after it, what the monitor says of each wheel, and what the wheel speeds say where they are
-    /// used.
-    ///
-    /// # Errors
-    /// The sink's own; they end the drive.
+    /// used. Errors: the sink's own; they end the drive.
     fn row(
         &mut self,
         row: &LogRow,
@@ -44,18 +41,12 @@ pub trait Sink {
         radii: Option<&RadiusRow>,
     ) -> Result<(), DriveError>;
 
-    /// The same half a minute later, when its road is there; only where the road is wanted.
-    ///
-    /// # Errors
-    /// The sink's own; they end the drive.
+    /// The same half a minute later, when its road is there; only where the road is wanted. Errors: the sink's own; they end the drive.
     fn road(&mut self, _late: &LateRow) -> Result<(), DriveError> {
         Ok(())
     }
 
-    /// What the monitor reported or took back, with its time in s.
-    ///
-    /// # Errors
-    /// The sink's own; they end the drive.
+    /// What the monitor reported or took back, with its time in s. Errors: the sink's own; they end the drive.
     fn transition(&mut self, _time_s: f64, _change: &Change<f64>) -> Result<(), DriveError> {
         Ok(())
     }
@@ -70,11 +61,9 @@ pub type Fit = (BodyFit<f64>, Option<Misfit>);
 /// A drive that was estimated.
 #[derive(Debug)]
 pub struct Done {
-    /// Figures and curves.
     pub data: ReportData,
-    /// What the monitor reported.
     pub alerts: Alerts,
-    /// What should be known before believing it, a sentence each.
+    /// Caveats, a sentence each.
     pub concerns: Vec<String>,
     /// The corners of the vehicle file that the log does not have, each with the reason, as the end of "it is".
     pub not_estimated: Vec<(Corner, String)>,
@@ -84,7 +73,7 @@ pub struct Done {
     pub learned: Taught,
     /// Placard pressures in kPa, in the order of [`Corner::ALL`](itpms_core::model::Corner::ALL); of tires without one `None`.
     pub placards_kpa: [Option<f64>; 4],
-    /// What the wheel speeds reported in the end, where they are used.
+    /// The last report by wheel speeds, where they are used.
     pub radii: Option<RadiusRow>,
     /// What tooth pulses showed in the end of each tire since the calibration, where they are read, in the order of
     /// [`Corner::ALL`](itpms_core::model::Corner::ALL).
@@ -99,7 +88,6 @@ pub struct Done {
 
 impl Done {
     /// Why nothing of the drive's calibration of corners is to be kept: a sensor that was reported to the end, or a corner that does not fit.
-    #[must_use]
     pub fn calibration_doubt(&self) -> Option<String> {
         self.learned.corners?;
         let stands = |listed: &&Listed| {
@@ -117,10 +105,7 @@ impl Done {
     }
 }
 
-/// Estimates a drive.
-///
-/// # Errors
-/// The log cannot be read on; a setting is refused; the sink's; [`DriveError::Stopped`].
+/// Estimates a drive. Errors: the log cannot be read on; a setting is refused; the sink's; [`DriveError::Stopped`].
 pub fn estimate(
     log: &mut LogReader,
     job: &Job<'_>,
@@ -179,7 +164,6 @@ pub(crate) fn begin(log: &LogReader, job: &Job<'_>) -> Result<(Drive, Record), D
     ))
 }
 
-/// All rows are taken.
 pub(crate) fn conclude(
     log: &LogReader,
     job: &Job<'_>,

@@ -16,11 +16,8 @@ pub(crate) const LOG_END_S: f64 = 1.0;
 /// How a drive is to be estimated.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
-    /// Which estimator.
     pub estimator: EstimatorKind,
-    /// Which loss is warned of.
     pub regulation: Regulation,
-    /// Whether the road repeats itself.
     pub road_repeats: RoadRepetition,
     /// So many seconds at the start are driven at placard pressure: a calibration drive.
     pub calibrate_s: Option<f64>,
@@ -70,9 +67,7 @@ impl Settings {
     }
 
     /// Refuses what `option`, a calibration or its result, cannot do with this estimator.
-    ///
-    /// # Errors
-    /// Only the default estimator learns from a calibration drive.
+    /// Errors: only the default estimator learns from a calibration drive.
     pub(crate) fn expect_learning(&self, option: &str) -> Result<(), DriveError> {
         let learns = EstimatorKind::default();
         if self.estimator == learns {

@@ -18,10 +18,7 @@ use itpms_sim::wheel_speeds::{DrivenWheels, WheelSpeedRow};
 use crate::error::DriveError;
 
 /// Puts the points of an OpenCRG road in the place of its file: the simulation reads text only. The road is that along
-/// the reference line, holes up to 0.25 m bridged.
-///
-/// # Errors
-/// The road cannot be read, or has longer holes.
+/// the reference line, holes up to 0.25 m bridged. Errors: the road cannot be read, or has longer holes.
 pub fn take_crg(scenario: &mut Scenario) -> Result<(), DriveError> {
     let Surface::Profile(profile) = &mut scenario.road.surface else { return Ok(()) };
     let is_crg =
@@ -44,7 +41,6 @@ pub fn take_crg(scenario: &mut Scenario) -> Result<(), DriveError> {
 
 /// A simulated row as a log holds it: the pressure is the reference sensor's where the scenario has one, the road's
 /// truth the profile under the axle.
-#[must_use]
 pub fn log_row(row: &SimRow) -> LogRow {
     LogRow {
         time_s: row.time_s,
@@ -73,7 +69,6 @@ fn motion(row: &WheelSpeedRow) -> LogMotion {
 }
 
 /// The columns of a scenario's log, with this truth of each corner that has accelerations.
-#[must_use]
 pub fn columns(scenario: &Scenario, truth: CornerColumns) -> LogColumns {
     let wheels = scenario.wheel_speeds.as_ref();
     let accelerations = !wheels.is_some_and(|wheels| wheels.alone);
@@ -92,10 +87,7 @@ pub fn columns(scenario: &Scenario, truth: CornerColumns) -> LogColumns {
     }
 }
 
-/// The scenario driven with another vehicle.
-///
-/// # Errors
-/// The vehicle lacks a corner that the scenario drives.
+/// The scenario driven with another vehicle. Errors: the vehicle lacks a corner that the scenario drives.
 pub fn take_vehicle(scenario: &mut Scenario, vehicle: &Vehicle) -> Result<(), DriveError> {
     for corner in Corner::ALL {
         let Some(spec) = scenario.corner.get_mut(corner) else { continue };
@@ -115,10 +107,7 @@ pub fn take_vehicle(scenario: &mut Scenario, vehicle: &Vehicle) -> Result<(), Dr
     Ok(())
 }
 
-/// What an estimator is to know about the scenario's vehicle.
-///
-/// # Errors
-/// The scenario's corners are no car's.
+/// What an estimator is to know about the scenario's vehicle. Errors: the scenario's corners are no car's.
 pub fn vehicle_of(scenario: &Scenario) -> Result<Vehicle, DriveError> {
     let mut corners = [None; 4];
     for (corner, _) in scenario.corner.iter() {
@@ -148,10 +137,7 @@ pub fn vehicle_of(scenario: &Scenario) -> Result<Vehicle, DriveError> {
     .with_details(details))
 }
 
-/// Refuses a drive that has diverged.
-///
-/// # Errors
-/// From when on its accelerations are no car's.
+/// Refuses a drive that has diverged. Errors: from when on its accelerations are no car's.
 pub fn check(scenario: &Scenario, simulation: &Simulation) -> Result<(), DriveError> {
     if let Some(time_s) = simulation.diverged_s() {
         return Err(DriveError::Mismatch(format!(

@@ -14,7 +14,6 @@ use crate::suspension::{dampers_json, load_json};
 const FRESH_S: f64 = 1.0;
 
 /// The drive, its corners and what was reported: what `itpms estimate --json` prints, but for the names of its files.
-#[must_use]
 pub fn summary_json(done: &Done, rows: u64) -> Map<String, Value> {
     let Done { data, alerts, concerns, .. } = done;
     let corner = |corner: &CornerReport| {
@@ -52,7 +51,6 @@ pub fn summary_json(done: &Done, rows: u64) -> Map<String, Value> {
 
 /// The lines of all corners, as the command and the Python package show them, and of those of the vehicle file that were not estimated. `end_s`:
 /// when the drive ended, by the clock of the readings.
-#[must_use]
 pub fn corner_lines(done: &Done, end_s: f64) -> Vec<String> {
     let estimated =
         done.data.corners.iter().map(|corner| corner_line(corner, end_s, done.data.pressure_unit));
@@ -80,7 +78,6 @@ fn torsion_json(changes: &[Option<TorsionChange<f64>>; 4]) -> Value {
 }
 
 /// The line of the tooth pulses, where they are read.
-#[must_use]
 pub fn torsion_line(done: &Done, unit: PressureUnit) -> Option<String> {
     let of = |(corner, change): (&Corner, &Option<TorsionChange<f64>>)| match change {
         Some(TorsionChange { change_kpa, change_sd_kpa }) => {
@@ -130,7 +127,6 @@ fn wheels_json(row: &RadiusRow) -> Value {
 }
 
 /// The lines of the wheel speeds, as the command and the Python package show them: what is found, each wheel, what is not seen.
-#[must_use]
 pub fn wheel_speed_lines(row: &RadiusRow) -> Vec<String> {
     let wheel = |corner: Corner| {
         let (state, wheel) = (state_label(row.states[corner.index()]), &row.radii.wheels[corner.index()]);
@@ -141,7 +137,6 @@ pub fn wheel_speed_lines(row: &RadiusRow) -> Vec<String> {
     std::iter::once(found).chain(wheels).chain(unseen(&row.radii)).chain(days_line(&row.slow_leak)).collect()
 }
 
-/// What the days since the calibration say.
 fn days_line(leak: &SlowLeak<f64>) -> Option<String> {
     let (corner, probability) =
         Corner::ALL.into_iter().zip(leak.probability).max_by(|a, b| a.1.total_cmp(&b.1))?;

@@ -106,7 +106,6 @@ pub(crate) fn load_json(verdict: Option<&SuspensionVerdict>) -> Value {
 }
 
 /// Left against right of each axle, without its full stop: of any drive with four corners; what it says of a healthy car is that its dampers are alike.
-#[must_use]
 pub fn left_right_lines(verdict: &SuspensionVerdict) -> Vec<String> {
     let axle = |(name, at): (&str, usize)| {
         let [left, right] = [Corner::ALL[at], Corner::ALL[at + 1]].map(Corner::label);
@@ -133,7 +132,6 @@ pub fn left_right_lines(verdict: &SuspensionVerdict) -> Vec<String> {
 const LEFT_RIGHT_LIMIT: f64 = 0.18;
 
 /// Dampers and load in lines; none without a reference, where nothing is judged.
-#[must_use]
 pub fn suspension_lines(verdict: Option<&SuspensionVerdict>) -> Vec<String> {
     let Some(verdict) = verdict else { return Vec::new() };
     if verdict.dampers[0].because == Some(Because::NoReference) {

@@ -31,13 +31,11 @@ const NOT_THERE: f64 = 0.6;
 const OFF: f64 = 0.12;
 /// From here on two wheels at one moment are one signal: the car's pitch makes of two sensors a tenth.
 const SAME: f64 = 0.95;
-/// A speed whose rms about a straight line over a second is more than this, in m/s and as a share, is no car's; in so many of the
-/// seconds.
+/// A speed whose rms about a straight line over a second is more than this, in m/s and as a share, is no car's; in so many of the seconds.
 const ROUGH_M_S: f64 = 1.5;
 const ROUGH_SHARE: f64 = 0.1;
 const ROUGH_SECONDS: f64 = 0.5;
 
-/// See the [module](self).
 #[derive(Debug)]
 pub(crate) struct TimeAxis {
     wheelbase_m: Option<f64>,
@@ -78,7 +76,6 @@ struct Second {
 }
 
 impl TimeAxis {
-    /// For a drive with this vehicle file.
     pub(crate) fn of(vehicle: &Vehicle) -> Self {
         Self { assumed: vehicle.assumes_wheelbase(), ..Self::new(vehicle.wheelbase_m) }
     }
@@ -318,7 +315,6 @@ mod tests {
             .collect()
     }
 
-    /// The rows with other wheels' accelerations.
     fn exchanged(rows: &[LogRow], wheels: [usize; 4]) -> Vec<LogRow> {
         rows.iter().map(|row| LogRow { corners: wheels.map(|wheel| row.corners[wheel]), ..*row }).collect()
     }

@@ -21,11 +21,10 @@ const UNLIKE: f64 = 1.2;
 /// Steps of the readings that are told apart, per kPa.
 const PER_KPA: f64 = 10.0;
 
-/// What was sent.
 pub struct SentPressures {
     /// Medians in kPa, in the order of [`Corner::ALL`]; `None` of one that sends nothing plausible.
     pub kpa: [Option<f64>; 4],
-    /// What was left out, a sentence for each sensor.
+    /// Omissions, a sentence for each sensor.
     pub remarks: Vec<String>,
 }
 
@@ -62,9 +61,7 @@ impl Readings {
 }
 
 /// What the sensors send in the first `seconds` of a log of this vehicle; `given_kpa`: pressures that are known otherwise, NaN of others.
-///
-/// # Errors
-/// Readings that contradict each other, another wheel's or what is given; the log cannot be read on; [`DriveError::Stopped`].
+/// Errors: readings that contradict each other, another wheel's or what is given; the log cannot be read on; [`DriveError::Stopped`].
 pub fn sent_pressures(
     log: &mut LogReader,
     vehicle: &Vehicle,

@@ -16,9 +16,7 @@ use crate::error::DriveError;
 use crate::settings::Settings;
 
 /// Whether the wheel speeds of a log are used with this vehicle and these corners, or the key that its file lacks for that.
-///
-/// # Errors
-/// The key, where the log has wheel speeds.
+/// Errors: the key, where the log has wheel speeds.
 pub fn wheel_speed_use(
     columns: &LogColumns,
     vehicle: &Vehicle,
@@ -34,7 +32,6 @@ pub fn wheel_speed_use(
     Ok(if corners.is_empty() { WheelSpeedUse::Alone } else { WheelSpeedUse::Beside })
 }
 
-/// See the [module](self).
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct WheelSpeeds {
@@ -53,9 +50,7 @@ pub(crate) struct WheelSpeeds {
 
 impl WheelSpeeds {
     /// This vehicle's, whose monitor begins with what was stored.
-    ///
-    /// # Errors
-    /// A setting that it refuses, or a stored reference without wheel speeds where there is nothing else.
+    /// Errors: a setting that it refuses, or a stored reference without wheel speeds where there is nothing else.
     pub(crate) fn new(
         settings: &Settings,
         vehicle: &Vehicle,
@@ -152,7 +147,6 @@ impl WheelSpeeds {
         self.turns.fault().or_else(|| wheels.doubts_yaw_rate().then_some(YawFault::LeftOut))
     }
 
-    /// The log ends with its calibration.
     pub(crate) fn end_calibration(&mut self) {
         if let Some(torsion) = &mut self.torsion {
             torsion.end_calibration();
@@ -200,9 +194,7 @@ const FASTEST_DEG_S: f64 = 115.0;
 /// What is wrong with a yaw rate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum YawFault {
-    /// Its sign is the other one.
     Reversed,
-    /// It is in degrees per second.
     InDegrees,
     /// It is so many times what the wheels show.
     Scaled(f64),

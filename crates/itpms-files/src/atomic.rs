@@ -80,7 +80,6 @@ pub(crate) fn note_living(path: &Path) {
     living().push(path.to_owned());
 }
 
-/// Takes it out again.
 pub(crate) fn forget_living(path: &Path) {
     living().retain(|living| living != path);
 }

@@ -12,7 +12,7 @@ use thiserror::Error;
 pub struct FileError {
     /// The file.
     pub path: PathBuf,
-    /// What is wrong with it.
+    /// The problem.
     pub problem: FileProblem,
 }
 
@@ -31,37 +31,22 @@ impl FileError {
 pub enum FileProblem {
     #[error("no such file")]
     NotFound,
-    /// A directory where a file belongs.
     #[error("is a directory, expected a file")]
     IsDirectory,
-    /// The operating system refused to read.
     #[error("cannot be read: {0}")]
     Read(io::Error),
-    /// The operating system refused to write.
     #[error("cannot be written: {0}")]
     Write(io::Error),
-    /// A file that one program at a time may use.
     #[error("is used by another program{}, expected one at a time", by(.process))]
     InUse { process: Option<u32> },
-    /// The directory to write into is missing.
     #[error("cannot be written: the directory {} does not exist", .0.display())]
     NoDirectory(PathBuf),
-    /// More than is read into memory.
     #[error("has {}{found} bytes, expected {expected} of at most {most}", if *.is_all { "" } else { "more than " })]
-    TooLarge {
-        /// Its size, or how much of it was read.
-        found: u64,
-        is_all: bool,
-        expected: &'static str,
-        most: u64,
-    },
-    /// A line without an end.
+    TooLarge { found: u64, is_all: bool, expected: &'static str, most: u64 },
     #[error("line {line} is longer than {most} bytes, expected lines of text")]
     LongLine { line: u64, most: u64 },
-    /// A pipe or device where a file is read in several places.
     #[error("is a pipe or a device, expected a regular file: {0} is read in several places")]
     NotRegular(&'static str),
-    /// The format is chosen by the file's extension.
     #[error("{found}, expected {expected}")]
     UnknownExtension { found: String, expected: String },
 }

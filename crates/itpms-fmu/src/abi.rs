@@ -1,4 +1,9 @@
 //! What the C interfaces of both versions have in common: the instance behind a tool's pointer, names and arrays of the tool, states.
+//!
+//! # Safety
+//! Of every function here: an instance is null or one from [`Instance::create`] that was not given back, and nothing else uses it now; a
+//! text is null or ended by a zero; an array has so many values, which nothing else uses now; a state is null or one of this library. What
+//! `free` and `free_state` are given is not used again.
 #![allow(unsafe_code)]
 
 use std::ffi::{CStr, c_char, c_void};
@@ -73,18 +78,12 @@ fn say(log: Option<&Log>, text: &str) {
 }
 
 /// The instance behind a tool's pointer, for one call.
-///
-/// # Safety
-/// The pointer is null, or one from [`Instance::create`] that was not given back, and nothing else uses it now.
 pub(crate) unsafe fn instance<'a>(pointer: *mut c_void) -> Option<&'a mut Instance> {
     // SAFETY: the caller's promise.
     unsafe { pointer.cast::<Instance>().as_mut() }
 }
 
 /// Ends an instance.
-///
-/// # Safety
-/// As for [`instance`]; the pointer is not used again.
 pub(crate) unsafe fn free(pointer: *mut c_void) {
     if !pointer.is_null() {
         // SAFETY: it came from `Box::into_raw`.
@@ -93,18 +92,12 @@ pub(crate) unsafe fn free(pointer: *mut c_void) {
 }
 
 /// A tool's text.
-///
-/// # Safety
-/// The pointer is null or points to a text ended by a zero.
 pub(crate) unsafe fn text<'a>(pointer: *const c_char) -> Option<&'a str> {
     // SAFETY: the caller's promise.
     (!pointer.is_null()).then(|| unsafe { CStr::from_ptr(pointer) })?.to_str().ok()
 }
 
 /// A tool's array.
-///
-/// # Safety
-/// The pointer points to so many values that nothing writes to now, or there are none.
 unsafe fn array<'a, X>(pointer: *const X, count: usize) -> Option<&'a [X]> {
     if count == 0 {
         return Some(&[]);
@@ -114,9 +107,6 @@ unsafe fn array<'a, X>(pointer: *const X, count: usize) -> Option<&'a [X]> {
 }
 
 /// A tool's array to be written to.
-///
-/// # Safety
-/// The pointer points to so many values that nothing else uses now, or there are none.
 unsafe fn array_mut<'a, X>(pointer: *mut X, count: usize) -> Option<&'a mut [X]> {
     if count == 0 {
         return Some(&mut []);
@@ -126,9 +116,6 @@ unsafe fn array_mut<'a, X>(pointer: *mut X, count: usize) -> Option<&'a mut [X]>
 }
 
 /// Reads variables of a kind into a tool's array.
-///
-/// # Safety
-/// The pointers are a tool's: an instance, and arrays of so many.
 pub(crate) unsafe fn get<X>(
     pointer: *mut c_void,
     kind: Kind,
@@ -153,9 +140,6 @@ pub(crate) unsafe fn get<X>(
 }
 
 /// Sets variables of a kind from a tool's array.
-///
-/// # Safety
-/// As for [`get`].
 pub(crate) unsafe fn set<X: Copy>(
     pointer: *mut c_void,
     kind: Kind,
@@ -179,52 +163,40 @@ pub(crate) unsafe fn set<X: Copy>(
     Status::Ok
 }
 
-/// A step.
-///
-/// # Safety
-/// As for [`instance`].
-pub(crate) unsafe fn step(pointer: *mut c_void, time_s: f64, step_s: f64) -> Status {
+unsafe fn on(pointer: *mut c_void, act: impl FnOnce(&mut Model) -> Result<(), ModelError>) -> Status {
     // SAFETY: the caller's promise.
     let Some(instance) = (unsafe { instance(pointer) }) else { return Status::Error };
-    let result = instance.model.step(time_s, step_s);
+    let result = act(&mut instance.model);
     instance.conclude(result)
 }
 
-/// Begins anew.
-///
-/// # Safety
-/// As for [`instance`].
-pub(crate) unsafe fn reset(pointer: *mut c_void) -> Status {
+pub(crate) unsafe fn step(pointer: *mut c_void, time_s: f64, step_s: f64) -> Status {
     // SAFETY: the caller's promise.
-    let Some(instance) = (unsafe { instance(pointer) }) else { return Status::Error };
-    instance.model.reset();
-    Status::Ok
+    unsafe { on(pointer, |model| model.step(time_s, step_s)) }
+}
+
+pub(crate) unsafe fn reset(pointer: *mut c_void) -> Status {
+    let anew = |model: &mut Model| {
+        model.reset();
+        Ok(())
+    };
+    // SAFETY: the caller's promise.
+    unsafe { on(pointer, anew) }
 }
 
 /// The tool has initialized or terminated it.
-///
-/// # Safety
-/// As for [`instance`].
 pub(crate) unsafe fn enter(pointer: *mut c_void, phase: Phase) -> Status {
     // SAFETY: the caller's promise.
-    let Some(instance) = (unsafe { instance(pointer) }) else { return Status::Error };
-    let result = instance.model.enter(phase);
-    instance.conclude(result)
+    unsafe { on(pointer, |model| model.enter(phase)) }
 }
 
-/// Whether there is an instance: what a function says that has nothing to do.
-///
-/// # Safety
-/// As for [`instance`].
+/// Whether there is an instance: what a function answers that has nothing to do.
 pub(crate) unsafe fn there(pointer: *mut c_void) -> Status {
     // SAFETY: the caller's promise.
-    if unsafe { instance(pointer) }.is_some() { Status::Ok } else { Status::Error }
+    unsafe { on(pointer, |_| Ok(())) }
 }
 
 /// Keeps the state in `*state`, which is null or an earlier one.
-///
-/// # Safety
-/// The pointers are a tool's: an instance, and a state of this library or null.
 pub(crate) unsafe fn get_state(pointer: *mut c_void, state: *mut *mut c_void) -> Status {
     // SAFETY: the caller's promise.
     let (Some(instance), Some(state)) = (unsafe { (instance(pointer), state.as_mut()) }) else {
@@ -239,9 +211,6 @@ pub(crate) unsafe fn get_state(pointer: *mut c_void, state: *mut *mut c_void) ->
 }
 
 /// Goes back to a state.
-///
-/// # Safety
-/// As for [`get_state`].
 pub(crate) unsafe fn set_state(pointer: *mut c_void, state: *mut c_void) -> Status {
     // SAFETY: the caller's promise.
     let (Some(instance), Some(kept)) = (unsafe { (instance(pointer), state.cast::<Model>().as_ref()) })
@@ -253,9 +222,6 @@ pub(crate) unsafe fn set_state(pointer: *mut c_void, state: *mut c_void) -> Stat
 }
 
 /// Forgets a state.
-///
-/// # Safety
-/// As for [`get_state`]; the state is not used again.
 pub(crate) unsafe fn free_state(pointer: *mut c_void, state: *mut *mut c_void) -> Status {
     // SAFETY: the caller's promise.
     let (Some(_), Some(state)) = (unsafe { (instance(pointer), state.as_mut()) }) else {
@@ -269,10 +235,6 @@ pub(crate) unsafe fn free_state(pointer: *mut c_void, state: *mut *mut c_void) -
     Status::Ok
 }
 
-/// How many bytes a state takes.
-///
-/// # Safety
-/// As for [`get_state`].
 pub(crate) unsafe fn state_size(pointer: *mut c_void, state: *mut c_void, size: *mut usize) -> Status {
     // SAFETY: the caller's promise.
     let (Some(instance), Some(kept), Some(size)) =
@@ -283,10 +245,6 @@ pub(crate) unsafe fn state_size(pointer: *mut c_void, state: *mut c_void, size: 
     instance.conclude(kept.to_bytes().map(|bytes| *size = bytes.len()))
 }
 
-/// Writes a state as bytes.
-///
-/// # Safety
-/// As for [`get_state`], and an array of so many bytes.
 pub(crate) unsafe fn write_state(
     pointer: *mut c_void,
     state: *mut c_void,
@@ -309,9 +267,6 @@ pub(crate) unsafe fn write_state(
 }
 
 /// Reads a state of bytes into `*state`, as [`get_state`] does.
-///
-/// # Safety
-/// As for [`write_state`].
 pub(crate) unsafe fn read_state(
     pointer: *mut c_void,
     bytes: *const u8,

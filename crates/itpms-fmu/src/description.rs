@@ -20,7 +20,6 @@ pub enum Fmi {
 }
 
 /// What tells this unit from any other: of the program's version and the vehicle file. A tool hands it back.
-#[must_use]
 pub fn token(vehicle: &Vehicle) -> String {
     let text = vehicle.to_toml();
     let of = |salt: &str| crc64(&[salt.as_bytes(), env!("CARGO_PKG_VERSION").as_bytes(), text.as_bytes()]);
@@ -30,7 +29,6 @@ pub fn token(vehicle: &Vehicle) -> String {
 }
 
 /// The description of a vehicle's unit; `step_s` is the step that a tool takes unless stated otherwise.
-#[must_use]
 pub fn description(fmi: Fmi, vehicle: &Vehicle, step_s: f64) -> String {
     let table = variables(vehicle);
     let mut xml = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
@@ -42,7 +40,6 @@ pub fn description(fmi: Fmi, vehicle: &Vehicle, step_s: f64) -> String {
     xml
 }
 
-/// What both versions say of the unit.
 fn head(vehicle: &Vehicle) -> String {
     let name = escaped(&vehicle.name);
     let version = env!("CARGO_PKG_VERSION");
@@ -146,7 +143,6 @@ fn units(xml: &mut String) -> std::fmt::Result {
     writeln!(xml, "  </UnitDefinitions>")
 }
 
-/// Causality and variability, in the words of both versions.
 fn properties(variable: &Variable) -> String {
     let varies = if variable.kind == Kind::Real { "continuous" } else { "discrete" };
     match variable.causality {
@@ -178,7 +174,6 @@ fn outputs(table: &[Variable]) -> impl Iterator<Item = usize> + '_ {
         .map(|(place, _)| place)
 }
 
-/// Text inside an attribute.
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

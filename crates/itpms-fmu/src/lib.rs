@@ -14,6 +14,7 @@
 //! | `abi` | what the C interfaces of both versions have in common |
 //! | `fmi2`, `fmi3` | the functions that a tool calls |
 #![deny(unsafe_code, unsafe_op_in_unsafe_fn)]
+#![allow(missing_docs, reason = "a part of the program: names say it, and comments what they do not")]
 
 mod abi;
 pub mod description;

@@ -26,30 +26,23 @@ const STACK_BYTES: usize = 32 << 20;
 
 /// Why a step, or what comes before it, did not happen.
 #[derive(Debug, Error)]
-#[allow(missing_docs, reason = "the messages say it")]
 pub enum ModelError {
     #[error("{0}")]
     Vehicle(String),
-    /// A parameter that the estimator refuses.
     #[error(transparent)]
     Refused(#[from] itpms_core::ParameterError),
-    /// The drive cannot begin.
     #[error(transparent)]
     Drive(#[from] DriveError),
-    /// A step that is no time between two samples.
     #[error(
         "a step of {0} s, expected {1}: a step is the time between two samples, which the tool sets (FMPy: step_size=0.002, output_interval=0.002)"
     )]
     Step(f64, &'static str),
-    /// A step that the standard does not allow then.
     #[error("a step {0}, expected it after the initialization and before the end")]
     Order(&'static str),
-    /// A saved state that cannot be used.
     #[error("the saved state {0}")]
     State(String),
 }
 
-/// A car, its variables and their values.
 #[derive(Debug, Clone)]
 pub struct Model {
     file: Vehicle,
@@ -62,7 +55,6 @@ pub struct Model {
 /// What a tool has done with a unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Phase {
-    /// Made, or reset.
     Made,
     /// Initialized: it can be stepped.
     Initialized,
@@ -72,7 +64,6 @@ pub enum Phase {
 
 impl Model {
     /// A car as its vehicle file has it, before anything is set.
-    #[must_use]
     pub fn new(file: Vehicle) -> Self {
         let variables = variables(&file);
         let values = variables.iter().map(|variable| variable.start).collect();
@@ -80,35 +71,26 @@ impl Model {
     }
 
     /// The same of the vehicle file in a folder of resources.
-    ///
-    /// # Errors
-    /// The file cannot be read.
     pub fn of_resources(folder: &Path) -> Result<Self, ModelError> {
         let path = folder.join(crate::package::VEHICLE_FILE);
         Vehicle::read(&path).map(Self::new).map_err(|error| ModelError::Vehicle(error.to_string()))
     }
 
-    /// The vehicle file's car.
-    #[must_use]
     pub fn vehicle(&self) -> &Vehicle {
         &self.file
     }
 
     /// The variables; a value reference is a place among them.
-    #[must_use]
     pub fn variables(&self) -> &[Variable] {
         &self.variables
     }
 
-    /// A variable and its value, if there is one of this reference.
-    #[must_use]
     pub fn get(&self, reference: u32) -> Option<(&Variable, f64)> {
         let index = usize::try_from(reference).ok()?;
         self.variables.get(index).zip(self.values.get(index).copied())
     }
 
     /// Sets a variable. Whether it may be set now: inputs always, parameters until the first step.
-    #[must_use]
     pub fn set(&mut self, reference: u32, value: f64) -> bool {
         let Ok(index) = usize::try_from(reference) else { return false };
         let may = match self.variables.get(index).map(|variable| variable.causality) {
@@ -127,10 +109,7 @@ impl Model {
         *self = Self::new(self.file.clone());
     }
 
-    /// The tool has initialized or terminated it.
-    ///
-    /// # Errors
-    /// It was terminated before.
+    /// The tool has initialized or terminated it. Errors: it was terminated before.
     pub fn enter(&mut self, phase: Phase) -> Result<(), ModelError> {
         if self.phase == Phase::Terminated {
             return Err(ModelError::Order("or an initialization after the end"));
@@ -139,12 +118,9 @@ impl Model {
         Ok(())
     }
 
-    /// Takes the inputs as the sample at `time_s`; what can be read then is what is known after it. The first step begins the drive, and says
-    /// how many samples a second to expect.
-    ///
-    /// # Errors
-    /// A step before the initialization, after the end or of no length, a first one that is no time between two samples; a parameter that
-    /// the estimator refuses.
+    /// Takes the inputs as the sample at `time_s`; what can be read then is what is known after it. The first step begins the drive, and
+    /// says how many samples a second to expect. Errors: a step before the initialization, after the end or of no length, a first one that
+    /// is no time between two samples; a parameter that the estimator refuses.
     pub fn step(&mut self, time_s: f64, step_s: f64) -> Result<(), ModelError> {
         match self.phase {
             Phase::Made => return Err(ModelError::Order("before the initialization")),
@@ -176,7 +152,6 @@ impl Model {
         place.and_then(|place| self.values.get(place)).copied().unwrap_or(f64::NAN)
     }
 
-    /// The corners whose accelerations are there.
     fn measured(&self) -> Vec<Corner> {
         let is = |corner: &Corner| self.value(Role::Corner(*corner, OfCorner::IsMeasured)) > 0.5;
         Corner::ALL.into_iter().filter(is).collect()
@@ -199,7 +174,6 @@ impl Model {
         Ok(drive.with_road(&vehicle, corners, rate_hz)?)
     }
 
-    /// The vehicle with the parameters as they were set.
     fn as_set(&self) -> Result<Vehicle, ModelError> {
         let mut vehicle = self.file.clone();
         vehicle.wheelbase_m =
@@ -230,7 +204,6 @@ impl Model {
         Ok(())
     }
 
-    /// The inputs as a row of a log.
     fn row(&self, time_s: f64, corners: &[Corner]) -> LogRow {
         let car = |of| self.value(Role::Car(of));
         let of_corner = |corner, of| self.value(Role::Corner(corner, of));
@@ -322,10 +295,7 @@ impl Model {
         }
     }
 
-    /// All of it as bytes, with its version and a checksum.
-    ///
-    /// # Errors
-    /// It cannot be written, which a car of ours always can.
+    /// All of it as bytes, with its version and a checksum. Errors: it cannot be written, which a car of ours always can.
     pub fn to_bytes(&self) -> Result<Vec<u8>, ModelError> {
         let body = postcard::to_stdvec(&(self.file.to_toml(), &self.values, &self.drive, self.phase))
             .map_err(|error| ModelError::State(format!("cannot be written: {error}")))?;
@@ -333,10 +303,7 @@ impl Model {
         Ok([head.as_bytes(), &body].concat())
     }
 
-    /// Goes on from such bytes.
-    ///
-    /// # Errors
-    /// They are damaged, of another version, or of another vehicle file.
+    /// Goes on from such bytes. Errors: they are damaged, of another version, or of another vehicle file.
     pub fn restore(&mut self, bytes: &[u8]) -> Result<(), ModelError> {
         let refuse = |what: &str| ModelError::State(what.to_owned());
         let known = bytes.strip_prefix(MAGIC.as_bytes()).and_then(|rest| rest.split_at_checked(17));

@@ -14,38 +14,29 @@ use crate::description::{Fmi, MODEL_IDENTIFIER, description};
 pub const VEHICLE_FILE: &str = "vehicle.toml";
 
 /// The shared library's name as cargo builds it.
-#[must_use]
 pub fn library_name() -> String {
     format!("{}itpms_fmu{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX)
 }
 
 /// Why there is no package.
 #[derive(Debug, Error)]
-#[allow(missing_docs, reason = "the messages say it")]
 pub enum PackageError {
-    /// The shared library is not where it is looked for.
     #[error(
         "{searched}: the shared library {name} is not there; expected where cargo build --release -p itpms-fmu leaves it, or --library PATH"
     )]
     NoLibrary { name: String, searched: String },
-    /// A file cannot be read.
     #[error("{}: cannot be read: {}", .0.display(), .1)]
     Read(PathBuf, std::io::Error),
-    /// The archive cannot be made.
     #[error("the archive cannot be made: {0}")]
     Zip(#[from] zip::result::ZipError),
     #[error("the archive cannot be made: {0}")]
     Write(#[from] std::io::Error),
-    /// The standard has no name for this machine.
     #[error("the standard has no folder for shared libraries of this system ({0})")]
     Platform(&'static str),
 }
 
 /// The shared library: as given, else beside the program, in the folder `deps` there, where cargo leaves it, or in `../lib/itpms`, where
-/// packages put it that have programs in a folder of their own.
-///
-/// # Errors
-/// It is in none of these places.
+/// packages put it that have programs in a folder of their own. Errors: it is in none of these places.
 pub fn find_library(given: Option<&Path>, program: &Path) -> Result<PathBuf, PackageError> {
     let name = library_name();
     let folder = program.parent().unwrap_or(Path::new("."));
@@ -77,10 +68,7 @@ fn platform(fmi: Fmi) -> Result<&'static str, PackageError> {
     })
 }
 
-/// The bytes of a vehicle's package.
-///
-/// # Errors
-/// The library cannot be read; the standard has no place for it.
+/// The bytes of a vehicle's package. Errors: the library cannot be read; the standard has no place for it.
 pub fn package(fmi: Fmi, vehicle: &Vehicle, library: &Path, step_s: f64) -> Result<Vec<u8>, PackageError> {
     let code = std::fs::read(library).map_err(|error| PackageError::Read(library.to_owned(), error))?;
     let suffix = std::env::consts::DLL_SUFFIX;

@@ -4,12 +4,9 @@
 use itpms_core::model::Corner;
 use itpms_data::Vehicle;
 
-/// What a variable is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Causality {
-    /// Time.
     Independent,
-    /// Set before the simulation begins.
     Parameter,
     /// Set before a step; NaN: the value is missing.
     Input,
@@ -31,30 +28,21 @@ pub enum Kind {
 /// What is behind a variable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
-    /// Time in s.
     Time,
-    /// Of the whole car.
     Car(OfCar),
-    /// Of a corner.
     Corner(Corner, OfCorner),
 }
 
-/// A variable.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Variable {
-    /// Its name, ending in its unit.
     pub name: String,
-    /// What is behind it.
     pub role: Role,
-    /// What it is for.
     pub causality: Causality,
-    /// What kind of number it is.
     pub kind: Kind,
     /// Its unit, one of [`UNITS`]; empty: none.
     pub unit: &'static str,
-    /// What it says.
     pub text: &'static str,
-    /// What it is before anything is set.
+    /// Initial value.
     pub start: f64,
 }
 
@@ -82,7 +70,6 @@ macro_rules! table {
      $($role:ident $causality:ident $kind:ident $name:literal $unit:literal $text:literal;)*) => {
         $(#[$doc])*
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-        #[allow(missing_docs, reason = "the table describes them")]
         pub enum $of { $($role),* }
 
         const $table: &[Row<$of>] = &[$(($of::$role, Causality::$causality, Kind::$kind, $name, $unit, $text)),*];
@@ -90,7 +77,6 @@ macro_rules! table {
 }
 
 table! {
-    /// What there is of the whole car.
     OfCar CAR
     Wheelbase Parameter Real "wheelbase_m" "m" "Distance between the axles; 0: the road that front and rear share is not used.";
     CalibrateS Parameter Real "calibrate_s" "s" "So long from the first step on all tires have their placard pressures, and the car is learned; 0: no calibration.";
@@ -111,7 +97,6 @@ table! {
 }
 
 table! {
-    /// What there is of a corner.
     OfCorner CORNER
     IsMeasured Parameter Boolean "is_measured" "" "Whether this corner's accelerations are there.";
     SprungMass Parameter Real "sprung_mass_kg" "kg" "Sprung mass.";
@@ -144,7 +129,6 @@ table! {
 }
 
 /// The variables of a vehicle: its corners' with the file's values as their start. Inputs and outputs are unknown until they are set.
-#[must_use]
 pub fn variables(vehicle: &Vehicle) -> Vec<Variable> {
     let mut all = vec![Variable {
         name: "time".to_owned(),
@@ -181,7 +165,6 @@ fn unknown(kind: Kind) -> f64 {
 }
 
 /// What the vehicle file says of a parameter of a corner that it has.
-#[must_use]
 pub fn parameter(vehicle: &Vehicle, corner: Corner, of: OfCorner) -> Option<f64> {
     let config = vehicle.corner(corner)?;
     let (car, tire) = (&config.quarter_car, &config.tire);

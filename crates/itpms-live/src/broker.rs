@@ -24,13 +24,10 @@ const LONGEST_PAUSE: Duration = Duration::from_secs(5);
 /// `mqtt://[USER@]HOST[:PORT]/TOPIC`, or `mqtts://` with encryption.
 #[derive(Debug, Clone)]
 pub struct BrokerAddress {
-    /// Name or address.
     pub host: String,
     /// 1883 unless given, 8883 with encryption.
     pub port: u16,
-    /// Topic, or what topics begin with.
     pub topic: String,
-    /// Who we are for the broker.
     pub user: Option<String>,
     /// What it wants to hear from that user.
     password: Option<Password>,
@@ -42,8 +39,6 @@ pub struct BrokerAddress {
 pub struct Password(String);
 
 impl Password {
-    /// Takes it as it is.
-    #[must_use]
     pub fn new(text: String) -> Self {
         Self(text)
     }
@@ -64,10 +59,7 @@ enum Encryption {
 }
 
 impl BrokerAddress {
-    /// Reads an address.
-    ///
-    /// # Errors
-    /// It has another form.
+    /// Reads an address. Errors: it has another form.
     pub fn parse(text: &str) -> Result<Self, LiveError> {
         let read = || {
             let (encryption, usual_port, rest) = match text.strip_prefix("mqtts://") {
@@ -98,11 +90,8 @@ impl BrokerAddress {
         Ok(address)
     }
 
-    /// The same with a password, and with whom to believe that it is this broker: whom the certificates in `ca` have signed,
-    /// or whom the system believes.
-    ///
-    /// # Errors
-    /// There is a password and no user, or certificates and no encryption; or no certificate can be had.
+    /// The same with a password, and with whom to believe that it is this broker: whom the certificates in `ca` have signed, or whom the
+    /// system believes. Errors: there is a password and no user, or certificates and no encryption; or no certificate can be had.
     pub fn with_access(mut self, password: Option<Password>, ca: Option<&Path>) -> Result<Self, LiveError> {
         if password.is_some() && self.user.is_none() {
             return Err(LiveError::Refused(
@@ -129,7 +118,6 @@ impl BrokerAddress {
     }
 
     /// Whether someone on the way could read a password of this address.
-    #[must_use]
     pub fn shows_password(&self) -> bool {
         let host = self.host.as_str();
         let here = host == "localhost" || host.parse::<std::net::IpAddr>().is_ok_and(|ip| ip.is_loopback());

@@ -5,9 +5,7 @@ use itpms_core::model::Corner;
 /// How often rows come, and of which corners.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Clock {
-    /// Rows per second.
     pub sample_rate_hz: f64,
-    /// The corners that are measured and that the vehicle has.
     pub corners: Vec<Corner>,
     /// Whether the speeds of all four wheels come, and the vehicle has what they need.
     pub wheel_speeds: bool,
@@ -15,7 +13,6 @@ pub struct Clock {
 
 impl Clock {
     /// Whether front and rear of a side are measured: where the speed is known they are held against each other.
-    #[must_use]
     pub fn has_side(&self) -> bool {
         [[Corner::FrontLeft, Corner::RearLeft], [Corner::FrontRight, Corner::RearRight]]
             .iter()

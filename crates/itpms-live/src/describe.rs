@@ -31,13 +31,8 @@ fn rolling(drive: &Drive, vehicle: &Vehicle, corner: Corner) -> Option<Wheel> {
         pressure_kpa: nan,
         pressure_sd_kpa: nan,
         change_sd_kpa: nan,
-        axle_difference_sd_kpa: None,
         lost_kpa: known(radius.lost_share * placard_kpa),
         lost_sd_kpa: known(radius.lost_share_sd * placard_kpa),
-        cold_pressure_kpa: None,
-        cold_pressure_sd_kpa: None,
-        ambient_temperature_c: None,
-        cold_add_kpa: None,
         lost_share: known(radius.lost_share),
         lost_share_sd: known(radius.lost_share_sd),
         detectable_loss: known(radius.detectable_loss_share),
@@ -45,12 +40,12 @@ fn rolling(drive: &Drive, vehicle: &Vehicle, corner: Corner) -> Option<Wheel> {
         stiffness_n_per_m: nan,
         reference_kpa: placard_kpa,
         placard_kpa,
-        valid: false,
         warning: report.warning.label(),
         gate: nan,
         informed_age_s: drive.time_s() - report.informed_s,
         road_m: nan,
         iri_m_per_km: nan,
+        ..Wheel::default()
     })
 }
 
@@ -117,7 +112,6 @@ fn doubt_label(doubt: Doubt) -> &'static str {
     }
 }
 
-/// The sides whose front and rear are both measured.
 pub(crate) fn tracks(drive: &Drive) -> Vec<Track> {
     let Some(estimate) = &drive.latest else { return Vec::new() };
     let sides =

@@ -44,10 +44,7 @@ pub(crate) struct Progress {
 }
 
 impl Drive {
-    /// A drive about to begin.
-    ///
-    /// # Errors
-    /// Parameters or a reference that the estimator refuses.
+    /// A drive about to begin. Errors: parameters or a reference that the estimator refuses.
     pub fn new(vehicle: &Vehicle, clock: Clock, options: &DriveOptions) -> Result<Self, LiveError> {
         let config = vehicle.car_config(&clock.corners);
         let refused = |error: &dyn std::fmt::Display| LiveError::Refused(error.to_string());
@@ -123,20 +120,17 @@ impl Drive {
         self.gate.lets_through(row.time_s)
     }
 
-    /// What the monitor says after the last row.
-    #[must_use]
+    /// The monitor's report after the last row.
     pub fn report(&self) -> &MonitorReport<f64> {
         self.car.report()
     }
 
-    /// What was estimated after the last row.
-    #[must_use]
+    /// The estimate after the last row.
     pub fn latest(&self) -> Option<&CarEstimate<f64>> {
         self.latest.as_ref()
     }
 
     /// Why the speed of the car is unknown; `None` where it is known.
-    #[must_use]
     pub fn speed_doubt(&self) -> Option<SpeedDoubt> {
         match self.progress.odometer.speed_m_s().is_nan() {
             true if self.car.denies_standstill() => Some(SpeedDoubt::Contradicted),
@@ -146,7 +140,6 @@ impl Drive {
     }
 
     /// Time of the last row in s; NaN before the first.
-    #[must_use]
     pub fn time_s(&self) -> f64 {
         self.progress.time_s
     }

@@ -38,19 +38,16 @@ const MOST_PULSES: usize = 1 << 18;
 /// What leaves the estimating thread.
 #[derive(Debug, Clone)]
 pub enum Published {
-    /// What is known now.
     Estimate(Arc<Snapshot>),
     /// An alert began or ended.
     Warning(Arc<Transition>),
 }
 
-/// The estimating thread's own.
 pub struct Engine {
     vehicle: Vehicle,
     options: DriveOptions,
     say: NoteSink,
     stage: Stage,
-    /// A drive that waits for its first row.
     saved: Option<SavedDrive>,
     source: Source,
     /// Tooth pulses until the first row that is not earlier.
@@ -63,9 +60,8 @@ pub struct Engine {
     /// Wall clock when the newest row came; NaN before the first one.
     newest_unix_s: f64,
     units: UnitWatch,
-    /// Whether it was reported that rows come in bursts.
     bursts_reported: bool,
-    /// What was doubtful about the source's signals.
+    /// Doubts about the source's signals.
     doubts: Vec<String>,
     /// Corners of the vehicle that do not come, and why.
     not_estimated: BTreeMap<&'static str, String>,
@@ -79,7 +75,6 @@ enum Stage {
 
 impl Engine {
     /// An engine that has seen nothing yet; with a drive that was saved, it goes on where that stopped, if the rows fit it.
-    #[must_use]
     pub fn new(
         vehicle: Vehicle,
         options: DriveOptions,
@@ -87,18 +82,7 @@ impl Engine {
         saved: Option<SavedDrive>,
         say: NoteSink,
     ) -> Self {
-        let source = Source {
-            name: source.name,
-            kind: source.kind,
-            state: SourceState::Stale,
-            rows: 0,
-            frames: 0,
-            dropped: 0,
-            unknown_ids: 0,
-            malformed: 0,
-            reconnects: 0,
-            rate_hz: f64::NAN,
-        };
+        let source = Source { name: source.name, kind: source.kind, rate_hz: f64::NAN, ..Source::default() };
         let stage = Stage::Surveying(Vec::new());
         let latency = LatencyWindow::default();
         let units = UnitWatch::new(options.units);
@@ -124,7 +108,6 @@ impl Engine {
     }
 
     /// The same, knowing what was doubtful about the source's signals.
-    #[must_use]
     pub fn knowing(self, doubts: Vec<String>) -> Self {
         Self { doubts, ..self }
     }
@@ -135,9 +118,7 @@ impl Engine {
     }
 
     /// Says what the rows will be, where the source knows it.
-    ///
-    /// # Errors
-    /// The vehicle has none of the corners, or the estimator refuses its parameters.
+    /// Errors: the vehicle has none of the corners, or the estimator refuses its parameters.
     pub fn open(
         &mut self,
         sample_rate_hz: f64,
@@ -162,9 +143,6 @@ impl Engine {
     }
 
     /// Takes a row and when it came, where that counts for the latency; what there is to tell goes to `publish`.
-    ///
-    /// # Errors
-    /// As [`Engine::open`], at the row that ends the survey.
     pub fn take(
         &mut self,
         row: &LogRow,
@@ -186,9 +164,6 @@ impl Engine {
     }
 
     /// There is nothing more: rows that wait for the end of the survey are estimated with what there is.
-    ///
-    /// # Errors
-    /// As [`Engine::take`].
     pub fn finish(&mut self, publish: &mut impl FnMut(Published)) -> Result<(), LiveError> {
         if let Stage::Surveying(rows) = &self.stage
             && rows.len() > 1
@@ -363,7 +338,6 @@ impl Engine {
         Ok(())
     }
 
-    /// Everything that is known now.
     pub fn snapshot(&mut self) -> Arc<Snapshot> {
         let latency_ms = self.latency.summary(Instant::now());
         let seq = self.snapshots;
@@ -375,15 +349,10 @@ impl Engine {
             source: self.source.clone(),
             vehicle: self.vehicle.name.clone(),
             speed_m_s: f64::NAN,
-            speed_doubt: None,
             distance_m: f64::NAN,
             latency_ms,
-            wheels: Vec::new(),
-            tracks: Vec::new(),
-            alerts: Vec::new(),
-            sensors: Vec::new(),
             not_estimated: self.not_estimated.clone(),
-            all_fine: false,
+            ..Snapshot::default()
         };
         if let Stage::Running(drive) = &self.stage {
             snapshot.time_s = drive.time_s();
@@ -403,8 +372,6 @@ impl Engine {
         Arc::new(snapshot)
     }
 
-    /// The drive, once it runs.
-    #[must_use]
     pub fn drive(&self) -> Option<&Drive> {
         match &self.stage {
             Stage::Surveying(_) => None,
@@ -413,14 +380,12 @@ impl Engine {
     }
 
     /// The bytes of the state file, once there is something to save.
-    #[must_use]
     pub fn saved(&self) -> Option<Vec<u8>> {
         let drive = self.drive().filter(|drive| drive.latest.is_some())?;
         SavedDrive::of(drive, &self.options).to_bytes(&self.vehicle)
     }
 
     /// Rows left out because their time was not after the last one's.
-    #[must_use]
     pub fn out_of_order(&self) -> u64 {
         self.past.left_out()
     }

@@ -10,36 +10,27 @@ use thiserror::Error;
 /// The end of the monitor.
 #[derive(Debug, Error)]
 #[non_exhaustive]
-#[allow(missing_docs, reason = "the messages say it")]
 pub enum LiveError {
-    /// A file in or out.
     #[error(transparent)]
     Data(#[from] DataError),
-    /// What the estimator was given.
     #[error("{0}")]
     Refused(String),
-    /// The source has none of the corners of the vehicle.
     #[error("{source_name} has the corners {found}, but the vehicle {vehicle:?} describes {described}")]
     NoCorner { source_name: String, found: String, vehicle: String, described: String },
-    /// An address of a broker.
     #[error(
         "{found:?} is no address of an MQTT broker, expected mqtt://[USER@]HOST[:PORT]/TOPIC, or mqtts://"
     )]
     BrokerAddress { found: String },
-    /// A password where every program of the machine can read it.
     #[error(
         "a password in the address is seen by everyone on this machine, expected it in the file of --mqtt-password-file, or in ITPMS_MQTT_PASSWORD"
     )]
     PasswordInAddress,
-    /// Certificates of an encrypted connection.
     #[error("{name}: {error}")]
     Certificates { name: String, error: io::Error },
     #[error("{interface}: {error}")]
     Interface { interface: String, error: io::Error },
-    /// Whoever read standard output has gone away, as `head` does; no reason to complain.
     #[error("standard output is closed: its reader has ended")]
     ReaderGone,
-    /// An output that cannot be written.
     #[error("{target}: cannot be written: {error}")]
     Output { target: String, error: io::Error },
 }

@@ -18,45 +18,38 @@ const NOT_OF_IT_S: f64 = 10.0;
 /// A row and when its first frame came; `None` if it waited for the rates to be measured, which says nothing of later ones.
 pub(crate) type FedRow = (LogRow, Option<Instant>);
 
-/// Frames in, rows out.
 pub struct Feed {
     decoder: Decoder,
     aligner: Aligner,
     /// Frames of ours that come back from the bus we send on.
     own: Vec<CanId>,
     came: VecDeque<(f64, Instant)>,
-    /// When the first row came out.
     running_since: Option<Instant>,
 }
 
 impl Feed {
     /// A feed that has seen no frame. `own` are the identifiers that this program sends on the same bus.
-    #[must_use]
     pub fn new(decoder: Decoder, own: Vec<CanId>) -> Self {
         let aligner = Aligner::new(&decoder.slots());
         Self { decoder, aligner, own, came: VecDeque::new(), running_since: None }
     }
 
     /// Whether the signals are enough: both accelerations of a corner, or the speeds of four wheels.
-    #[must_use]
     pub fn is_enough(&self) -> bool {
         self.aligner.columns().are_enough()
     }
 
-    /// What was doubtful about the signals.
-    #[must_use]
+    /// Doubts about the signals.
     pub fn doubts(&self) -> Vec<String> {
         self.decoder.resolved().assumptions()
     }
 
     /// Frames with a signal that is wanted.
-    #[must_use]
     pub fn used(&self) -> u64 {
         self.decoder.counts().used
     }
 
     /// Data frames whose identifier the DBC does not have.
-    #[must_use]
     pub fn unknown_ids(&self) -> u64 {
         self.decoder.counts().unknown
     }

@@ -14,7 +14,6 @@ use crate::snapshot::{Snapshot, Transition};
 const COARSE: Thinning = Thinning { step_s: 1.0, span_s: 900.0 };
 /// The same of the fine history.
 const FINE: Thinning = Thinning { step_s: 0.1, span_s: 60.0 };
-/// Transitions that are remembered.
 const TRANSITIONS: usize = 256;
 
 /// Where the newest is to be had.
@@ -28,7 +27,6 @@ pub struct Hub {
 /// What has been, oldest first.
 #[derive(Debug, Clone, Default)]
 pub struct History {
-    /// The last quarter of an hour, a snapshot a second.
     pub coarse: Vec<Arc<Snapshot>>,
     /// The last minute, ten a second.
     pub fine: Vec<Arc<Snapshot>>,
@@ -54,8 +52,6 @@ impl Default for Hub {
 }
 
 impl Hub {
-    /// A hub that has received nothing yet.
-    #[must_use]
     pub fn new() -> Arc<Self> {
         Arc::default()
     }
@@ -79,33 +75,25 @@ impl Hub {
     }
 
     /// The newest snapshot, if there is one.
-    #[must_use]
     pub fn latest(&self) -> Option<Arc<Snapshot>> {
         self.latest.borrow().clone()
     }
 
     /// A receiver that is woken for every new snapshot and sees only the newest: a slow reader misses some and delays nothing.
     /// Its `changed()` fails once the hub is gone.
-    #[must_use]
     pub fn subscribe(&self) -> watch::Receiver<Option<Arc<Snapshot>>> {
         self.latest.subscribe()
     }
 
-    /// A receiver of every transition from now on. One that lags by more than 256 is notified and finds the last ones in
-    /// [`Hub::history`].
-    #[must_use]
+    /// A receiver of every transition from now on. One that lags by more than 256 is notified and finds the last ones in [`Hub::history`].
     pub fn subscribe_transitions(&self) -> broadcast::Receiver<Arc<Transition>> {
         self.transitions.subscribe()
     }
 
-    /// Whether anybody reads.
-    #[must_use]
     pub fn is_read(&self) -> bool {
         self.latest.receiver_count() > 0
     }
 
-    /// What has been.
-    #[must_use]
     pub fn history(&self) -> History {
         let past = self.past();
         History {
@@ -167,30 +155,18 @@ mod tests {
         Arc::new(Snapshot {
             seq,
             time_s,
-            unix_s: 0.0,
             source: Source {
                 name: "can0".to_owned(),
                 kind: "socketcan",
                 state: SourceState::Live,
-                rows: 0,
-                frames: 0,
-                dropped: 0,
-                unknown_ids: 0,
-                malformed: 0,
-                reconnects: 0,
                 rate_hz: 500.0,
+                ..Source::default()
             },
             vehicle: "car".to_owned(),
             speed_m_s: f64::NAN,
             speed_doubt: Some("missing"),
-            distance_m: 0.0,
             latency_ms: Latency { p50: 0.1, p99: 0.2, max: 0.3 },
-            wheels: vec![],
-            tracks: vec![],
-            alerts: vec![],
-            sensors: vec![],
-            not_estimated: Default::default(),
-            all_fine: false,
+            ..Snapshot::default()
         })
     }
 

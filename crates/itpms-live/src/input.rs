@@ -7,32 +7,23 @@ use itpms_data::LogRow;
 use itpms_data::can::CanFrame;
 use itpms_data::pulses::Pulse;
 
-/// Something that came in.
 #[derive(Debug, Clone)]
 pub enum Input {
     /// What kind of rows follow, from a source that knows before the first: the rate it measured and the corners it has.
     Opened {
-        /// Rows per second.
         sample_rate_hz: f64,
-        /// The measured corners.
         corners: Vec<Corner>,
-        /// Whether the speeds of all four wheels come.
         wheel_speeds: bool,
     },
-    /// A row of a drive log.
     Row {
         /// The row, much larger than what else comes.
         row: Box<LogRow>,
-        /// When it came.
         arrived: Instant,
     },
     /// A tooth of a wheel speed sensor passed; comes before the first row or frame that is not earlier.
     Pulse(Pulse),
-    /// A frame of a bus.
     Frame {
-        /// The frame.
         frame: CanFrame,
-        /// When it came.
         arrived: Instant,
     },
     /// Lines, messages or frames that could not be read.
@@ -49,7 +40,6 @@ pub enum Input {
     Failed(String),
 }
 
-/// How a source is called.
 #[derive(Debug, Clone)]
 pub struct SourceName {
     /// Interface, file or topic.
@@ -61,11 +51,9 @@ pub struct SourceName {
 /// Something a person should read, from any thread.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Note {
-    /// What happened.
     Remark(String),
     /// What is wrong or was lost.
     Warning(String),
 }
 
-/// Where notes go.
 pub type NoteSink = std::sync::Arc<dyn Fn(Note) + Send + Sync>;

@@ -9,7 +9,6 @@ use crate::snapshot::Latency;
 
 /// Seconds that are looked back on, in parts of one second.
 const PARTS: usize = 10;
-/// Classes per octave.
 const PER_OCTAVE: f64 = 8.0;
 /// Upper end of the first class, in ms.
 const FIRST_MS: f64 = 1e-3;

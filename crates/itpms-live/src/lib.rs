@@ -20,6 +20,7 @@
 //!
 //! One thread estimates and waits for no one. Used by `itpms monitor`; knows nothing of arguments and exit codes.
 #![forbid(unsafe_code)]
+#![allow(missing_docs, reason = "a part of the program: names say it, and comments what they do not")]
 
 pub mod broker;
 mod clock;

@@ -1,7 +1,6 @@
 //! The estimating thread: takes what sources tell, keeps the clock of staleness, hands out what there is to tell.
 //!
-//! Called by `itpms monitor`. Waits for its source alone: every output has a queue of its own, and the state is written by
-//! another thread.
+//! Called by `itpms monitor`. Waits for its source alone: every output has a queue of its own, and the state is written by another thread.
 
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -25,17 +24,14 @@ use crate::state;
 pub const STALE_AFTER: Duration = Duration::from_secs(1);
 /// How often an old state is published again.
 const STALE_EVERY: Duration = Duration::from_secs(1);
-/// How often the state is saved.
 const SAVE_EVERY: Duration = Duration::from_secs(60);
 /// How long the thread sleeps at most without looking at the clock.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
 
-/// Why the monitor ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum End {
     /// The source has nothing more.
     SourceEnded,
-    /// It was asked for.
     Stopped,
 }
 
@@ -61,8 +57,6 @@ pub struct Monitor {
 }
 
 impl Monitor {
-    /// Puts the parts together.
-    #[must_use]
     pub fn new(
         engine: Engine,
         hub: Arc<Hub>,
@@ -90,16 +84,12 @@ impl Monitor {
     }
 
     /// The same for a source of frames.
-    #[must_use]
     pub fn with_feed(self, feed: Feed) -> Self {
         Self { feed: Some(feed), ..self }
     }
 
-    /// Estimates until the source ends or `stop` says so. Outputs get everything that was published before this returns,
-    /// and the state is saved.
-    ///
-    /// # Errors
-    /// The vehicle does not fit the source, the source broke in the middle, or an output or the state cannot be written.
+    /// Estimates until the source ends or `stop` says so. Outputs get everything that was published before this returns, and the state is
+    /// saved. Errors: the vehicle does not fit the source, the source broke in the middle, or an output or the state cannot be written.
     pub fn run(mut self, inputs: &Queue<Input>, stop: impl Fn() -> bool) -> Result<End, LiveError> {
         let end = self.estimate(inputs, stop);
         inputs.close();

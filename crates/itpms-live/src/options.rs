@@ -9,17 +9,14 @@ use itpms_data::reference::LearnedTorsion;
 /// How a drive is estimated and how often it is published.
 #[derive(Debug, Clone)]
 pub struct DriveOptions {
-    /// Which loss is warned of.
     pub regulation: Regulation,
     /// Length in s of the calibration that begins with the first row.
     pub calibrate_s: Option<f64>,
     /// What an earlier calibration taught of this car.
     pub reference: Option<VehicleCalibration<f64>>,
-    /// The same of its wheel speeds.
     pub wheel_reference: Option<RadiusCalibration<f64>>,
     /// What the days since then have shown of them.
     pub days_reference: Option<RadiusDays<f64>>,
-    /// Whether tooth pulses come, too.
     pub pulses: bool,
     /// What an earlier calibration taught of them.
     pub torsion_reference: LearnedTorsion,

@@ -5,10 +5,8 @@
 /// Rows of the past, each later than the one before it, after which the clock is believed to have been set back.
 const SET_BACK: u32 = 16;
 
-/// What to do with a row.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Place {
-    /// It follows the one before.
     Next,
     /// It is late, or has no time: to be left out.
     Late,
@@ -16,7 +14,6 @@ pub(crate) enum Place {
     SetBack(f64),
 }
 
-/// Rows that were left out.
 #[derive(Debug)]
 pub(crate) struct Past {
     last_s: f64,
@@ -29,7 +26,6 @@ impl Past {
         Self { last_s: f64::NAN, in_a_row: 0, left_out: 0 }
     }
 
-    /// Rows left out so far.
     pub(crate) fn left_out(&self) -> u64 {
         self.left_out
     }

@@ -25,7 +25,6 @@ struct Inner<T> {
 /// What came of waiting for items.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Taken {
-    /// There were some.
     Some,
     /// None in the time given.
     Nothing,
@@ -34,15 +33,12 @@ pub enum Taken {
 }
 
 impl<T> Queue<T> {
-    /// An empty queue for so many items.
-    #[must_use]
     pub fn new(capacity: usize) -> Self {
         let inner = Inner { items: VecDeque::new(), closed: false, dropped: 0 };
         Self { inner: Mutex::new(inner), filled: Condvar::new(), emptied: Condvar::new(), capacity }
     }
 
-    /// Adds all items, waiting for room before each when there is none. `false` if the queue was closed: what had no room
-    /// then is gone.
+    /// Adds all items, waiting for room before each when there is none. `false` if the queue was closed: what had no room then is gone.
     pub fn push_all(&self, items: impl IntoIterator<Item = T>) -> bool {
         let mut inner = self.lock();
         for item in items {
@@ -108,7 +104,6 @@ impl<T> Queue<T> {
     }
 
     /// Items lost for want of room.
-    #[must_use]
     pub fn dropped(&self) -> u64 {
         self.lock().dropped
     }

@@ -9,7 +9,6 @@ use itpms_core::model::Corner;
 use crate::clock::Clock;
 use crate::error::LiveError;
 
-/// Length of a segment in m.
 const SEGMENT_M: f64 = 100.0;
 
 /// A survey per wheel and its newest complete segment.

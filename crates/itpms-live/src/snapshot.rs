@@ -9,7 +9,7 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 /// The car at one moment.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Default, Serialize)]
 pub struct Snapshot {
     /// Counts the snapshots of this process from 0; one that is missing was not seen.
     pub seq: u64,
@@ -20,15 +20,12 @@ pub struct Snapshot {
     pub unix_s: f64,
     /// Where the rows come from, and whether they come.
     pub source: Source,
-    /// Name of the vehicle, from its file.
     pub vehicle: String,
-    /// Speed of the car in m/s.
     pub speed_m_s: f64,
     /// Why the speed is not known: `missing` or `contradicted` by wheels that roll while it is zero; else `null`.
     pub speed_doubt: Option<&'static str>,
     /// Distance driven since the start, in m.
     pub distance_m: f64,
-    /// How late the estimates are.
     pub latency_ms: Latency,
     /// The wheels that are monitored, in the order fl fr rl rr.
     pub wheels: Vec<Wheel>,
@@ -37,7 +34,6 @@ pub struct Snapshot {
     /// The alerts that stand: the objects of `events.jsonl` (`kind`, `wheels`, `since_s`, `reported_s`, `text`, and numbers that
     /// depend on the kind).
     pub alerts: Vec<Map<String, Value>>,
-    /// The accelerometers.
     pub sensors: Vec<SensorHealth>,
     /// Corners of the vehicle file that do not come, and why.
     pub not_estimated: BTreeMap<&'static str, String>,
@@ -45,16 +41,13 @@ pub struct Snapshot {
     pub all_fine: bool,
 }
 
-/// Where the rows come from.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Source {
     /// Interface, file or topic, such as `can0`.
     pub name: String,
     /// `socketcan`, `stdin`, `replay` or `mqtt`.
     pub kind: &'static str,
-    /// Whether rows come.
     pub state: SourceState,
-    /// Rows estimated.
     pub rows: u64,
     /// Frames received; rows, where the source has no frames.
     pub frames: u64,
@@ -70,31 +63,28 @@ pub struct Source {
     pub rate_hz: f64,
 }
 
-/// Whether rows come.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum SourceState {
     /// A row came within the last second.
     Live,
     /// Nothing has come for more than a second, or nothing yet: what is reported is old.
+    #[default]
     Stale,
     /// The log or the input is at its end.
     Ended,
 }
 
 /// From the arrival of the frame that completed a row to the estimate, in ms, over the last ten seconds.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Latency {
-    /// Median.
     pub p50: f64,
     /// 99 of 100 are below.
     pub p99: f64,
-    /// The worst.
     pub max: f64,
 }
 
-/// One wheel.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Wheel {
     /// `fl`, `fr`, `rl` or `rr`.
     pub corner: &'static str,
@@ -104,7 +94,6 @@ pub struct Wheel {
     pub doubt: Option<&'static str>,
     /// Gauge pressure in kPa; means something only while valid.
     pub pressure_kpa: f64,
-    /// Its standard deviation in kPa.
     pub pressure_sd_kpa: f64,
     /// Standard deviation in kPa of what it has changed by within minutes: without what the vehicle file leaves open.
     pub change_sd_kpa: f64,
@@ -138,11 +127,8 @@ pub struct Wheel {
     pub detectable_loss: Option<f64>,
     /// What its level rests on: `file`, `calibration`, `reference` or, by wheel speeds alone, `other-tires`: then there is no pressure.
     pub level: &'static str,
-    /// Tire stiffness in N/m.
     pub stiffness_n_per_m: f64,
-    /// What the pressure is held against, in kPa.
     pub reference_kpa: f64,
-    /// What the placard asks for, in kPa.
     pub placard_kpa: f64,
     /// Whether the pressure may be shown.
     pub valid: bool,
@@ -163,13 +149,11 @@ pub struct Wheel {
 pub struct Track {
     /// `left` or `right`.
     pub side: &'static str,
-    /// Whether the shared road is being learned from.
     pub shared: bool,
     /// Share of the road's power near wheel hop that front and rear do not have in common, 0.001 to 2.
     pub incoherence: f64,
 }
 
-/// One accelerometer.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SensorHealth {
     /// Its column in a drive log, such as `fl_body_accel_m_s2`.

@@ -5,7 +5,6 @@
 /// Seconds for which a speed has to be missing before that is reported: a bus that wakes up tells some signals later than others.
 const LASTS_S: f64 = 5.0;
 
-/// Why the speed of the car is unknown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum SpeedDoubt {
     /// For more than half a second nothing was sent that a car can drive.
@@ -16,7 +15,6 @@ pub enum SpeedDoubt {
 
 impl SpeedDoubt {
     /// One word: `missing` or `contradicted`.
-    #[must_use]
     pub fn label(self) -> &'static str {
         match self {
             SpeedDoubt::Missing => "missing",
@@ -25,7 +23,6 @@ impl SpeedDoubt {
     }
 }
 
-/// What was reported of the speed.
 #[derive(Debug, Default)]
 pub(crate) struct SpeedDoubts {
     /// What is doubted now, since when, and when that was looked at last.

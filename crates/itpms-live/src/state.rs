@@ -73,10 +73,7 @@ impl SavedDrive {
         Some([seal(MAGIC, &FORMAT.to_string(), &body).as_bytes(), &body].concat())
     }
 
-    /// The drive in the bytes of a file.
-    ///
-    /// # Errors
-    /// In words: another file, a damaged one, another format, another vehicle, other options.
+    /// The drive in the bytes of a file. Errors: in words: another file, a damaged one, another format, another vehicle, other options.
     pub fn parse(bytes: &[u8], vehicle: &Vehicle, options: &DriveOptions) -> Result<Self, String> {
         let (format, body) = unsealed(MAGIC, bytes).map_err(|error| match error {
             Unsealed::Foreign(found) => {
@@ -110,7 +107,6 @@ impl SavedDrive {
 
     /// Whether a file begins as a saved state does, damaged or not, is empty or begins with zeros as a power cut may leave it, or
     /// is not there yet: no other is to be written over.
-    #[must_use]
     pub fn is_one(path: &Path) -> bool {
         let mut beginning = Vec::new();
         match File::open(path) {
@@ -123,10 +119,7 @@ impl SavedDrive {
         }
     }
 
-    /// Reads a file. `None` if there is none yet.
-    ///
-    /// # Errors
-    /// In words: it cannot be read, or as [`SavedDrive::parse`].
+    /// Reads a file. `None` if there is none yet. Errors: in words: it cannot be read, or as [`SavedDrive::parse`].
     pub fn read(path: &Path, vehicle: &Vehicle, options: &DriveOptions) -> Result<Option<Self>, String> {
         let read = || {
             let mut bytes = Vec::new();
@@ -171,8 +164,6 @@ impl SavedDrive {
         self.wheels.as_ref().is_some_and(|wheels| wheels.torsion.is_some())
     }
 
-    /// The estimator and its monitor as they were.
-    #[must_use]
     pub fn car(&self) -> &MonitoredCar<f64> {
         &self.car
     }
@@ -187,9 +178,6 @@ impl SavedDrive {
 }
 
 /// Writes the bytes of a state. Killed or without power at any moment, the file is the one before or this, whole.
-///
-/// # Errors
-/// It cannot be written.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), LiveError> {
     let mut file = AtomicFile::create(path)?;
     file.append(bytes)?;

@@ -8,7 +8,6 @@ use itpms_data::{LogRow, Vehicle};
 use crate::error::LiveError;
 use crate::options::DriveOptions;
 
-/// A part of the saved state.
 #[derive(Debug, Clone, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Wheels {
     rolling_radius_m: f64,

@@ -38,7 +38,6 @@ fn input(row: LogRow) -> Input {
     Input::Row { row: Box::new(row), arrived: Instant::now() }
 }
 
-/// An engine and what it has to say.
 fn telling_engine(saved: Option<SavedDrive>) -> (Engine, Arc<Mutex<Vec<String>>>) {
     let said = Arc::new(Mutex::new(Vec::new()));
     let say: NoteSink = Arc::new({
@@ -178,7 +177,6 @@ fn numbers_in_another_unit_are_told_of_once() {
     });
 }
 
-/// A line without its roughness.
 fn strip(line: &str) -> String {
     let mut parts = line.split(",\"iri_m_per_km\":");
     let first = parts.next().unwrap().to_owned();

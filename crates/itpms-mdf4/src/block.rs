@@ -1,7 +1,6 @@
 //! Blocks of an MDF4 file: read at their places, never believed before they are held against the file's length.
 //!
-//! Called by the readers of structure and data; knows the frame every block has (identifier, length, links), not what
-//! is inside.
+//! Called by the readers of structure and data; knows the frame every block has (identifier, length, links), not what is inside.
 
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
@@ -27,7 +26,6 @@ pub(super) enum Fault {
 }
 
 impl Fault {
-    /// As an error that ends the reading.
     pub(super) fn into_problem(self) -> Mdf4Problem {
         match self {
             Fault::Damaged(damage) => Mdf4Problem::Unreadable(damage),
@@ -44,7 +42,6 @@ impl Fault {
     }
 }
 
-/// The frame of a block.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Frame {
     pub(super) id: [u8; 4],
@@ -59,7 +56,6 @@ pub(super) struct Frame {
 pub(super) struct Kind {
     pub(super) name: &'static str,
     pub(super) id: &'static [u8; 4],
-    /// Links it has at least.
     pub(super) links: usize,
     /// Bytes behind the links it has at least.
     pub(super) data: usize,
@@ -130,7 +126,6 @@ impl BlockFile {
         Ok(Self { file, length, budget: length.saturating_mul(2).saturating_add(1 << 16) })
     }
 
-    /// Length of the file in bytes.
     pub(super) fn length(&self) -> u64 {
         self.length
     }
@@ -215,7 +210,6 @@ impl BlockFile {
     }
 }
 
-/// An identifier in words.
 pub(super) fn shown(bytes: &[u8]) -> String {
     format!("{:?}", String::from_utf8_lossy(bytes))
 }

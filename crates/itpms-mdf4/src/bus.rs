@@ -53,7 +53,7 @@ const FIELDS: [&str; 9] = ["BusChannel", "ID", "IDE", "DLC", "DataLength", "Dir"
 /// The frames of one group, one by one.
 #[derive(Debug)]
 pub struct FrameCursor {
-    /// What the frames are.
+    /// Kind of the frames.
     pub kind: FrameGroupKind,
     /// The way through the samples; its bytes are the present frame's data.
     pub cursor: GroupCursor,
@@ -117,7 +117,6 @@ pub fn has_frames(reader: &Mdf4Reader) -> bool {
     reader.groups().iter().any(|group| group.samples != Some(0) && is_data(group))
 }
 
-/// The name of the channel that a group of frames has.
 fn kind(group: &ChannelGroup) -> Option<(&'static str, FrameGroupKind)> {
     let has = |name: &str| group.channels.iter().any(|channel: &Channel| channel.name == name);
     KINDS.into_iter().find(|(name, _)| group.has_time && has(name))

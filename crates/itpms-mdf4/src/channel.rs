@@ -78,7 +78,6 @@ pub(super) struct Layout {
     pub(super) validity: Validity,
 }
 
-/// Where a channel's bytes are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum BytesLayout {
     /// In the record.

@@ -1,8 +1,7 @@
 //! From a raw number to a physical one: CC blocks.
 //!
-//! Called by the structure, which reads them, and by the cursor, which applies them. A conversion into text alone
-//! leaves the numbers as they are; where a table gives text for some values and numbers for others, the values with
-//! text (say, "not available") have no number.
+//! Called by the structure, which reads them, and by the cursor, which applies them. A conversion into text alone leaves the numbers as
+//! they are; where a table gives text for some values and numbers for others, the values with text (say, "not available") have no number.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -41,7 +40,6 @@ pub(super) enum Conversion {
     Unreadable(String),
 }
 
-/// What a table says between its keys.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Between {
     /// On the straight line.

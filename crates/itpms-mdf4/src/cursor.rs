@@ -23,7 +23,6 @@ pub struct GroupCursor {
     finished: bool,
 }
 
-/// What a cursor is made of.
 #[derive(Debug)]
 pub(super) struct Parts {
     pub(super) values: Records,
@@ -36,7 +35,6 @@ pub(super) struct Parts {
     /// Bytes of values in a record of the group that has the time.
     pub(super) time_value_bytes: usize,
     pub(super) columns: Vec<Layout>,
-    /// A channel whose bytes are asked for.
     pub(super) bytes: Option<ByteColumn>,
     /// Bytes of values in a record; invalidation bytes follow.
     pub(super) value_bytes: usize,
@@ -55,13 +53,11 @@ impl GroupCursor {
         }
     }
 
-    /// The next sample: its time in s, and in `values` the physical values of the channels asked for, NaN where a value
-    /// is invalid; the time may be NaN for the same reason. `None` at the end. An end that came too early is among the
-    /// [`repairs`](GroupCursor::repairs).
+    /// The next sample: its time in s, and in `values` the physical values of the channels asked for, NaN where a value is invalid; the
+    /// time may be NaN for the same reason. `None` at the end. An end that came too early is among the [`repairs`](GroupCursor::repairs).
     ///
     /// # Errors
-    /// The system refuses to read, a compressed block is beyond the bounds or of an unknown method, or data blocks form
-    /// a ring.
+    /// The system refuses to read, a compressed block is beyond the bounds or of an unknown method, or data blocks form a ring.
     pub fn next(&mut self, values: &mut [f64]) -> Result<Option<f64>, Mdf4Error> {
         if self.finished {
             return Ok(None);
@@ -93,8 +89,7 @@ impl GroupCursor {
         bytes.as_mut().map_or(Ok(None), |column| column.of(record))
     }
 
-    /// Share of the samples that was read, 0 to 1; where the file does not know how many there are, the share of the
-    /// file.
+    /// Share of the samples that was read, 0 to 1; where the file does not know how many there are, the share of the file.
     #[must_use]
     pub fn progress(&self) -> f64 {
         match self.claimed {

@@ -17,7 +17,6 @@ const PIECE: u64 = 256 << 10;
 /// Links of a list read at a time.
 const LINKS: u64 = 4096;
 
-/// Damages that are kept.
 const DAMAGES: usize = 20;
 
 /// In the fourth byte of an LD's flags: it has links to invalidation bytes.
@@ -155,7 +154,6 @@ impl DataStream {
         }
     }
 
-    /// Place of the next block.
     fn next_block(&mut self) -> Result<Option<u64>, Mdf4Problem> {
         if self.single != 0 {
             return Ok(Some(std::mem::take(&mut self.single)));

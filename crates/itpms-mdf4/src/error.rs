@@ -15,7 +15,7 @@ use thiserror::Error;
 pub struct Mdf4Error {
     /// The file.
     pub path: PathBuf,
-    /// What is wrong with it.
+    /// The problem.
     pub problem: Box<Mdf4Problem>,
 }
 
@@ -34,11 +34,11 @@ impl From<FileError> for Mdf4Error {
 /// A block that is not what its link promises.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Damage {
-    /// What the block should be.
+    /// Expected kind of block.
     pub block: &'static str,
     /// Its place in the file in bytes.
     pub at: u64,
-    /// What is there instead.
+    /// Found instead.
     pub found: String,
 }
 
@@ -64,204 +64,86 @@ pub enum Mdf4Problem {
     File(#[from] FileProblem),
     #[error("not an MDF file: it begins with {0:?}, expected \"MDF     \" or \"UnFinMF \"")]
     NotMdf(String),
-    /// Shorter than the blocks every file begins with.
     #[error("cut off after {0} bytes, expected at least the 168 of the identification and the header")]
     TooShort(u64),
-    /// A version of another layout.
     #[error("MDF version {0}, expected 2.00 to 4.39")]
     Version(String),
-    /// A block without which nothing can be read.
     #[error("{0}")]
     Unreadable(Damage),
-    /// There is not one channel group.
     #[error("no channel group can be read{}", .0.as_ref().map(|damage| format!(": {damage}")).unwrap_or_default())]
     NoGroup(Option<Damage>),
-    /// More than a measurement has.
     #[error("there are more than {most} {what}, expected fewer")]
     TooMany { what: &'static str, most: usize },
-    /// An index that is not among the groups.
     #[error("there is no channel group {0}")]
     NoSuchGroup(usize),
-    /// An index that is not among the channels.
     #[error("channel group {group:?} has no channel {channel}")]
     NoSuchChannel { group: String, channel: usize },
     #[error("channel group {0:?} has no time channel that can be read")]
     NoTime(String),
-    /// A channel that is text, bytes, or a number that cannot be computed.
     #[error("channel {channel:?} of group {group:?} cannot be read as numbers: it is {found}")]
     NotNumeric { group: String, channel: String, found: String },
-    /// Records beyond the bound on memory.
     #[error("the records of channel group {group:?} have {found} bytes, expected at most {most}")]
     RecordLength { group: String, found: u64, most: u64 },
-    /// Samples that exist only as a number in the header.
     #[error("channel group {group:?} claims {found} samples without a byte of data, expected at most {most}")]
     EmptyRecords { group: String, found: u64, most: u64 },
-    /// A compressed block beyond the bound on memory.
     #[error("compressed block at byte {at} claims {found} bytes of contents, expected at most {most}")]
     BlockLength { at: u64, found: u64, most: u64 },
-    /// A compression that is not known.
     #[error(
         "compressed block at byte {at} has compression {found}, expected 0 to 5 (deflate, zstd or lz4, each also transposed)"
     )]
     Compression { at: u64, found: u8 },
-    /// Data blocks that overlap or form a ring.
     #[error("data blocks overlap or form a ring: together they are longer than the file")]
     Overlap,
 
     // --- writing ---
-    /// What is written when all is known cannot be written into a pipe.
     #[error("MDF4 cannot be written into a pipe or device, expected a file")]
     Device,
-    /// A sample without a time.
     #[error("a sample of channel group {group:?} has the time {found}, expected a finite number")]
     SampleTime { group: String, found: f64 },
-    /// A sample with too few or too many values.
     #[error("a sample of channel group {group:?} has {found} values, expected {expected}")]
     SampleWidth { group: String, found: usize, expected: usize },
-    /// A number an integer channel cannot hold.
     #[error("channel {channel:?} is to hold {found}, expected a number from {least} to {most}")]
     IntegerRange { channel: String, found: f64, least: f64, most: f64 },
 }
 
-/// What was mended or left out while reading.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// What was mended or left out while reading; its text is a remark, not a failure.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say it")]
 pub enum Mdf4Repair {
-    /// The program that wrote the file did not come to its end.
-    Unfinalised {
-        /// What it had not written yet.
-        missing: String,
-    },
-    /// A list of groups or channels that breaks off.
-    ListCut {
-        /// What the list is of.
-        list: String,
-        /// How many were read.
-        read: usize,
-        /// Where it breaks off.
-        damage: Damage,
-    },
-    /// A text, a unit or a comment that cannot be read.
+    #[error("the file was not finalised ({missing}): taken from the data instead")]
+    Unfinalised { missing: String },
+    #[error("{list}: the list breaks off after {read} ({damage}); what follows is left out")]
+    ListCut { list: String, read: usize, damage: Damage },
+    #[error("{0}; the text is left empty")]
     Text(Damage),
-    /// More text than is kept.
-    TextsLeftOut {
-        /// The bound in bytes.
-        most: usize,
-    },
-    /// A clock in another unit than the standard's.
-    ClockUnit {
-        /// Name of the group.
-        group: String,
-        /// The unit as stated.
-        unit: String,
-    },
-    /// Data without a count.
-    CountZero {
-        /// Name of the group.
-        group: String,
-    },
-    /// A group with fewer samples than it claims.
-    FewerSamples {
-        /// Name of the group.
-        group: String,
-        /// Samples read.
-        read: u64,
-        /// Samples claimed.
-        claimed: u64,
-    },
-    /// A group with more samples than it claims.
-    MoreSamples {
-        /// Name of the group.
-        group: String,
-        /// Samples claimed.
-        claimed: u64,
-    },
-    /// Samples in the middle that cannot be read.
-    SamplesLost {
-        /// Name of the group.
-        group: String,
-        /// How many, in part or whole.
-        lost: u64,
-    },
-    /// A data block that cannot be read, or not to its end.
-    Data {
-        /// Name of the group.
-        group: String,
-        /// The block.
-        damage: Damage,
-    },
-    /// The last record is incomplete.
-    PartialRecord {
-        /// Name of the group.
-        group: String,
-        /// Bytes of it that are there.
-        bytes: usize,
-    },
-    /// A record of a group that does not exist: what follows cannot be separated.
-    UnknownRecord {
-        /// Name of the group that was read.
-        group: String,
-        /// The record id.
-        id: u64,
-        /// Samples read up to there.
-        read: u64,
-    },
-    /// More repairs than are listed.
+    #[error("names and comments of more than {most} bytes: the rest are left empty")]
+    TextsLeftOut { most: usize },
+    #[error("group {group:?}: its clock is in {unit}, expected s; read in {unit}")]
+    ClockUnit { group: String, unit: String },
+    #[error("group {group:?}: the number of samples is 0 although there are data; all of them are read")]
+    CountZero { group: String },
+    #[error("group {group:?}: read {read} of {claimed} samples, the others are not there")]
+    FewerSamples { group: String, read: u64, claimed: u64 },
+    #[error("group {group:?}: there are more data than for the {claimed} samples claimed; left out")]
+    MoreSamples { group: String, claimed: u64 },
+    #[error("group {group:?}: {lost} samples in damaged blocks are left out")]
+    SamplesLost { group: String, lost: u64 },
+    #[error("group {group:?}: {damage}")]
+    Data { group: String, damage: Damage },
+    #[error("group {group:?}: the last sample is cut off after {bytes} bytes and left out")]
+    PartialRecord { group: String, bytes: usize },
+    #[error(
+        "group {group:?}: after {read} samples there is a record of no known group (id {id}); the rest is left out"
+    )]
+    UnknownRecord { group: String, id: u64, read: u64 },
+    #[error("and {0} more of these")]
     More(u64),
 }
 
-impl fmt::Display for Mdf4Repair {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Unfinalised { missing } => {
-                write!(f, "the file was not finalised ({missing}): taken from the data instead")
-            }
-            Self::ListCut { list, read, damage } => {
-                write!(f, "{list}: the list breaks off after {read} ({damage}); what follows is left out")
-            }
-            Self::Text(damage) => write!(f, "{damage}; the text is left empty"),
-            Self::TextsLeftOut { most } => {
-                write!(f, "names and comments of more than {most} bytes: the rest are left empty")
-            }
-            Self::ClockUnit { group, unit } => {
-                write!(f, "group {group:?}: its clock is in {unit}, expected s; read in {unit}")
-            }
-            Self::CountZero { group } => {
-                write!(
-                    f,
-                    "group {group:?}: the number of samples is 0 although there are data; all of them are read"
-                )
-            }
-            Self::FewerSamples { group, read, claimed } => {
-                write!(f, "group {group:?}: read {read} of {claimed} samples, the others are not there")
-            }
-            Self::MoreSamples { group, claimed } => {
-                write!(
-                    f,
-                    "group {group:?}: there are more data than for the {claimed} samples claimed; left out"
-                )
-            }
-            Self::SamplesLost { group, lost } => {
-                write!(f, "group {group:?}: {lost} samples in damaged blocks are left out")
-            }
-            Self::Data { group, damage } => write!(f, "group {group:?}: {damage}"),
-            Self::PartialRecord { group, bytes } => {
-                write!(f, "group {group:?}: the last sample is cut off after {bytes} bytes and left out")
-            }
-            Self::UnknownRecord { group, id, read } => write!(
-                f,
-                "group {group:?}: after {read} samples there is a record of no known group (id {id}); the rest is left out"
-            ),
-            Self::More(count) => write!(f, "and {count} more of these"),
-        }
-    }
-}
-
-/// Repairs, a bounded number of them.
 #[derive(Debug, Default)]
 pub(super) struct Repairs(Vec<Mdf4Repair>);
 
-/// Repairs that are listed one by one.
 const LISTED: usize = 50;
 
 impl Repairs {

@@ -3,7 +3,6 @@
 //! Called by the structure, which compiles channels into fields, and by the cursor, which reads them. Knows nothing of
 //! conversions and of files.
 
-/// How bits make a number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Number {
     Unsigned,
@@ -11,14 +10,12 @@ pub(super) enum Number {
     Float,
 }
 
-/// The order of bytes in a record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum ByteOrder {
     LittleEndian,
     BigEndian,
 }
 
-/// A number in a record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Field {
     /// Not stored: the number of the record, from zero.
@@ -34,7 +31,6 @@ pub(super) enum Field {
     Bits(Bits),
 }
 
-/// Any number of bits anywhere.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Bits {
     offset: usize,

@@ -8,7 +8,6 @@
 /// Values that wait at most while a formula is evaluated, and brackets inside brackets.
 const DEEPEST: usize = 24;
 
-/// A formula, the operands of each step before it.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Formula {
     steps: Vec<Step>,

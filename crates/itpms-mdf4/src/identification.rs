@@ -20,11 +20,8 @@ pub(super) enum Generation {
 pub(super) struct Unfinished {
     /// Whether the file says that it is not complete.
     pub(super) anything: bool,
-    /// Numbers of samples.
     pub(super) counts: bool,
-    /// Length of the last data block.
     pub(super) last_length: bool,
-    /// The last list of data blocks.
     pub(super) last_list: bool,
 }
 

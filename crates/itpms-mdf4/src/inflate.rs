@@ -21,7 +21,6 @@ const READ: usize = 64 << 10;
 pub(super) struct Inflated {
     /// Bytes that are missing in the buffer: all the block has, or those behind the point where the file ends.
     pub(super) lost: u64,
-    /// What is wrong with it.
     pub(super) damage: Option<Damage>,
 }
 

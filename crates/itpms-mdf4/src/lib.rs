@@ -18,10 +18,9 @@
 //!
 //! # Other crates
 //!
-//! Looked at in November 2026. `mf4-rs` 3.8.0 maps files into memory and refuses DZ blocks. `mdf4-rs` 0.6.0 inflates DZ but
-//! loads the whole file, turns back transposed blocks wrongly where the last row is incomplete, and needs a newer
-//! compiler than this workspace. `mdflib` 0.2.1 wraps a C++ library. `asammdf` 0.1.0 calls itself not ready for use. None
-//! bounds its memory.
+//! Looked at in November 2026. `mf4-rs` 3.8.0 maps files into memory and refuses DZ blocks. `mdf4-rs` 0.6.0 inflates DZ but loads the whole
+//! file, turns back transposed blocks wrongly where the last row is incomplete, and needs a newer compiler than this workspace. `mdflib`
+//! 0.2.1 wraps a C++ library. `asammdf` 0.1.0 calls itself not ready for use. None bounds its memory.
 #![forbid(unsafe_code)]
 
 mod attachment;

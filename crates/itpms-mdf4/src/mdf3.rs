@@ -205,7 +205,6 @@ impl Walk<'_> {
         Ok(())
     }
 
-    /// Bytes of all their records.
     fn channel_groups(&mut self, first: u64, data_group: usize, id_bytes: u16) -> Result<u64, Mdf4Problem> {
         let (mut at, mut bytes) = (first, 0u64);
         while let Some(block) = self.next("channel group", b"CG", at)? {

@@ -79,12 +79,11 @@ pub(super) fn unpack(
     })
 }
 
-/// A stretch of a file.
 struct Stored<'a> {
     file: &'a mut BlockFile,
     from: u64,
     left: u64,
-    /// What the system reported when it refused to read.
+    /// The system's error when reading failed.
     refused: Option<io::Error>,
 }
 

@@ -79,8 +79,7 @@ impl Mdf4Reader {
     /// is turned back (8 MB as writers are asked to write them, 128 MB at most).
     ///
     /// # Errors
-    /// There is no such group or channel, the group has no time, a channel holds no numbers, or a record is longer than
-    /// 4 MB.
+    /// There is no such group or channel, the group has no time, a channel holds no numbers, or a record is longer than 4 MB.
     pub fn cursor(&self, group: usize, channels: &[usize]) -> Result<GroupCursor, Mdf4Error> {
         let fail = |problem| Mdf4Error::new(&self.path, problem);
         let parts = self.parts(group, channels).map_err(fail)?;
@@ -103,7 +102,6 @@ impl Mdf4Reader {
         Ok(GroupCursor::new(&self.path, &group.name, parts, group.samples))
     }
 
-    /// Whether the records of a group have bytes.
     pub(super) fn has_records(&self, group: usize) -> bool {
         self.structure.layouts.get(group).is_some_and(|layout| layout.value_bytes > 0)
     }
@@ -237,7 +235,6 @@ fn mixed(data: &DataGroup, own: u64) -> Shape {
     Shape::Mixed { id_bytes: data.id_bytes, own, varies, known }
 }
 
-/// Opens a file for reading.
 fn open(path: &Path) -> Result<BlockFile, Mdf4Problem> {
     Ok(BlockFile::new(input::open_regular(path, "MDF4")?.0).map_err(FileProblem::Read)?)
 }

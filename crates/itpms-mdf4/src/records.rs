@@ -1,5 +1,4 @@
-//! The records of one group: cut from the stream of its data group's bytes, in which those of other groups may lie
-//! between them.
+//! The records of one group: cut from the stream of its data group's bytes, in which those of other groups may lie between them.
 //!
 //! Called by the cursor. A gap in the data loses the records in it; where records of several kinds are mixed, no one can
 //! tell where the next one begins, and the gap is the end.
@@ -8,7 +7,6 @@ use super::data::{DataStream, Piece};
 use super::error::{Damage, Mdf4Problem};
 use super::structure::Record;
 
-/// Bytes of a record.
 pub(super) const MOST_RECORD: u64 = 4 << 20;
 
 /// Samples of a group whose records have no bytes.
@@ -166,7 +164,6 @@ impl Records {
         self.next
     }
 
-    /// Records in gaps.
     pub(super) fn lost(&self) -> u64 {
         self.lost
     }
@@ -247,7 +244,6 @@ impl Records {
         }
     }
 
-    /// A record behind its length.
     fn take_varying(&mut self) -> Result<Taken, Mdf4Problem> {
         let Some(length) = self.take_number(4)? else { return Ok(Taken::End(0)) };
         if length > MOST_RECORD {
@@ -270,7 +266,6 @@ impl Records {
         Ok(Some(number.iter().rev().fold(0, |sum, byte| sum << 8 | u64::from(*byte))))
     }
 
-    /// Among mixed records a gap is the end.
     fn stopped(&mut self, taken: Taken) -> Taken {
         match taken {
             Taken::Gap => self.stop = Some(Stop::Gap),
@@ -341,7 +336,6 @@ impl Records {
         self.stream.next_piece()
     }
 
-    /// Whether another whole record is there.
     fn has_more(&mut self) -> Result<bool, Mdf4Problem> {
         if self.length == 0 {
             return Ok(false);

@@ -31,7 +31,6 @@ const REMOTE_MASTER: u16 = 1 << 3;
 #[derive(Debug, Default)]
 pub(super) struct Structure {
     pub(super) groups: Vec<ChannelGroup>,
-    /// One per group.
     pub(super) layouts: Vec<GroupLayout>,
     pub(super) data: Vec<DataGroup>,
     /// Places of all blocks that were read, rising: data of unknown length end before the next.
@@ -49,9 +48,7 @@ pub(super) struct Structure {
 pub(super) struct DataGroup {
     /// Where the data are; 0 for nowhere.
     pub(super) data: u64,
-    /// Bytes before each record that tell whose it is.
     pub(super) id_bytes: usize,
-    /// The records that occur.
     pub(super) records: Vec<Record>,
     /// Bytes of data that have no blocks around them (MDF 3).
     pub(super) plain: Option<u64>,
@@ -68,10 +65,8 @@ pub(super) struct Record {
 /// How the samples of a group lie in the data.
 #[derive(Debug)]
 pub(super) struct GroupLayout {
-    /// Index of the data group.
     pub(super) data_group: usize,
     pub(super) record_id: u64,
-    /// Bytes of values in a record.
     pub(super) value_bytes: u32,
     /// Bytes of invalidation bits behind them.
     pub(super) invalid_bytes: u32,
@@ -83,7 +78,6 @@ pub(super) struct GroupLayout {
     pub(super) time: Option<usize>,
     /// Place of the group whose time this one has.
     remote_master: u64,
-    /// Index of that group.
     pub(super) master: Option<usize>,
     /// Its own place.
     place: u64,
@@ -144,7 +138,6 @@ pub(super) struct Walk<'a> {
     visited: HashSet<u64>,
     pub(super) texts: Texts,
     pub(super) conversions: Conversions,
-    /// Channels so far, of all groups.
     pub(super) channels: usize,
     /// Channel groups so far, those of variable length as well.
     kinds_of_records: usize,

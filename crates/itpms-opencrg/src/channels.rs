@@ -7,7 +7,6 @@ use itpms_files::shortened;
 use crate::error::CrgProblem;
 use crate::header::{Definition, Header, number};
 
-/// How numbers are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Notation {
     /// Text, this many characters a number.

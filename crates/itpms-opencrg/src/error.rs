@@ -13,7 +13,7 @@ use thiserror::Error;
 pub struct CrgError {
     /// The file.
     pub path: PathBuf,
-    /// What is wrong with it.
+    /// The problem.
     pub problem: Box<CrgProblem>,
 }
 
@@ -25,84 +25,46 @@ pub enum CrgProblem {
     /// One that a file of any format may have.
     #[error(transparent)]
     File(#[from] FileProblem),
-    /// No line of `$$$$` that ends the header.
     #[error("the header does not end: expected a line that begins with $$$$ before the data")]
     NoData,
-    /// A section that has to be there.
     #[error("section ${0} is missing from the header")]
     MissingSection(&'static str),
-    /// A section that is there twice.
     #[error("line {line}: section ${section} a second time (first in line {first})")]
     SecondSection { line: u64, section: &'static str, first: u64 },
-    /// A line of a section that is no `name = value`.
     #[error("line {line}: found {found:?} in ${section}, expected name = value")]
     Assignment { line: u64, section: &'static str, found: String },
-    /// A value that is no number.
     #[error("line {line}, column {column}: {key} is {found:?}, expected a finite number")]
-    Value {
-        line: u64,
-        /// Character in the line, from one.
-        column: usize,
-        key: String,
-        found: String,
-    },
-    /// A name that is there twice.
+    Value { line: u64, column: usize, key: String, found: String },
     #[error("line {line}: {key} a second time (first in line {first})")]
     SecondKey { line: u64, key: String, first: u64 },
-    /// A name that is not in the standard.
     #[error("line {line}: unknown {key} in ${section}{}", did_you_mean(.nearest))]
     UnknownKey { line: u64, section: &'static str, key: String, nearest: Option<String> },
-    /// A number outside the range that makes sense.
     #[error("line {line}: {key} is {value}, expected {expected}")]
     Range { line: u64, key: String, value: f64, expected: &'static str },
-    /// The surface is in another file.
     #[error("line {line}: the road is in another file ({file}), expected the road itself: give that file")]
     OtherFile { line: u64, file: String },
-    /// A format of the data that is not OpenCRG's.
     #[error(
         "line {line}: data format {found:?}, expected #:LRFI, LDFI, KRFI, KDFI, LRBI, LDBI, KRBI or KDBI"
     )]
     Format { line: u64, found: String },
-    /// No format of the data.
     #[error("$KD_DEFINITION names no data format, expected a line such as #:KRBI")]
     NoFormat,
-    /// A data channel that cannot be used.
     #[error("line {line}: data channel {found:?}, expected {expected}")]
     Channel { line: u64, found: String, expected: &'static str },
-    /// Too few or impossible long sections.
     #[error("{found} long sections, expected {expected}")]
     LongSections { found: String, expected: &'static str },
-    /// The reference line's length, increment and data do not agree.
     #[error(
         "{found} cross sections of data, expected {expected} from the header ({start_m} to {end_m} m by {increment_m} m)"
     )]
-    Length {
-        found: usize,
-        expected: usize,
-        /// Start of the reference line in m.
-        start_m: f64,
-        end_m: f64,
-        increment_m: f64,
-    },
-    /// Data that end within a cross section.
+    Length { found: usize, expected: usize, start_m: f64, end_m: f64, increment_m: f64 },
     #[error("{place}: the data end within a cross section, after {found} of its {expected} values")]
     CutOff { place: Place, found: usize, expected: usize },
-    /// Text where a number belongs.
     #[error(
         "line {line}, columns {first} to {last}: found {found:?}, expected a number or *missing* in {width} characters"
     )]
-    Cell {
-        line: u64,
-        /// First character, from one.
-        first: usize,
-        last: usize,
-        found: String,
-        width: usize,
-    },
-    /// A line of numbers that is longer than a record.
+    Cell { line: u64, first: usize, last: usize, found: String, width: usize },
     #[error("line {line}: {found} characters, expected at most {expected}")]
     LongLine { line: u64, found: usize, expected: usize },
-    /// An infinite height, or a reference line with a hole.
     #[error("{place}, {channel}: found {found}, expected a finite number")]
     NotFinite { place: Place, channel: String, found: f64 },
 }

@@ -70,7 +70,6 @@ const MODIFIER_KEYS: [&str; 24] = [
     "refpoint_phi",
 ];
 
-/// A number under a name.
 #[derive(Debug, Clone, PartialEq)]
 struct Entry {
     key: String,
@@ -78,14 +77,12 @@ struct Entry {
     line: u64,
 }
 
-/// The numbers of one section.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Numbers {
     entries: Vec<Entry>,
 }
 
 impl Numbers {
-    /// The number of this name.
     pub(crate) fn get(&self, key: &str) -> Option<f64> {
         self.entries.iter().find(|entry| entry.key == key).map(|entry| entry.value)
     }
@@ -129,7 +126,6 @@ pub(crate) struct Header {
     pub(crate) definitions: Vec<Definition>,
     /// Where the data begin, in bytes.
     pub(crate) data_from: usize,
-    /// Number of the first line of data.
     pub(crate) data_line: u64,
 }
 
@@ -164,7 +160,6 @@ impl Section {
 }
 
 impl Header {
-    /// Reads the header at the beginning of a file.
     pub(crate) fn read(bytes: &[u8]) -> Result<Self, CrgProblem> {
         let mut header = Header::default();
         let mut section = Section::Other;

@@ -32,9 +32,8 @@ const LARGEST: u64 = 1 << 30;
 
 /// A road surface.
 ///
-/// Cells without a height stay missing (NaN) unless the file itself asks for something else (`grid_nan_mode`). The
-/// reference implementation fills them from their neighbors where a file says nothing; a roughness computed from such
-/// heights would be made up.
+/// Cells without a height stay missing (NaN) unless the file itself asks for something else (`grid_nan_mode`). The reference implementation
+/// fills them from their neighbors where a file says nothing; a roughness computed from such heights would be made up.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CrgRoad {
     surface: Surface,

@@ -39,9 +39,6 @@ pub struct AekfUi<T: Real> {
 
 impl<T: Real> AekfUi<T> {
     /// A filter at its initial state (eq. 12).
-    ///
-    /// # Errors
-    /// See [`FilterConfig::validated`].
     pub fn new(car: QuarterCar<T>, config: FilterConfig<T>) -> Result<Self, ParameterError> {
         let config = config.validated()?;
         Ok(Self {

@@ -1,6 +1,5 @@
-//! `aekf-ui-informed`: the published recursion corrected, and given the stiffness from outside. What was
-//! changed and why: `docs/math/ekf-ui.md`, section 5, whose equations (39)-(50) continue the paper's
-//! numbering.
+//! `aekf-ui-informed`: the published recursion corrected, and given the stiffness from outside. What was changed and why:
+//! `docs/math/ekf-ui.md`, section 5, whose equations (39)-(50) continue the paper's numbering.
 //!
 //! Called once a sample by an estimator that also brings measurements of the stiffness, from wherever it has them.
 //! Knows nothing of pressure, nor of where those measurements come from.
@@ -17,8 +16,7 @@ use crate::quarter_car::state;
 use itpms_core::Real;
 use itpms_core::model::{CornerSample, ParameterError, QuarterCar};
 
-/// Longest interval in s between two samples over which the force may be taken for a straight line: two and a half
-/// of the slowest log's.
+/// Longest interval in s between two samples over which the force may be taken for a straight line: two and a half of the slowest log's.
 const LONGEST_STEP_S: f64 = 0.025;
 /// A longer interval is walked on a still road in steps of this many s: there the tire's spring is part of the
 /// motion, and third order keeps a wheel hop of 15 Hz within 3 %.
@@ -60,9 +58,6 @@ pub struct AekfUiInformed<T: Real> {
 
 impl<T: Real> AekfUiInformed<T> {
     /// A filter at rest with the configured stiffness.
-    ///
-    /// # Errors
-    /// See [`InformedConfig::validated`].
     pub fn new(car: QuarterCar<T>, config: InformedConfig<T>) -> Result<Self, ParameterError> {
         let config = config.validated()?;
         let sd = config.initial_stiffness_sd_n_per_m;
@@ -140,7 +135,6 @@ impl<T: Real> AekfUiInformed<T> {
         }
     }
 
-    /// A step with a measurement.
     #[allow(non_snake_case)]
     fn update(&mut self, motion: &Motion<T>, dt_s: T, y: &Vector2<T>) -> InformedRecord<T> {
         let MotionStep { Phi, G_0, G_1 } = motion.step(dt_s);
@@ -209,9 +203,8 @@ impl<T: Real> AekfUiInformed<T> {
         q
     }
 
-    /// Starts from rest. What body and wheel share begins at zero by definition, since the leak forgets its level
-    /// anyway (a micrometre keeps the covariance regular); only the body's place and velocity relative to the
-    /// wheel are unknown, and the force.
+    /// Starts from rest. What body and wheel share begins at zero by definition, since the leak forgets its level anyway (a micrometre
+    /// keeps the covariance regular); only the body's place and velocity relative to the wheel are unknown, and the force.
     fn start_motion(&mut self) {
         let (place, velocity, shared) = (T::lit(0.03), T::lit(0.3), T::lit(1e-6));
         let force = self.k_t * place;
@@ -252,9 +245,8 @@ impl<T: Real> AekfUiInformed<T> {
         self.absorb(value_n_per_m.max(-far).min(far), sd * sd)
     }
 
-    /// A log-likelihood of the stiffness, known near `at_n_per_m` by its first derivative `score` (per N/m) and the
-    /// Fisher information (per (N/m)²): one Newton step, no longer than the largest possible stiffness, beyond
-    /// which the parabola means nothing.
+    /// A log-likelihood of the stiffness, known near `at_n_per_m` by its first derivative `score` (per N/m) and the Fisher information (per
+    /// (N/m)²): one Newton step, no longer than the largest possible stiffness, beyond which the parabola means nothing.
     pub fn measure_stiffness_information(
         &mut self,
         at_n_per_m: T,

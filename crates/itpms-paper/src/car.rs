@@ -22,11 +22,8 @@ pub struct PaperCar<T: Real> {
 
 impl<T: Real> PaperCar<T> {
     /// A car for samples that come at about `sample_rate_hz`; one without corners for [`EstimatorKind::Informed`], which is none of the
-    /// paper's.
-    ///
-    /// # Errors
-    /// The rate must be positive and finite, limits and references numbers in order; parameters of a corner that the filter refuses are
-    /// named.
+    /// paper's. Errors: the rate must be positive and finite, limits and references numbers in order; parameters of a corner that the
+    /// filter refuses are named.
     pub fn new(
         kind: EstimatorKind,
         config: &MonitorConfig<T>,
@@ -42,10 +39,7 @@ impl<T: Real> PaperCar<T> {
         Ok(Self { kind, clock, corners, monitor })
     }
 
-    /// All tires have their placard pressures from the next sample on, for `seconds`.
-    ///
-    /// # Errors
-    /// The length must be positive and finite.
+    /// All tires have their placard pressures from the next sample on, for `seconds`. Errors: the length must be positive and finite.
     pub fn begin_calibration(&mut self, seconds: f64) -> Result<(), ParameterError> {
         self.corners.iter_mut().flatten().try_for_each(|corner| corner.begin_calibration(seconds))?;
         self.monitor.begin_calibration(seconds)
@@ -92,7 +86,7 @@ impl<T: Real> PaperCar<T> {
         self.monitor.follow_wheels(wheels);
     }
 
-    /// What the monitor reports after the last sample.
+    /// The monitor's report after the last sample.
     pub fn report(&self) -> &MonitorReport<T> {
         self.monitor.report()
     }

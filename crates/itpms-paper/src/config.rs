@@ -31,7 +31,6 @@ pub enum FactorTiming {
     Same,
 }
 
-/// How the forgetting factor is found.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Forgetting<T> {
@@ -48,8 +47,7 @@ pub enum Forgetting<T> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct GradientDescent<T> {
-    /// Step length `phi` of eq. (25) times the curvature `|dT/dlambda|²`, so that it has no unit; 1 is a
-    /// Gauss-Newton step, less is damped.
+    /// Step length `phi` of eq. (25) times the curvature `|dT/dlambda|²`, so that it has no unit; 1 is a Gauss-Newton step, less is damped.
     pub relative_step: T,
     /// `epsilon` of eq. (26): stop when the factor moves less than this.
     pub tolerance: T,
@@ -88,14 +86,12 @@ pub struct FilterConfig<T: Real> {
 impl<T: Real> FilterConfig<T> {
     /// The paper's simulation study (Sec. 4): `x_0 = [0 0 0 0 220000]`, `P_0 = diag(1, 1, 1, 1, 1e5)`,
     /// `Q = 1e-10 I`, `R = 0.5 I`, one-step forgetting.
-    #[must_use]
     pub fn paper_simulation() -> Self {
         Self::paper(220_000.0, 1e5, 1e-10, 0.5)
     }
 
     /// The paper's test bed (Sec. 5.1): `x_0 = [0 0 0 0 200000]`, `P_0 = diag(1, 1, 1, 1, 10)`, `Q = 1e-8 I`,
     /// `R = 10 I`, one-step forgetting.
-    #[must_use]
     pub fn paper_bench() -> Self {
         Self::paper(200_000.0, 10.0, 1e-8, 10.0)
     }
@@ -118,35 +114,28 @@ impl<T: Real> FilterConfig<T> {
     }
 
     /// The same with another way to find the factor; [`Forgetting::None`] makes it the EKF-UI.
-    #[must_use]
     pub fn with_forgetting(self, forgetting: Forgetting<T>) -> Self {
         Self { forgetting, ..self }
     }
 
     /// The same with the other reading of eq. (17).
-    #[must_use]
     pub fn with_correction_input(self, correction_input: CorrectionInput) -> Self {
         Self { correction_input, ..self }
     }
 
     /// The same with the other reading of eq. (18).
-    #[must_use]
     pub fn with_factor_timing(self, factor_timing: FactorTiming) -> Self {
         Self { factor_timing, ..self }
     }
 
     /// The same from another initial stiffness in N/m.
-    #[must_use]
     pub fn with_initial_stiffness(mut self, stiffness_n_per_m: T) -> Self {
         self.initial_state[state::TIRE_STIFFNESS] = stiffness_n_per_m;
         self
     }
 
-    /// Itself, if a filter can start from it.
-    ///
-    /// # Errors
-    /// Names the first value that is not finite, or not positive where it must be: variances, the initial
-    /// stiffness, the descent's settings.
+    /// Itself, if a filter can start from it. Errors: names the first value that is not finite, or not positive where it must be:
+    /// variances, the initial stiffness, the descent's settings.
     pub fn validated(self) -> Result<Self, ParameterError> {
         for value in self.initial_state.iter().copied() {
             finite("initial_state", value)?;

@@ -19,7 +19,6 @@ const LEAST_STEP_HZ: f64 = 400.0;
 /// Seconds between two measurements of the pressure that a calibration has set.
 const SET_S: f64 = 0.1;
 
-/// One of the paper's filters on one corner.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PaperEstimator<T: Real> {
@@ -55,10 +54,7 @@ struct Corrected<T: Real> {
 
 impl<T: Real> PaperEstimator<T> {
     /// A filter for a corner whose samples come at about `sample_rate_hz`; `None` for [`EstimatorKind::Informed`], which is none of
-    /// the paper's.
-    ///
-    /// # Errors
-    /// The rate must be positive and finite; parameters of the corner that the filter refuses are named.
+    /// the paper's. Errors: the rate must be positive and finite; parameters of the corner that the filter refuses are named.
     pub fn new(
         kind: EstimatorKind,
         config: &CornerConfig<T>,
@@ -77,10 +73,7 @@ impl<T: Real> PaperEstimator<T> {
     }
 
     /// The tire has its placard pressure from the next sample on, for `seconds`: a calibration. The filters as published have no use
-    /// for it.
-    ///
-    /// # Errors
-    /// The length must be positive and finite.
+    /// for it. Errors: the length must be positive and finite.
     pub fn begin_calibration(&mut self, seconds: f64) -> Result<(), ParameterError> {
         let seconds = positive("calibrate_s", seconds)?;
         if let Filter::Corrected(corrected) = &mut self.filter {
@@ -90,8 +83,7 @@ impl<T: Real> PaperEstimator<T> {
         Ok(())
     }
 
-    /// Takes one sample: time in s, speed in m/s, body and wheel acceleration in m/s²; NaN is a missing value. Gives the estimate after
-    /// it.
+    /// Takes one sample: time in s, speed in m/s, body and wheel acceleration in m/s²; NaN is a missing value. Gives the estimate after it.
     pub fn update(
         &mut self,
         time_s: f64,
@@ -139,7 +131,6 @@ impl<T: Real> PaperEstimator<T> {
         }
     }
 
-    /// What was found in the samples so far.
     pub fn counts(&self) -> SampleCounts {
         self.resampler.counts()
     }
@@ -297,17 +288,13 @@ fn corrected_estimate<T: Real>(
 // An estimator lives where its owner puts it; there is no heap to box the larger one in.
 #[allow(clippy::large_enum_variant)]
 pub enum AnyEstimator<T: Real> {
-    /// The default one.
     Informed(EstimatorOnRepeatedRoad<T>),
-    /// One of the paper's.
     Paper(PaperEstimator<T>),
 }
 
 impl<T: Real> AnyEstimator<T> {
     /// An estimator of `kind` for a corner whose samples come at about `sample_rate_hz`.
-    ///
-    /// # Errors
-    /// The rate must be positive and finite; parameters of the corner that it refuses are named.
+    /// Errors: the rate must be positive and finite; parameters of the corner that it refuses are named.
     pub fn new(
         kind: EstimatorKind,
         config: &CornerConfig<T>,
@@ -322,9 +309,7 @@ impl<T: Real> AnyEstimator<T> {
     }
 
     /// The tire has its placard pressure from the next sample on, for `seconds`: a calibration.
-    ///
-    /// # Errors
-    /// The length must be positive and finite.
+    /// Errors: the length must be positive and finite.
     pub fn begin_calibration(&mut self, seconds: f64) -> Result<(), ParameterError> {
         match self {
             Self::Informed(estimator) => estimator.estimator_mut().begin_calibration(seconds),
@@ -332,8 +317,7 @@ impl<T: Real> AnyEstimator<T> {
         }
     }
 
-    /// Takes one sample: time in s, speed in m/s, body and wheel acceleration in m/s²; NaN is a missing value. Gives the estimate after
-    /// it.
+    /// Takes one sample: time in s, speed in m/s, body and wheel acceleration in m/s²; NaN is a missing value. Gives the estimate after it.
     pub fn update(
         &mut self,
         time_s: f64,

@@ -1,6 +1,5 @@
-//! The forgetting factor: the residual's covariance measured from the data (eq. 31-33), how far the gain is from
-//! optimal for it (eq. 23-24), and the factor that brings it there, in one step (eq. 28-30) or by descent
-//! (eq. 25-27). Derivation: `docs/math/forgetting.md`.
+//! The forgetting factor: the residual's covariance measured from the data (eq. 31-33), how far the gain is from optimal for it (eq.
+//! 23-24), and the factor that brings it there, in one step (eq. 28-30) or by descent (eq. 25-27). Derivation: `docs/math/forgetting.md`.
 //!
 //! Called by [`crate::aekf_ui`]; knows nothing of the state.
 
@@ -37,8 +36,7 @@ impl<T: Real> ResidualMemory<T> {
     }
 }
 
-/// What the factor is drawn from: the measurement matrix, `A P⁺ Aᵀ`, the diagonals of `Q` and `R`, and the measured
-/// residual covariance.
+/// What the factor is drawn from: the measurement matrix, `A P⁺ Aᵀ`, the diagonals of `Q` and `R`, and the measured residual covariance.
 #[derive(Debug, Clone, Copy)]
 #[allow(non_snake_case)]
 pub struct Evidence<'a, T: Real> {

@@ -20,20 +20,14 @@ pub struct InformedConfig<T> {
     pub velocity_walk_m_s_sqrt_s: T,
     /// How far the road may have moved unseen, in m per sqrt(s); used while samples are missing.
     pub road_walk_m_sqrt_s: T,
-    /// Stiffness to start from in N/m.
     pub initial_stiffness_n_per_m: T,
-    /// Its standard deviation in N/m.
     pub initial_stiffness_sd_n_per_m: T,
     /// Random walk of the stiffness in N/m per sqrt(s).
     pub stiffness_walk_n_per_m_sqrt_s: T,
-    /// Standard deviation in N/m beyond which walk and forgetting stop: nothing is known there but that there is a
-    /// tire.
+    /// Standard deviation in N/m beyond which walk and forgetting stop: nothing is known there but that there is a tire.
     pub stiffness_sd_limit_n_per_m: T,
-    /// Smallest stiffness in N/m taken for possible.
     pub lowest_stiffness_n_per_m: T,
-    /// Largest stiffness in N/m taken for possible.
     pub highest_stiffness_n_per_m: T,
-    /// Forgetting of the stiffness.
     pub forgetting: ParameterForgetting<T>,
 }
 
@@ -42,7 +36,6 @@ impl<T: Real> InformedConfig<T> {
     /// range from 0.9 of the stiffness at 0 kPa (0.09 of the placard's at least) to twice the placard's, leak
     /// 2 pi 0.05 rad/s, sensor noise 0.05 m/s² where the corner does not say. Walk, memory and significance were
     /// chosen so that the 95 % interval holds in the scenarios of `docs/math/forgetting.md`, section 4.
-    #[must_use]
     pub fn for_corner(corner: &CornerConfig<T>) -> Self {
         let per_kpa = corner.tire.stiffness_per_kpa();
         let placard = corner.tire.stiffness_n_per_m(corner.placard_kpa);
@@ -63,9 +56,7 @@ impl<T: Real> InformedConfig<T> {
     }
 
     /// Itself, if a filter can start from it.
-    ///
-    /// # Errors
-    /// Names the first value that is not positive and finite, or outside the stiffness range.
+    /// Errors: names the first value that is not positive and finite, or outside the stiffness range.
     pub fn validated(self) -> Result<Self, ParameterError> {
         positive("accel_noise_m_s2", self.accel_noise_m_s2)?;
         positive("leak_rad_s", self.leak_rad_s)?;

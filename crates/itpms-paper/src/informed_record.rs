@@ -7,11 +7,9 @@ use nalgebra::{Matrix5, Vector2, Vector5};
 use crate::quarter_car::state;
 use itpms_core::Real;
 
-/// What a step did.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum InformedStatus {
-    /// Predicted and corrected.
     Updated,
     /// A measurement was missing or absurd: predicted only.
     PredictedOnly,
@@ -25,7 +23,6 @@ pub enum InformedStatus {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct InformedRecord<T: Real> {
-    /// What happened.
     pub status: InformedStatus,
     /// State in the order and units of [`state`]; displacements and velocities without their drift.
     pub state: Vector5<T>,
@@ -33,7 +30,6 @@ pub struct InformedRecord<T: Real> {
     pub tire_force_n: T,
     /// Road height in m, without drift: the road less what the leak forgot of the wheel's displacement.
     pub road_m: T,
-    /// Its variance in m².
     pub road_variance_m2: T,
     /// Joint covariance of the four motion states and, at [`crate::motion::TIRE_FORCE`], the tire's force, 5x5.
     pub motion_covariance: Matrix5<T>,
@@ -48,34 +44,28 @@ pub struct InformedRecord<T: Real> {
 }
 
 impl<T: Real> InformedRecord<T> {
-    /// Tire stiffness in N/m.
     pub fn stiffness_n_per_m(&self) -> T {
         self.state[state::TIRE_STIFFNESS]
     }
 
-    /// Its standard deviation in N/m.
     pub fn stiffness_sd_n_per_m(&self) -> T {
         self.stiffness_variance.sqrt()
     }
 
-    /// Standard deviation of the road's height in m.
     pub fn road_sd_m(&self) -> T {
         self.road_variance_m2.sqrt()
     }
 }
 
-/// What became of a stiffness measurement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum StiffnessUpdate<T> {
-    /// It was used.
     Used {
         /// Measurement minus estimate before the update, in N/m.
         innovation_n_per_m: T,
         /// Square of the innovation over its believed variance: 1 on average when consistent. The variance is the
         /// one before forgetting, so that a change of the tire shows here.
         nis: T,
-        /// The factor it brought about.
         forgetting: T,
     },
     /// It carried no information and was left out: a value, score or information that is not finite, a standard

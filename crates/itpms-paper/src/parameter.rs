@@ -6,16 +6,13 @@
 use itpms_core::Real;
 use itpms_core::model::ParameterError;
 
-/// When and how strongly to forget.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum ParameterForgetting<T> {
     /// Never: only the parameter's random walk lets it move.
     Off,
-    /// The adaptive factor.
     Adaptive {
-        /// Number of measurements over which the innovation's variance is averaged while nothing changes;
-        /// infinite as published.
+        /// Number of measurements over which the innovation's variance is averaged while nothing changes; infinite as published.
         memory: T,
         /// Standard errors by which the measured variance must exceed the believed one; 0 as published.
         significance: T,
@@ -24,15 +21,11 @@ pub enum ParameterForgetting<T> {
 
 impl<T: Real> ParameterForgetting<T> {
     /// Equations (28)-(33) as they are: memory without end, every excess counts.
-    #[must_use]
     pub fn published() -> Self {
         ParameterForgetting::Adaptive { memory: T::lit(f64::INFINITY), significance: T::zero() }
     }
 
-    /// Itself, if it makes sense.
-    ///
-    /// # Errors
-    /// The memory must be at least 2 measurements, the significance finite and not negative.
+    /// Itself, if it makes sense. Errors: the memory must be at least 2 measurements, the significance finite and not negative.
     pub fn validated(self) -> Result<Self, ParameterError> {
         if let ParameterForgetting::Adaptive { memory, significance } = self {
             if !(memory >= T::lit(2.0)) {
@@ -99,7 +92,6 @@ impl<T: Real> ParameterMemory<T> {
         self.lambda
     }
 
-    /// The last factor.
     pub fn lambda(&self) -> T {
         self.lambda
     }

@@ -23,9 +23,7 @@ pub mod state {
 
 /// Names of the measurement's components (eq. 3): both in m/s².
 pub mod output {
-    /// Sprung mass acceleration.
     pub const BODY_ACCELERATION: usize = 0;
-    /// Unsprung mass acceleration.
     pub const WHEEL_ACCELERATION: usize = 1;
 }
 

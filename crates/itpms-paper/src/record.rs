@@ -23,11 +23,9 @@ pub enum Divergence {
     NegativeVariance,
 }
 
-/// What a step did.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum StepStatus {
-    /// Predicted and corrected.
     Updated,
     /// A measurement was missing (not finite): predicted only, with the input held.
     PredictedOnly,
@@ -42,7 +40,6 @@ pub enum StepStatus {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StepRecord<T: Real> {
-    /// What happened.
     pub status: StepStatus,
     /// `x⁻_k`, in the order and units of [`state`].
     pub prior_state: Vector5<T>,
@@ -71,12 +68,10 @@ pub struct StepRecord<T: Real> {
 }
 
 impl<T: Real> StepRecord<T> {
-    /// Tire stiffness in N/m.
     pub fn stiffness_n_per_m(&self) -> T {
         self.state[state::TIRE_STIFFNESS]
     }
 
-    /// The standard deviation the filter claims for it, in N/m.
     pub fn stiffness_sd_n_per_m(&self) -> T {
         self.covariance[(state::TIRE_STIFFNESS, state::TIRE_STIFFNESS)].max(T::zero()).sqrt()
     }

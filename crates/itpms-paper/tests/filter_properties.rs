@@ -152,9 +152,8 @@ proptest! {
         }
     }
 
-    /// In its own configuration, at 1 kHz and on accelerations a wheel can have, the product form of (17) keeps its
-    /// covariance symmetric and positive semi-definite to rounding for the first second; over a whole drive see
-    /// `docs/math/ekf-ui.md`, section 3.
+    /// In its own configuration, at 1 kHz and on accelerations a wheel can have, the product form of (17) keeps its covariance symmetric
+    /// and positive semi-definite to rounding for the first second; over a whole drive see `docs/math/ekf-ui.md`, section 3.
     #[test]
     fn the_published_covariance_holds_in_the_papers_own_setting(
         samples in prop::collection::vec((-5.0..5.0, -30.0..30.0), 1000),

@@ -76,9 +76,8 @@ fn the_filter_leaves_the_stiffness_where_it_started() {
 
 #[test]
 fn the_printed_reading_of_eq_17_is_no_better() {
-    // With u*_{k-1} the correction reacts to the road's change over one step, which the filter takes for an error
-    // of its state. At a very short step that is small and k_t stays; at 1 and 2 ms it drives k_t away, and not to
-    // the truth.
+    // With u*_{k-1} the correction reacts to the road's change over one step, which the filter takes for an error of its state. At a very
+    // short step that is small and k_t stays; at 1 and 2 ms it drives k_t away, and not to the truth.
     for (dt, stays) in [(2e-4, true), (1e-3, false), (2e-3, false)] {
         for forgetting in FORGETTINGS {
             let config = FilterConfig::paper_simulation()

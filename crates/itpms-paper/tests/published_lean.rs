@@ -1,6 +1,5 @@
-//! The published filter in closed form against the dense one it is derived from (`docs/math/lean-aekf-ui.md`): step by step
-//! in `f64`, over minutes in `f32`, and on input that no sensor should give. Against the numpy transcription:
-//! `tests/published_transcription.rs`.
+//! The published filter in closed form against the dense one it is derived from (`docs/math/lean-aekf-ui.md`): step by step in `f64`, over
+//! minutes in `f32`, and on input that no sensor should give. Against the numpy transcription: `tests/published_transcription.rs`.
 // Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
 #![allow(clippy::unwrap_used)]
 use crate::common;

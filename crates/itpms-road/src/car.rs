@@ -21,10 +21,7 @@ pub struct RoadUnderWheel<T: Real> {
 }
 
 impl<T: Real> RoadUnderWheel<T> {
-    /// A road that nothing is known of yet.
-    ///
-    /// # Errors
-    /// Parameters of the corner that the filter refuses are named.
+    /// A road that nothing is known of yet. Errors: parameters of the corner that the filter refuses are named.
     pub fn new(config: &CornerConfig<T>) -> Result<Self, ParameterError> {
         let noise = config.accel_noise_or_usual_m_s2();
         let road = RoadConfig::new(config.quarter_car, config.initial_stiffness_n_per_m(), noise)?;
@@ -83,26 +80,19 @@ pub struct RoadUnderCar<T: Real> {
 
 impl<T: Real> RoadUnderCar<T> {
     /// Roads that nothing is known of yet, under the corners of a car whose samples come at about `sample_rate_hz`.
-    ///
-    /// # Errors
-    /// The rate must be positive and finite; parameters of a corner that its filter refuses are named.
+    /// Errors: the rate must be positive and finite; parameters of a corner that its filter refuses are named.
     pub fn new(config: &CarConfig<T>, sample_rate_hz: f64) -> Result<Self, ParameterError> {
         let mut roads = Self::unconfigured();
         roads.configure(config, sample_rate_hz)?;
         Ok(roads)
     }
 
-    /// Memory for the roads, as a constant: for a `static`, to be [configured](Self::configure) where it lies. Until then no road is
-    /// known.
-    #[must_use]
+    /// Memory for the roads, as a constant: for a `static`, to be [configured](Self::configure) where it lies. Until then no road is known.
     pub const fn unconfigured() -> Self {
         Self { clock: None, wheels: [const { None }; 4] }
     }
 
     /// What [`new`](Self::new) does, where the roads lie: it takes little stack. Whatever was there is forgotten.
-    ///
-    /// # Errors
-    /// As for [`new`](Self::new); the roads are unconfigured then.
     pub fn configure(&mut self, config: &CarConfig<T>, sample_rate_hz: f64) -> Result<(), ParameterError> {
         self.clear();
         for (wheel, corner) in self.wheels.iter_mut().zip(&config.corners) {
@@ -112,7 +102,6 @@ impl<T: Real> RoadUnderCar<T> {
         Ok(())
     }
 
-    /// Forgets the roads, as before they were configured.
     pub fn clear(&mut self) {
         self.clock = None;
         self.wheels.iter_mut().for_each(|wheel| *wheel = None);

@@ -15,7 +15,6 @@ const PATIENCE: u8 = 3;
 pub(crate) enum Arrival<T> {
     /// Nothing was before.
     First,
-    /// It follows the last one, after this many seconds.
     Next(T),
     /// Not after the last one, or absurdly late: leave it out.
     Ignored,
@@ -62,7 +61,6 @@ impl<T: Real> Clock<T> {
         }
     }
 
-    /// One more sample's time.
     pub(crate) fn take(&mut self, time_s: f64) -> Arrival<T> {
         let arrival = self.arrival(time_s);
         if arrival == Arrival::Ignored {

@@ -37,15 +37,12 @@ pub struct RoadEstimate<T> {
     pub road_sd_m: T,
     /// Tire deflection `x_r - x_w` in m, positive when the road pushes.
     pub tire_deflection_m: T,
-    /// Mean of the squared normalised innovations of this sample, NaN without a measurement. One to ten on roads: the
-    /// model's road has a limited bandwidth (eq. 2), and good sensors see that. A hundred and more is a broken signal
-    /// or wrong parameters.
+    /// Mean of the squared normalised innovations of this sample, NaN without a measurement. One to ten on roads: the model's road has a
+    /// limited bandwidth (eq. 2), and good sensors see that. A hundred and more is a broken signal or wrong parameters.
     pub nis: T,
-    /// Whether to believe it.
     pub validity: Validity,
 }
 
-/// What one sample did to the filter.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Advance<T: Real> {
     /// The step taken, `None` for the first sample and after a restart.
@@ -83,8 +80,6 @@ pub struct RoadFilter<T: Real> {
 }
 
 impl<T: Real> RoadFilter<T> {
-    /// A filter that knows nothing yet.
-    #[must_use]
     pub fn new(config: &RoadConfig<T>) -> Self {
         let log_level = match config.level {
             RoadLevel::Fixed(log_level) => log_level,
@@ -109,9 +104,7 @@ impl<T: Real> RoadFilter<T> {
 
     /// Take the tire's stiffness and its standard deviation, both in N/m. The deviation goes into the road's; another
     /// stiffness costs a discretisation at the next sample (about 5 000 multiplications).
-    ///
-    /// # Errors
-    /// The stiffness must be positive and finite, its deviation finite and not negative; the old values stay.
+    /// Errors: the stiffness must be positive and finite, its deviation finite and not negative; the old values stay.
     pub fn set_stiffness(&mut self, n_per_m: T, sd_n_per_m: T) -> Result<(), ParameterError> {
         let n_per_m = positive("stiffness_n_per_m", n_per_m)?;
         if !(sd_n_per_m >= T::zero() && sd_n_per_m.is_finite()) {
@@ -137,31 +130,6 @@ impl<T: Real> RoadFilter<T> {
         }
     }
 
-    /// Take another sensor noise in m/s² rms per sample. Costs like [`RoadFilter::set_stiffness`].
-    ///
-    /// # Errors
-    /// Must be positive and finite; the old value stays.
-    pub fn set_accel_noise(&mut self, accel_noise_m_s2: T) -> Result<(), ParameterError> {
-        let noise = positive("accel_noise_m_s2", accel_noise_m_s2)?;
-        if noise * noise != self.model.noise_variance {
-            self.model.noise_variance = noise * noise;
-            self.recursion.forget_transitions();
-        }
-        Ok(())
-    }
-
-    /// Take a road level, or go on learning it.
-    ///
-    /// # Errors
-    /// As [`RoadConfig::with_level`]; the old level stays.
-    pub fn set_level(&mut self, level: RoadLevel<T>) -> Result<(), ParameterError> {
-        self.config = self.config.with_level(level)?;
-        if let RoadLevel::Fixed(log_level) = level {
-            self.level.set(log_level);
-        }
-        Ok(())
-    }
-
     /// The road level in use, learned or given: see [`RoadLevel`].
     pub fn log_level(&self) -> T {
         self.level.log_level()
@@ -172,7 +140,6 @@ impl<T: Real> RoadFilter<T> {
         self.clock.interval_s()
     }
 
-    /// The sensors' delay in s at the rate seen.
     pub fn sensor_delay_s(&self) -> T {
         self.config.sensor_delay.delay_s(self.clock.interval_s())
     }
@@ -188,8 +155,7 @@ impl<T: Real> RoadFilter<T> {
         self.restarts
     }
 
-    /// One more sample. A missing or absurd value is left out, a sample at an impossible time is ignored; both are
-    /// flagged.
+    /// One more sample. A missing or absurd value is left out, a sample at an impossible time is ignored; both are flagged.
     pub fn update(&mut self, time_s: f64, sample: &CornerSample<T>) -> RoadEstimate<T> {
         let advance = self.advance(time_s, sample);
         let estimate = self.estimate();
@@ -326,7 +292,6 @@ impl<T: Real> RoadFilter<T> {
         error * error
     }
 
-    /// Height given out, m.
     pub(crate) fn road_m(&self) -> T {
         self.recursion.mean()[state::ROAD]
     }
@@ -341,7 +306,6 @@ impl<T: Real> RoadFilter<T> {
         self.recursion.expected_variance_m2()
     }
 
-    /// Covariance of the height's expectation with the core states.
     pub(crate) fn road_covariance(&self) -> CoreState<T> {
         self.recursion.road_covariance()
     }
@@ -351,7 +315,6 @@ impl<T: Real> RoadFilter<T> {
         self.model.road_intensity
     }
 
-    /// Corner of the high-pass in rad/s.
     pub(crate) fn low_cut_rad_per_s(&self) -> T {
         self.model.low_cut_rad_per_s
     }

@@ -21,7 +21,6 @@ pub(crate) struct HighPass<T> {
 }
 
 impl<T: Real> HighPass<T> {
-    /// At rest, with a corner in rad/s.
     pub(crate) fn new(corner_rad_per_s: T) -> Self {
         let zero = T::zero();
         let pole = corner_rad_per_s / T::lit(2.0).sqrt();

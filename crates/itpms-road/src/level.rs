@@ -18,7 +18,6 @@ const HIGHEST: f64 = 2.0;
 
 /// Corner in Hz above which the height's power is taken.
 const SLOW_HIGH_PASS_HZ: f64 = 0.3;
-/// Memory of that power in s.
 const SLOW_MEMORY_S: f64 = 20.0;
 /// The level matters where noise and road are alike, near 0.07 Hz, the height's power sits near 0.4 Hz and the
 /// wheel's near 10: `ln(10/0.07) / ln(10/0.4)` draws a power law out.
@@ -34,7 +33,6 @@ pub(crate) struct LevelTracker<T> {
     power: T,
     weight: T,
     seen_s: T,
-    /// Level at wheel hop.
     log_level: T,
     slow: SlowPower<T>,
 }
@@ -81,20 +79,7 @@ impl<T: Real> LevelTracker<T> {
         self.slow = SlowPower::nothing();
     }
 
-    /// Take a given level and, if `update` is called again, go on from there.
-    pub(crate) fn set(&mut self, log_level: T) {
-        *self = Self {
-            weight: T::zero(),
-            power: T::zero(),
-            seen_s: T::zero(),
-            log_level,
-            slow: SlowPower::nothing(),
-            ..*self
-        };
-    }
-
-    /// One more wheel acceleration, `step_s` after the last; `power_per_intensity` from
-    /// [`crate::model::Model::wheel_power_per_intensity`].
+    /// One more wheel acceleration, `step_s` after the last; `power_per_intensity` from [`crate::model::Model::wheel_power_per_intensity`].
     pub(crate) fn update(
         &mut self,
         wheel_accel_m_s2: T,

@@ -1,10 +1,8 @@
-//! The road under a wheel from the accelerations of body and wheel, for a tire stiffness that another estimator
-//! knows (docs/math/road.md).
+//! The road under a wheel from the accelerations of body and wheel, for a tire stiffness that another estimator knows (docs/math/road.md).
 //!
-//! Whoever knows the stiffness feeds [`RoadFilter`] for the causal height, or [`RoadUnderCar`] for all wheels of a car that
-//! [`itpms_core`] estimates; whoever writes a road record
-//! feeds [`RoadRecorder`] for the smoothed one, with memory of its own; [`RoadLimits`] says which wavelengths
-//! either can see. [`RepeatedRoads`] watches for a road that repeats itself, as on a test bed or a drum
+//! Whoever knows the stiffness feeds [`RoadFilter`] for the causal height, or [`RoadUnderCar`] for all wheels of a car that [`itpms_core`]
+//! estimates; whoever writes a road record feeds [`RoadRecorder`] for the smoothed one, with memory of its own; [`RoadLimits`] says which
+//! wavelengths either can see. [`RepeatedRoads`] watches for a road that repeats itself, as on a test bed or a drum
 //! (docs/math/repeated-road.md). Nothing here knows of distance or files.
 //!
 //! ```
@@ -40,6 +38,7 @@
 
 #![no_std]
 #![forbid(unsafe_code)]
+#![allow(missing_docs, reason = "a part of the program: names say it, and comments what they do not")]
 #![allow(clippy::op_ref)] // A matrix that is multiplied by value is copied on the stack first.
 
 mod car;

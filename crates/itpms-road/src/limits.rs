@@ -12,8 +12,7 @@ use itpms_core::model::{ParameterError, positive};
 /// Points of the integral over a band, evenly spaced in the logarithm of frequency.
 const BAND_POINTS: usize = 128;
 
-/// Accuracy of a road record for a road level and a sampling rate, in the steady state and with the right
-/// parameters.
+/// Accuracy of a road record for a road level and a sampling rate, in the steady state and with the right parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RoadLimits<T> {
     model: Model<T>,
@@ -22,9 +21,7 @@ pub struct RoadLimits<T> {
 
 impl<T: Real> RoadLimits<T> {
     /// Limits for a road of level `log_level` ([`crate::RoadLevel`]) seen by sensors sampled at `rate_hz`.
-    ///
-    /// # Errors
-    /// The rate must be positive and finite, the level between -25 and 5.
+    /// Errors: the rate must be positive and finite, the level between -25 and 5.
     pub fn new(config: &RoadConfig<T>, log_level: T, rate_hz: T) -> Result<Self, ParameterError> {
         config.with_level(crate::RoadLevel::Fixed(log_level))?;
         Ok(Self { model: Model::of(config, log_level), rate_hz: positive("rate_hz", rate_hz)? })
@@ -78,11 +75,6 @@ impl<T: Real> RoadLimits<T> {
             if self.relative_error(middle.exp()) > relative_error { low = middle } else { high = middle }
         }
         speed_m_s / high.exp()
-    }
-
-    /// The shortest wavelength in m at `speed_m_s`: a quarter of the sampling rate, below the anti-alias filter.
-    pub fn shortest_wavelength_m(&self, speed_m_s: T) -> T {
-        speed_m_s / (T::lit(0.25) * self.rate_hz)
     }
 
     /// Standard deviation in m of the smoothed record's error within a band of frequencies in Hz.

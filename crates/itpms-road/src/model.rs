@@ -22,11 +22,9 @@ pub(crate) type CoreMatrix<T> = SMatrix<T, CORE, CORE>;
 pub(crate) mod state {
     /// Suspension deflection `x_w - x_b` in m.
     pub(crate) const SUSPENSION: usize = 0;
-    /// Its rate in m/s.
     pub(crate) const SUSPENSION_RATE: usize = 1;
     /// Tire deflection `x_r - x_w` in m.
     pub(crate) const TIRE: usize = 2;
-    /// Wheel velocity in m/s.
     pub(crate) const WHEEL_VELOCITY: usize = 3;
     /// Road velocity `v_r` in m/s, noise of limited bandwidth.
     pub(crate) const ROAD_VELOCITY: usize = 4;
@@ -59,7 +57,6 @@ pub(crate) struct Model<T> {
     pub(crate) noise_variance: T,
     /// Two-sided density `q` of the road's vertical velocity, m²/s (eq. 2).
     pub(crate) road_intensity: T,
-    /// Bandwidth of the road's vertical velocity, rad/s.
     pub(crate) road_bandwidth_rad_per_s: T,
     /// Corner below which the height is left out, rad/s.
     pub(crate) low_cut_rad_per_s: T,
@@ -70,7 +67,6 @@ pub(crate) struct Model<T> {
 }
 
 impl<T: Real> Model<T> {
-    /// The model of a configuration for a road level.
     pub(crate) fn of(config: &RoadConfig<T>, log_level: T) -> Self {
         Self {
             car: config.quarter_car,

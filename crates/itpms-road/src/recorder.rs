@@ -16,12 +16,10 @@ use itpms_core::Real;
 use itpms_core::model::CornerSample;
 use thiserror::Error;
 
-/// Length of a segment in s: the backward pass corrects slow drift only, and is linear over so short a time to a
-/// few micrometres.
+/// Length of a segment in s: the backward pass corrects slow drift only, and is linear over so short a time to a few micrometres.
 const SEGMENT_S: f64 = 0.02;
 /// Rows kept behind the block for interpolation.
 const HISTORY: usize = WIDTH;
-/// Fewest rows that make a window.
 const FEWEST_ROWS: usize = 64;
 const FEWEST_SEGMENTS: usize = 16;
 /// Segments kept free of the extra cuts at gaps.
@@ -38,14 +36,11 @@ const SILENT_INTERVALS: f64 = 3.5;
     "memory for {rows} rows and {segments} segments, expected at least {FEWEST_ROWS} and {FEWEST_SEGMENTS}"
 )]
 pub struct RecorderMemoryError {
-    /// Rows given.
     pub rows: usize,
-    /// Segments given.
     pub segments: usize,
 }
 
-/// Writes the road record of one corner. `R` and `S` own the window: vectors, arrays or mutable slices of
-/// [`RoadRow`] and [`Segment`].
+/// Writes the road record of one corner. `R` and `S` own the window: vectors, arrays or mutable slices of [`RoadRow`] and [`Segment`].
 ///
 /// Rows come out late by up to the window's length, in blocks of a quarter of it; every height has at least three
 /// quarters of the window as look-ahead. Two recorders with windows of equally many rows give their points at
@@ -62,13 +57,11 @@ pub struct RoadRecorder<T: Real, R, S> {
     given: u64,
     begun: u64,
     let_go: u64,
-    /// Row of the last wheel acceleration.
     last_observed: Option<u64>,
 }
 
 /// Window for a look-ahead of `lookahead_s` ([`RoadConfig::lookahead_s`]) at `rate_hz`: numbers of rows and segments to
 /// provide. In `f64`, at 500 Hz and with the default of 27 s, they take 0.9 and 1.8 MB.
-#[must_use]
 pub fn window_for(rate_hz: f64, lookahead_s: f64) -> (usize, usize) {
     let rows = (rate_hz * lookahead_s / 0.75) as usize + FEWEST_ROWS;
     let per_segment = (rate_hz * SEGMENT_S) as usize;
@@ -82,10 +75,7 @@ where
     S: AsRef<[Segment<T>]> + AsMut<[Segment<T>]>,
 {
     /// A recorder at the start of a log, working in the memory given ([`window_for`]). Too few segments for the rows
-    /// make longer segments.
-    ///
-    /// # Errors
-    /// Fewer than 64 rows or 16 segments.
+    /// make longer segments. Errors: fewer than 64 rows or 16 segments.
     pub fn new(config: &RoadConfig<T>, rows: R, segments: S) -> Result<Self, RecorderMemoryError> {
         let (row_count, segment_count) = (rows.as_ref().len(), segments.as_ref().len());
         if row_count < FEWEST_ROWS || segment_count < FEWEST_SEGMENTS {
@@ -197,9 +187,8 @@ where
         silence || !before.observed
     }
 
-    /// Between the last seen row and this one, rows without a wheel acceleration: the forward filter holds the road
-    /// there and jumps at the end, the expectation given both ends is a straight line (and a Brownian bridge around
-    /// it).
+    /// Between the last seen row and this one, rows without a wheel acceleration: the forward filter holds the road there and jumps at the
+    /// end, the expectation given both ends is a straight line (and a Brownian bridge around it).
     fn bridge_to(&mut self, row: u64) {
         let Some(from) = self.last_observed else { return };
         let first_kept = self.given;

@@ -1,5 +1,4 @@
-//! The Kalman recursion behind the road estimate: mean, covariance, prediction, correction (docs/math/road.md,
-//! section 3).
+//! The Kalman recursion behind the road estimate: mean, covariance, prediction, correction (docs/math/road.md, section 3).
 //!
 //! Called by [`crate::filter`]. Knows nothing of time stamps, missing values or levels.
 
@@ -15,11 +14,8 @@ const STEP_TOLERANCE: f64 = 1e-3;
 /// A measured acceleration's way into the state, kept for the backward pass.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Correction<T> {
-    /// Row of the measurement.
     pub(crate) row: CoreState<T>,
-    /// Kalman gain.
     pub(crate) gain: CoreState<T>,
-    /// Innovation in m/s².
     pub(crate) innovation: T,
     pub(crate) variance: T,
 }

@@ -7,15 +7,11 @@ use itpms_core::Real;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RoadRow<T> {
     pub(crate) time_s: f64,
-    /// The forward filter's height, m.
     pub(crate) forward_m: T,
     /// Variance beside the filter's own: the stiffness's uncertainty, and time spent blind, m².
     pub(crate) extra_m2: T,
-    /// The smoothed height at the sample, m.
     pub(crate) smooth_m: T,
-    /// Its variance, m².
     pub(crate) variance_m2: T,
-    /// Whether the wheel was measured.
     pub(crate) observed: bool,
 }
 
@@ -33,14 +29,11 @@ impl<T: Real> Default for RoadRow<T> {
     }
 }
 
-/// One row of a road record.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RoadPoint<T> {
-    /// Time of the log's row in s.
     pub time_s: f64,
-    /// Road height in m under the wheel at that time, without phase, behind the configured high-pass (0.05 Hz,
-    /// fourth order in all).
+    /// Road height in m under the wheel at that time, without phase, behind the configured high-pass (0.05 Hz, fourth order in all).
     pub road_m: T,
     /// Its standard deviation in m, slow drift included; for a band use [`crate::RoadLimits::band_sd_m`].
     pub road_sd_m: T,

@@ -8,14 +8,12 @@ use crate::model::{CoreMatrix, CoreState, Transition, add_multiple, combine};
 use crate::recursion::Correction;
 use itpms_core::Real;
 
-/// A stretch of the forward pass, condensed to what the backward pass needs: memory for [`crate::RoadRecorder`],
-/// about 120 numbers.
+/// A stretch of the forward pass, condensed to what the backward pass needs: memory for [`crate::RoadRecorder`], about 120 numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Segment<T: Real> {
     /// Number of the row after which the snapshot was taken.
     pub(crate) first_row: u64,
-    /// Its time in s.
     pub(crate) time_s: f64,
     /// Covariance of the height's expectation with the core states at the snapshot.
     road_covariance: CoreState<T>,
@@ -140,8 +138,7 @@ mod tests {
             .unwrap()
     }
 
-    /// Mean and variance of the height at every sample, given all measurements, by one dense solution of the joint
-    /// normal distribution.
+    /// Mean and variance of the height at every sample, given all measurements, by one dense solution of the joint normal distribution.
     fn dense(y: &SVector<f64, VALUES>) -> ([f64; SAMPLES], [f64; SAMPLES]) {
         let model = Model::of(&config(), -8.0);
         let step = model.free(STEP_S);

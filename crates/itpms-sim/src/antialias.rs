@@ -35,7 +35,6 @@ impl AntiAliasSpec {
 
     /// Delay of the low frequencies in s for a log of the given rate: `sum 1/Q / (2π f_c)` over the filter's pairs of
     /// poles. A log's accelerations are late by this, its truth is not.
-    #[must_use]
     pub fn group_delay_s(&self, rate_hz: f64) -> f64 {
         self.pole_pairs().map(|q| 1.0 / q).sum::<f64>() / (2.0 * PI * self.corner * rate_hz)
     }
@@ -57,16 +56,13 @@ struct Section {
     z2: f64,
 }
 
-/// A running filter.
 #[derive(Debug, Clone)]
 pub struct LowPass {
     sections: Vec<Section>,
 }
 
 impl LowPass {
-    /// The filter of a log with `rate_hz`, run `sampling_hz` times a second. Bilinear transform, its frequency scale
-    /// fitted at the corner.
-    #[must_use]
+    /// The filter of a log with `rate_hz`, run `sampling_hz` times a second. Bilinear transform, its frequency scale fitted at the corner.
     pub fn new(spec: &AntiAliasSpec, rate_hz: f64, sampling_hz: f64) -> Self {
         let k = (PI * spec.corner * rate_hz / sampling_hz).tan();
         let sections = spec

@@ -11,9 +11,7 @@ use thiserror::Error;
 pub struct InvalidValue {
     /// The field as it is written in a scenario file, for example `road.surface.iso8608.slope`.
     pub field: String,
-    /// What was given.
     pub found: String,
-    /// What would be accepted.
     pub expected: &'static str,
 }
 
@@ -65,53 +63,32 @@ pub(crate) fn not_negative(field: &str, value: f64) -> Result<(), InvalidValue> 
 
 /// A measured road profile that cannot be used.
 #[derive(Debug, Error)]
-#[allow(missing_docs, reason = "the messages say it")]
 pub enum ProfileError {
-    /// The file could not be read.
     #[error("{}: {source}", path.display())]
     Read { path: PathBuf, source: std::io::Error },
-    /// A line is not `station elevation`.
     #[error("{}, line {line}: found `{found}`, expected a station and an elevation in m", path.display())]
     Line { path: PathBuf, line: usize, found: String },
-    /// Stations must increase; `row` counts from 1.
     #[error("station {found} in row {row} follows {previous}, expected stations that increase")]
-    NotIncreasing {
-        /// Row of the point, counted from 1.
-        row: usize,
-        found: f64,
-        previous: f64,
-    },
-    /// NaN or infinite; `row` counts from 1.
+    NotIncreasing { row: usize, found: f64, previous: f64 },
     #[error("row {row} is not finite")]
-    NotFinite {
-        /// Row of the point, counted from 1.
-        row: usize,
-    },
-    /// Too short for a cubic.
+    NotFinite { row: usize },
     #[error("{found} points, expected at least 4")]
     TooFewPoints { found: usize },
 }
 
 /// A scenario that cannot be driven.
 #[derive(Debug, Error)]
-#[allow(missing_docs, reason = "the messages say it")]
 pub enum ScenarioError {
-    /// Neither a built-in name nor a file.
     #[error("no scenario `{name}`{}; built in: {}; or give a TOML file", did_you_mean(nearest.as_deref()), known.join(", "))]
     Unknown { name: String, nearest: Option<String>, known: Vec<String> },
-    /// The file could not be read.
     #[error("{}: {source}", path.display())]
     Read { path: PathBuf, source: std::io::Error },
-    /// Not the TOML of a scenario.
     #[error("{origin}, line {line}, column {column}: {message}")]
     Syntax { origin: String, line: usize, column: usize, message: String },
-    /// A value outside its range.
     #[error("scenario `{scenario}`: {source}")]
     Invalid { scenario: String, source: InvalidValue },
-    /// A measured profile that cannot be used.
     #[error("scenario `{scenario}`, road profile: {source}")]
     Profile { scenario: String, source: ProfileError },
-    /// The scenario cannot be written as TOML.
     #[error("cannot write the scenario as TOML: {0}")]
     Write(String),
 }

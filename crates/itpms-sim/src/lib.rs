@@ -1,8 +1,7 @@
 //! The simulated world: roads, quarter cars, accelerometers, and the scenarios that put them together.
 //!
-//! Called by whoever needs a drive whose truth is known (the score, the demo, tests). Knows nothing of log files
-//! or estimators; a [`SimRow`](simulation::SimRow) carries what a log would hold and the truth beside it.
-//! The mathematics is in `docs/math/simulation.md`.
+//! Called by whoever needs a drive whose truth is known (the score, the demo, tests). Knows nothing of log files or estimators; a
+//! [`SimRow`](simulation::SimRow) carries what a log would hold and the truth beside it. The mathematics is in `docs/math/simulation.md`.
 //!
 //! | module | idea |
 //! |---|---|
@@ -30,6 +29,7 @@
 //! # Ok::<(), itpms_sim::error::ScenarioError>(())
 //! ```
 #![forbid(unsafe_code)]
+#![allow(missing_docs, reason = "a part of the program: names say it, and comments what they do not")]
 
 pub mod antialias;
 pub mod car;

@@ -10,7 +10,6 @@ use serde::{Deserialize, Serialize};
 use crate::error::{InvalidValue, not_negative};
 use crate::streams::{Purpose, generator};
 
-/// A pressure sensor as written in a scenario.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct PressureSensorSpec {

@@ -16,7 +16,6 @@ use crate::streams::{Purpose, generator};
 pub struct SensorSpec {
     /// White noise in m/s², rms per sample.
     pub noise_m_s2: f64,
-    /// Constant added in m/s².
     pub bias_m_s2: f64,
     /// Relative error of the gain: 0.01 reads 1 % too much.
     pub gain_error: f64,
@@ -56,7 +55,6 @@ impl Default for SensorSpec {
 
 impl SensorSpec {
     /// A sensor with nothing but noise, in m/s² rms per sample.
-    #[must_use]
     pub fn with_noise(noise_m_s2: f64) -> Self {
         Self { noise_m_s2, ..Self::default() }
     }

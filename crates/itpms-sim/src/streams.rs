@@ -1,8 +1,7 @@
 //! Random numbers: one seed per drive, an independent generator for every purpose in it.
 //!
-//! Called by everything random in this crate. A road does not change when a sensor gets noisier, nor a sensor's
-//! noise when another corner is added: each draws from a generator of its own, derived from the drive's seed, the
-//! purpose and two indices.
+//! Called by everything random in this crate. A road does not change when a sensor gets noisier, nor a sensor's noise when another corner
+//! is added: each draws from a generator of its own, derived from the drive's seed, the purpose and two indices.
 
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
@@ -15,17 +14,13 @@ pub(crate) enum Purpose {
     SensorNoise = 2,
     /// Lost samples of a sensor.
     Dropout = 3,
-    /// Sampling instants.
     Clock = 4,
-    /// Noise of a pressure sensor.
     PressureNoise = 5,
     /// What a line beside a track has for itself.
     RoadBeside = 6,
     /// Where a wheel's imbalance is when a drive starts.
     Imbalance = 7,
-    /// What a journey is composed of.
     Journey = 8,
-    /// What a sensor's fault draws.
     Fault = 9,
     /// How a car differs from its vehicle file.
     Tolerance = 10,

@@ -7,16 +7,14 @@ use std::cell::Cell;
 
 use serde::{Deserialize, Serialize};
 
-use crate::error::{InvalidValue, not_negative, positive, within};
+use crate::error::{InvalidValue, not_negative, within};
 
 /// A continuous function of time, straight between its points, with its integral.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TimeProfile {
     times_s: Vec<f64>,
     values: Vec<f64>,
-    /// Integral from the first point to each point.
     integrals: Vec<f64>,
-    /// Integral from the first point to time zero.
     integral_to_zero: f64,
     /// Where the last question was answered.
     found: Found,
@@ -34,17 +32,12 @@ impl PartialEq for Found {
 }
 
 impl TimeProfile {
-    /// The same value at all times.
-    #[must_use]
     pub fn constant(value: f64) -> Self {
         let found = Found::default();
         Self { times_s: vec![0.0], values: vec![value], integrals: vec![0.0], integral_to_zero: 0.0, found }
     }
 
-    /// Through `[time_s, value]` points, at least one.
-    ///
-    /// # Errors
-    /// Names the point that is not finite or whose time does not increase.
+    /// Through `[time_s, value]` points, at least one. Errors: names the point that is not finite or whose time does not increase.
     pub fn new(points: &[[f64; 2]]) -> Result<Self, InvalidValue> {
         if points.is_empty() {
             return Err(InvalidValue::new("points", "empty", "at least one [time_s, value] point"));
@@ -75,7 +68,6 @@ impl TimeProfile {
         Ok(profile)
     }
 
-    /// Value at a time in s.
     pub fn value(&self, time_s: f64) -> f64 {
         self.value_after(self.last_point(time_s), time_s)
     }
@@ -125,7 +117,6 @@ impl TimeProfile {
 /// The car's speed over time, as written in a scenario.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Speed {
-    /// One speed in km/h.
     #[serde(rename = "constant_km_h")]
     ConstantKmH(f64),
     /// Points `[time in s, speed in km/h]`, straight between them; zero is a stop.
@@ -137,10 +128,7 @@ pub enum Speed {
 }
 
 impl Speed {
-    /// Speed in m/s over time; its integral is the distance in m.
-    ///
-    /// # Errors
-    /// Speeds are finite and from 0 to 500 km/h, times increase.
+    /// Speed in m/s over time; its integral is the distance in m. Errors: speeds are finite and from 0 to 500 km/h, times increase.
     pub fn profile_m_s(&self) -> Result<TimeProfile, InvalidValue> {
         let points = match self {
             Speed::ConstantKmH(v) => vec![[0.0, *v]],
@@ -159,7 +147,6 @@ impl Speed {
 /// A tire's gauge pressure over time, as written in a scenario.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Pressure {
-    /// One pressure in kPa.
     #[serde(rename = "constant_kpa")]
     ConstantKpa(f64),
     /// Points `[time in s, pressure in kPa]`, straight between them.
@@ -169,72 +156,11 @@ pub enum Pressure {
 
 impl Pressure {
     /// Holds `from_kpa` until `start_s`, then goes straight to `to_kpa` within `duration_s`.
-    #[must_use]
     pub fn ramp(from_kpa: f64, to_kpa: f64, start_s: f64, duration_s: f64) -> Self {
         Pressure::PointsSKpa(vec![[start_s, from_kpa], [start_s + duration_s, to_kpa]])
     }
 
-    /// Follows commands `(time_s, kpa)` no faster than `max_kpa_per_s`: the paper's slew-rate-limited input. A
-    /// command that comes before the last one is reached takes over from there.
-    ///
-    /// # Errors
-    /// The rate must be positive, the commands' times must increase.
-    pub fn rate_limited(
-        initial_kpa: f64,
-        commands: &[(f64, f64)],
-        max_kpa_per_s: f64,
-    ) -> Result<Self, InvalidValue> {
-        positive("max_kpa_per_s", max_kpa_per_s)?;
-        let mut points: Vec<[f64; 2]> = Vec::new();
-        let mut now_kpa = initial_kpa;
-        for (i, &(time_s, target_kpa)) in commands.iter().enumerate() {
-            let until_s = commands.get(i + 1).map_or(f64::INFINITY, |c| c.0);
-            if !(time_s < until_s) {
-                return Err(InvalidValue::new(
-                    "commands",
-                    format!("{until_s} s after {time_s} s"),
-                    "times that increase",
-                ));
-            }
-            let needed_s = (target_kpa - now_kpa).abs() / max_kpa_per_s;
-            let ends_s = until_s.min(time_s + needed_s);
-            if points.last().is_none_or(|p| p[0] < time_s) {
-                points.push([time_s, now_kpa]);
-            }
-            if ends_s > time_s {
-                let share = if needed_s > 0.0 { (ends_s - time_s) / needed_s } else { 1.0 };
-                now_kpa += share * (target_kpa - now_kpa);
-                points.push([ends_s, now_kpa]);
-            }
-        }
-        if points.is_empty() {
-            return Ok(Pressure::ConstantKpa(initial_kpa));
-        }
-        Ok(Pressure::PointsSKpa(points))
-    }
-
-    /// The paper's Fig. 6: 241.3 kPa until 20 s, down to 137.9 within 2.5 s.
-    #[must_use]
-    pub fn paper_drop() -> Self {
-        Self::ramp(241.3, 137.9, 20.0, 2.5)
-    }
-
-    /// The paper's Fig. 9a: the same down to 41.4 kPa.
-    #[must_use]
-    pub fn paper_deep_drop() -> Self {
-        Self::ramp(241.3, 41.4, 20.0, 2.5)
-    }
-
-    /// The paper's Fig. 9b: 241.3 kPa until 15 s, 138 at 17.5 s, 195 at 27.5 s, held.
-    #[must_use]
-    pub fn paper_drop_recover() -> Self {
-        Pressure::PointsSKpa(vec![[15.0, 241.3], [17.5, 138.0], [27.5, 195.0]])
-    }
-
-    /// Pressure in kPa over time.
-    ///
-    /// # Errors
-    /// Pressures are finite and not negative, times increase.
+    /// Pressure in kPa over time. Errors: pressures are finite and not negative, times increase.
     pub fn profile_kpa(&self) -> Result<TimeProfile, InvalidValue> {
         let points = match self {
             Pressure::ConstantKpa(p) => vec![[0.0, *p]],
@@ -266,49 +192,6 @@ mod tests {
             assert!((p.integral(t) - d).abs() < 1e-12, "{t}");
         }
         assert_eq!((p.minimum(), p.maximum()), (0.0, 6.0));
-    }
-
-    #[test]
-    fn the_papers_pressures_are_those_of_its_figures() {
-        let drop = Pressure::paper_drop().profile_kpa().unwrap();
-        let deep = Pressure::paper_deep_drop().profile_kpa().unwrap();
-        let recover = Pressure::paper_drop_recover().profile_kpa().unwrap();
-        for (profile, t, kpa) in [
-            (&drop, 0.0, 241.3),
-            (&drop, 20.0, 241.3),
-            (&drop, 21.25, 189.6),
-            (&drop, 22.5, 137.9),
-            (&drop, 40.0, 137.9),
-            (&deep, 20.0, 241.3),
-            (&deep, 22.5, 41.4),
-            (&recover, 15.0, 241.3),
-            (&recover, 17.5, 138.0),
-            (&recover, 22.5, 166.5),
-            (&recover, 27.5, 195.0),
-            (&recover, 40.0, 195.0),
-        ] {
-            assert!((profile.value(t) - kpa).abs() < 1e-9, "{t} {kpa}");
-        }
-    }
-
-    #[test]
-    fn a_rate_limit_turns_commands_into_ramps() {
-        // 41.36 kPa/s is the slope of Fig. 6: the limited step is the same ramp.
-        let limited = Pressure::rate_limited(241.3, &[(20.0, 137.9)], 41.36).unwrap().profile_kpa().unwrap();
-        let drop = Pressure::paper_drop().profile_kpa().unwrap();
-        for t in [0.0, 20.0, 21.0, 22.5, 30.0] {
-            assert!((limited.value(t) - drop.value(t)).abs() < 1e-9, "{t}");
-        }
-        // Down at 10 kPa/s for 2 s, then a new command takes over from where it is.
-        let p = Pressure::rate_limited(200.0, &[(0.0, 100.0), (2.0, 190.0)], 10.0)
-            .unwrap()
-            .profile_kpa()
-            .unwrap();
-        for (t, kpa) in [(1.0, 190.0), (2.0, 180.0), (2.5, 185.0), (3.0, 190.0), (9.0, 190.0)] {
-            assert!((p.value(t) - kpa).abs() < 1e-9, "{t}");
-        }
-        assert!(Pressure::rate_limited(200.0, &[(1.0, 1.0), (1.0, 2.0)], 10.0).is_err());
-        assert!(Pressure::rate_limited(200.0, &[(1.0, 1.0)], f64::NAN).is_err());
     }
 
     #[test]

@@ -80,8 +80,7 @@ fn the_spectrum_is_the_standards_line() {
 
 #[test]
 fn increments_are_gaussian_and_the_same_where_blocks_meet() {
-    // Increments over 2 m: with w = 2 independent of each other. Block 0 counts alone up to 573 m and fades into
-    // block 1 until 901 m.
+    // Increments over 2 m: with w = 2 independent of each other. Block 0 counts alone up to 573 m and fades into block 1 until 901 m.
     for from_m in [200.0, 580.0] {
         let (count, mut square, mut fourth) = (1200.0, 0.0, 0.0);
         for seed in 0..8 {
@@ -97,8 +96,7 @@ fn increments_are_gaussian_and_the_same_where_blocks_meet() {
                 fourth += d.powi(4) / count;
             }
         }
-        // Structure function of Gd n0² n^-2: 2 π² Gd n0² d. Sd of the variance sqrt(2/1200) = 4 %, of the kurtosis
-        // sqrt(24/1200) = 0.14.
+        // Structure function of Gd n0² n^-2: 2 π² Gd n0² d. Sd of the variance sqrt(2/1200) = 4 %, of the kurtosis sqrt(24/1200) = 0.14.
         let expected = 2.0 * PI * PI * 16e-8 * 2.0;
         assert!((square / expected - 1.0).abs() < 0.16, "{from_m} m: {}", square / expected);
         assert!((fourth / (square * square) - 3.0).abs() < 0.5, "{from_m} m: {}", fourth / (square * square));

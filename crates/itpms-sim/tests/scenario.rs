@@ -6,7 +6,6 @@ use itpms_sim::road::{Extension, RoadClass, Segment, Surface};
 use itpms_sim::scenario::Scenario;
 use itpms_sim::simulation::Simulation;
 
-/// The smallest scenario there is.
 const SMALL: &str = r#"
 name = "small"
 duration_s = 1
@@ -22,7 +21,6 @@ constant_kpa = 230
 /// One of everything, with what it means.
 const FULL: &str = include_str!("../scenarios/example-everything.toml");
 
-/// All there is to a whole car.
 const CAR: &str = include_str!("../scenarios/example-car.toml");
 
 fn refused(text: &str) -> String {

@@ -15,7 +15,6 @@ const ROWS: usize = 4_000;
 /// How a logger might write the drive.
 #[derive(Debug, Clone, Copy)]
 struct Style {
-    /// The name of one of our columns.
     name: fn(&str) -> String,
     /// Units of the time, the speed and the accelerations, and how many of them are one of ours.
     units: [(&'static str, f64); 3],

@@ -35,5 +35,5 @@ mod vehicle;
 mod vehicle_learn;
 mod wheel_speeds;
 
-/// What `common` runs.
+/// The program that `common` runs.
 const PROGRAM: &str = env!("CARGO_BIN_EXE_itpms");

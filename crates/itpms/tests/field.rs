@@ -48,7 +48,6 @@ fn check(bench: &Bench, more: &str) -> Outcome {
     bench.run(&format!("vehicle check drive.csv --vehicle car.toml --field {more}"))
 }
 
-/// The files of an archive.
 fn unpacked(bench: &Bench, name: &str) -> Vec<(String, String)> {
     let mut archive = zip::ZipArchive::new(File::open(bench.path(name)).unwrap()).unwrap();
     (0..archive.len())

@@ -14,7 +14,6 @@ use std::time::{Duration, Instant};
 
 use common::{Bench, Outcome, interrupt};
 
-/// What a person takes for "at once".
 const AT_ONCE: Duration = Duration::from_secs(1);
 
 fn pipe(bench: &Bench, name: &str) {
@@ -37,7 +36,6 @@ fn ended(child: Child, signal: &str) -> Outcome {
     outcome
 }
 
-/// The example car's bus.
 fn with_dbc(bench: &Bench) {
     let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/can");
     for name in ["car.dbc", "map.toml"] {
@@ -165,7 +163,6 @@ fn what_has_no_end_is_refused_with_the_limit() {
     assert_eq!(text, "hole.crg: has 3221225472 bytes, expected an OpenCRG file of at most 1073741824");
 }
 
-/// A log with one frame.
 fn with_log(bench: &Bench) {
     bench.write("bus.log", "(1.0) can0 123#00\n");
 }

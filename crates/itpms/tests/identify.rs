@@ -8,7 +8,6 @@ use std::path::Path;
 
 use common::Bench;
 
-/// A directory with the examples in it.
 fn bench() -> Bench {
     let bench = Bench::new();
     let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/identify");

@@ -1,5 +1,4 @@
-//! `itpms lab identify bump` on drops from a small simulator of its own, on a real rig where its data are there, and on
-//! damaged records.
+//! `itpms lab identify bump` on drops from a small simulator of its own, on a real rig where its data are there, and on damaged records.
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use crate::common;
@@ -128,7 +127,6 @@ fn masses(drop: &Drop) -> String {
     format!("--sprung-mass-kg {} --unsprung-mass-kg {}", drop.sprung_kg, drop.unsprung_kg)
 }
 
-/// A value with its standard error.
 fn value(fit: &Value, key: &str) -> (f64, f64) {
     (fit[key].as_f64().unwrap(), fit[format!("{key}_se")].as_f64().unwrap())
 }

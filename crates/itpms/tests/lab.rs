@@ -9,7 +9,6 @@ const TOOLS: [&str; 3] = ["simulate", "identify", "calibrate"];
 const STUDIES: [&str; 7] =
     ["score", "soak", "certify", "malfunctions", "observability", "reproduce", "faults"];
 
-/// The names in a list of commands.
 fn listed(help: &str) -> Vec<String> {
     let commands =
         help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
@@ -57,7 +56,6 @@ mod handing_on {
 
     use super::{Bench, STUDIES};
 
-    /// This program alone in a folder, with a stranger's PATH.
     fn alone(bench: &Bench, line: &str) -> std::process::Output {
         let program = bench.path("itpms");
         if !program.exists() {

@@ -55,7 +55,6 @@ fn estimates(bench: &Bench, name: &str) -> Vec<Value> {
     found
 }
 
-/// What an estimate says of the car.
 fn said(estimate: &Value) -> Value {
     let mut said = estimate.clone();
     let map = said.as_object_mut().unwrap();

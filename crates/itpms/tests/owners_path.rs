@@ -8,10 +8,8 @@ use common::{Bench, table};
 use serde_json::Value;
 
 struct Car {
-    /// What its owner knows.
     init: &'static str,
     placard_kpa: f64,
-    /// What nobody gives.
     wheelbase_m: f64,
 }
 
@@ -19,7 +17,6 @@ const FIRST_S: f64 = 260.0;
 const PUNCTURE_S: f64 = 70.0;
 const LEFT: f64 = 0.68;
 
-/// A key's number in a section of a vehicle file.
 fn number(file: &str, section: &str, key: &str) -> f64 {
     let (_, rest) = file.split_once(&format!("[{section}]")).unwrap();
     let section = rest.split("\n[").next().unwrap();
@@ -59,7 +56,6 @@ fn scenario(car: &Car, file: &str, seconds: f64, speed: &str, road: char, punctu
     text
 }
 
-/// Leaves the speed in every tenth row.
 fn thin_out_speed(bench: &Bench, name: &str) {
     let (header, rows) = table(&bench.read(name));
     let speed = header.iter().position(|name| name == "speed_m_s").unwrap();

@@ -221,7 +221,6 @@ fn what_cannot_be_learned_from_is_said() {
     assert!(text.contains("drive.csv: is a drive log itself"), "{text}");
 }
 
-/// What one refuses of a drive the other names.
 #[test]
 fn check_names_what_learn_refuses() {
     let bench = Bench::new();

@@ -1,6 +1,5 @@
-//! Least stack with which a car is configured where it lies and takes its samples:
-//! `cargo run --release -p itpms-bench --example stack`. With `-- --most 8 24`, ends with an error where building takes more KiB
-//! than the first in `f32`, or samples more than the second.
+//! Least stack with which a car is configured where it lies and takes its samples: `cargo run --release -p itpms-bench --example stack`.
+//! With `-- --most 8 24`, ends with an error where building takes more KiB than the first in `f32`, or samples more than the second.
 //!
 //! Asks this program itself, over and over, with a thread that has more or less of it left: what has too little is killed.
 #![allow(clippy::expect_used)] // As in the library: without its fixed drive there is nothing to measure.

@@ -16,7 +16,6 @@ use itpms_sim::simulation::Simulation;
 const WARM_UP_S: f64 = 8.0;
 /// Seconds over which costs repeat, nearly: ten frames of a corner and six of a side.
 pub const STRETCH_S: f64 = 0.6;
-/// Seconds of drive made beforehand.
 const DRIVE_S: f64 = 12.0;
 /// Distance between the axles in m.
 const WHEELBASE_M: f64 = 2.7;
@@ -26,13 +25,10 @@ const REAR_KG: [f64; 2] = [216.0, 50.0];
 /// How much of the estimator runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Extent {
-    /// Corners, shared road, monitor, road heights.
     Everything,
     /// The same without road heights.
     WithoutRoad,
-    /// Corners and shared road.
     WithoutRoadAndMonitor,
-    /// Four corners by themselves.
     CornersAlone,
 }
 
@@ -43,7 +39,6 @@ enum Car<T: Real> {
 }
 
 /// What the estimator knows about the car of the built-in drives.
-#[must_use]
 pub fn nominal<T: Real>() -> CarConfig<T> {
     let front = CornerConfig::<T>::paper();
     let car = &front.quarter_car;
@@ -56,8 +51,6 @@ pub fn nominal<T: Real>() -> CarConfig<T> {
     }
 }
 
-/// The estimator and its monitor as they are shipped.
-#[must_use]
 pub fn shipped<T: Real>(rate_hz: f64) -> Box<MonitoredCar<T>> {
     monitored(&MonitorConfig::new(&nominal()), rate_hz)
 }
@@ -69,7 +62,6 @@ fn monitored<T: Real>(config: &MonitorConfig<T>, rate_hz: f64) -> Box<MonitoredC
 }
 
 /// A simulated sample as the estimator takes it.
-#[must_use]
 pub fn taken<T: Real>(sample: &CarSample<f64>) -> CarSample<T> {
     let corners = sample.corners.map(|corner| {
         corner.map(|c| CornerSample {
@@ -92,7 +84,6 @@ pub struct RunningCar<T: Real> {
 
 impl<T: Real> RunningCar<T> {
     /// Warmed up on `drive-puncture`, before the nail: 80 km/h on a class A road.
-    #[must_use]
     pub fn new(extent: Extent, rate_hz: f64) -> Self {
         let mut scenario = Scenario::builtin("drive-puncture").expect("a built-in drive");
         (scenario.rate_hz, scenario.duration_s) = (rate_hz, DRIVE_S);
@@ -124,7 +115,6 @@ impl<T: Real> RunningCar<T> {
     }
 
     /// Samples of [`STRETCH_S`].
-    #[must_use]
     pub fn stretch(&self) -> usize {
         (STRETCH_S * self.rate_hz) as usize
     }

@@ -16,7 +16,6 @@ pub const HOP: usize = 30;
 pub const WARM_UP: usize = 5000;
 
 /// Sample `k` of a made-up drive: body and wheel swing at 1.4 Hz and 11 Hz with uneven strength, and hash noise.
-#[must_use]
 pub fn sample<T: Real>(k: usize) -> CornerSample<T> {
     let t = k as f64 / RATE_HZ;
     let noise = |salt: u64| {
@@ -45,7 +44,6 @@ pub struct Running<T: Real> {
 
 impl<T: Real> Running<T> {
     /// Warmed up so that the next sample starts a new frame: the following `HOP - 1` complete none.
-    #[must_use]
     pub fn new(kind: EstimatorKind) -> Self {
         let estimator = AnyEstimator::new(kind, &CornerConfig::paper(), RATE_HZ).expect("the paper's corner");
         let mut running = Self { estimator, samples: (0..WARM_UP).map(sample).collect(), next: 0 };
@@ -74,7 +72,6 @@ impl<T: Real> Running<T> {
 
 /// The published filter with one-step forgetting, warmed up for a few samples: later it diverges, and a filter that
 /// only holds its last state is not what is measured. In `f64` alone: in `f32` it diverges at its first sample.
-#[must_use]
 pub fn published() -> AekfUi<f64> {
     let config = FilterConfig::paper_simulation().with_forgetting(Forgetting::OneStep);
     let mut filter = AekfUi::new(QuarterCar::paper_table_2(), config).expect("the paper's parameters");
@@ -86,7 +83,6 @@ pub fn published() -> AekfUi<f64> {
 }
 
 /// The same filter in closed form, warmed up by the same samples.
-#[must_use]
 pub fn lean<T: Real>() -> AekfUiLean<T> {
     let config = FilterConfig::paper_simulation().with_forgetting(Forgetting::OneStep);
     let mut filter = AekfUiLean::new(QuarterCar::paper_table_2(), config).expect("the paper's parameters");
@@ -98,7 +94,6 @@ pub fn lean<T: Real>() -> AekfUiLean<T> {
 }
 
 /// The causal road filter, warmed up.
-#[must_use]
 pub fn road<T: Real>() -> RoadFilter<T> {
     let corner = CornerConfig::<T>::paper();
     let stiffness = corner.initial_stiffness_n_per_m();

@@ -14,34 +14,22 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Sensors {
-    #[default]
-    Accelerations,
-    /// The four wheel speeds of its bus and nothing else.
-    WheelSpeeds,
-    /// These and the tooth pulses of the four wheels.
-    Pulses,
+itpms_core::labelled! {
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Sensors {
+        #[default]
+        Accelerations = "accelerations",
+        /// The four wheel speeds of its bus and nothing else.
+        WheelSpeeds = "wheel-speeds",
+        /// These and the tooth pulses of the four wheels.
+        Pulses = "pulses",
+    }
 }
 
 impl Sensors {
-    #[must_use]
     pub fn are_of_wheels(self) -> bool {
         self != Self::Accelerations
-    }
-
-    /// All, the usual ones first.
-    pub const ALL: [Self; 3] = [Self::Accelerations, Self::WheelSpeeds, Self::Pulses];
-
-    /// The name on the command line.
-    #[must_use]
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Accelerations => "accelerations",
-            Self::WheelSpeeds => "wheel-speeds",
-            Self::Pulses => "pulses",
-        }
     }
 
     pub(crate) fn are_usual(&self) -> bool {

@@ -17,5 +17,5 @@ mod paper;
 mod rear_load;
 mod unnamed_faults;
 
-/// What `common` runs.
+/// The program that `common` runs.
 const PROGRAM: &str = env!("CARGO_BIN_EXE_itpms-lab");

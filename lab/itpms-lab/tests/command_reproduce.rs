@@ -48,7 +48,6 @@ fn every_figure_and_table_is_there_and_the_page_needs_nothing_else() {
     links_lead_somewhere(&bench, &page);
 }
 
-/// CSV and JSON of one name hold the same columns.
 #[allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 fn columns(bench: &Bench, name: &str) {
     let (header, rows) = common::table(&bench.read(&format!("study/{name}.csv")));

@@ -40,8 +40,7 @@ fn gravity_in_the_sensors_changes_no_pressure_where_wheels_leave_the_road() {
     for gravity_m_s2 in [9.81, -9.81] {
         let with = shown(gravity_m_s2);
         let mut worst = 0.0_f64;
-        // After the first seconds: it takes one to find the offset, and what was learned in it differs. (5 sd if it is
-        // never found.)
+        // After the first seconds: it takes one to find the offset, and what was learned in it differs. (5 sd if it is never found.)
         for (a, b) in plain.iter().zip(&with).skip(10) {
             for (a, b) in a.corners.iter().zip(&b.corners) {
                 let (a, b) = (a.unwrap(), b.unwrap());

@@ -8,7 +8,6 @@ use itpms_lab::observability::{Car, Observability, Situation, Subject, Varied, s
 
 const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/math/identifiability.md");
 
-/// Rows of all tables of the page, cells trimmed.
 fn rows() -> Vec<Vec<String>> {
     let page = fs::read_to_string(PAGE).unwrap();
     let cells = |line: &str| line.trim_matches('|').split('|').map(|cell| cell.trim().to_owned()).collect();

@@ -40,7 +40,6 @@ fn monitor() -> Box<MonitoredWheels<f64>> {
     Box::new(MonitoredWheels::new(&WheelSpeedConfig::new(2.7, 1.55, 1.55, DrivenAxle::Front)).unwrap())
 }
 
-/// What is reported on a drive, first.
 fn reported(wheels: &mut MonitoredWheels<f64>, scenario: &Scenario, seed: u64) -> Option<Alert<f64>> {
     let mut first = None;
     for row in Simulation::new(scenario, seed).unwrap() {

@@ -23,7 +23,6 @@ pub(super) struct Fisher {
     setting: BoundSetting,
 }
 
-/// The spectral matrix at one frequency and its derivatives.
 pub(super) struct SpectralModel {
     pub(super) phi: Spectral,
     /// By pressure (kPa), logarithm of the level, slope.
@@ -100,8 +99,7 @@ pub fn transfers(
     (shape * h, shape * (h_k * corner.tire.stiffness_per_kpa()))
 }
 
-/// Information of one complex Gaussian vector of `C` signals about `N` parameters, `tr(Phi⁻¹ ∂Phi/∂i Phi⁻¹ ∂Phi/∂j)`
-/// (eq. 2).
+/// Information of one complex Gaussian vector of `C` signals about `N` parameters, `tr(Phi⁻¹ ∂Phi/∂i Phi⁻¹ ∂Phi/∂j)` (eq. 2).
 pub(super) fn information<const C: usize, const N: usize>(
     phi: &SMatrix<Complex<f64>, C, C>,
     derivatives: &[SMatrix<Complex<f64>, C, C>; N],

@@ -25,7 +25,6 @@ pub struct BoundPrior {
     pub range_sd_kpa: f64,
     /// The sd of the natural logarithm of the road's level beforehand.
     pub level_sd_ln: f64,
-    /// Walk of that logarithm per sqrt(s).
     pub level_walk_ln_per_sqrt_s: f64,
     /// The sd of the road's slope `w` beforehand.
     pub slope_sd: f64,
@@ -61,8 +60,7 @@ impl BoundPrior {
     }
 }
 
-/// Grid of pressures the information is tabulated on, 0 to 400 kPa; a straight line between its points is within
-/// half a per cent.
+/// Grid of pressures the information is tabulated on, 0 to 400 kPa; a straight line between its points is within half a per cent.
 const TABLE_STEP_KPA: f64 = 5.0;
 const TABLE_POINTS: usize = 81;
 /// A sub-step changes the variance by at most this share, so that the result is that of continuous time.
@@ -88,7 +86,6 @@ impl<const N: usize> Known<N> {
         Self { prior, covariance }
     }
 
-    /// Variance of a pressure in kPa².
     pub(super) fn variance_kpa2(&self, pressure: usize) -> f64 {
         self.covariance[(pressure, pressure)]
     }
@@ -166,8 +163,6 @@ impl BoundRecursion {
         Self { fisher: fisher.clone(), table: [None; TABLE_POINTS], known, pressure_kpa: f64::NAN }
     }
 
-    /// The bound now, as an sd in kPa.
-    #[must_use]
     pub fn sd_kpa(&self) -> f64 {
         self.known.variance_kpa2(0).sqrt()
     }

@@ -34,14 +34,11 @@ pub enum RoadKnowledge {
     Known,
 }
 
-/// The drive the bound is asked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BoundSetting {
-    /// Displacement spectrum of the road.
     pub road: PowerLaw,
     /// What an estimator may know of it.
     pub road_knowledge: RoadKnowledge,
-    /// Vehicle speed in m/s.
     pub speed_m_s: f64,
     /// Sampling rate in Hz: it spreads the noise's power up to half of it.
     pub rate_hz: f64,
@@ -53,7 +50,6 @@ pub struct BoundSetting {
 
 impl BoundSetting {
     /// The paper's drive: class A, w = 2.14, 20 km/h, 500 Hz, 0.05 m/s², 3 to 60 Hz, road unknown.
-    #[must_use]
     pub fn paper() -> Self {
         Self {
             road: PowerLaw { gd_n0_m3: 16e-6, waviness: 2.14 },
@@ -89,22 +85,17 @@ impl BoundSetting {
 
 /// A drive no bound can be computed for.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
-#[allow(missing_docs, reason = "the messages say it")]
 pub enum BoundError {
-    /// A physical quantity out of range.
     #[error("{name} is {value}, expected a positive, finite number")]
     NotPositive { name: &'static str, value: f64 },
     #[error("waviness is {0}, expected a finite number")]
     Slope(f64),
-    /// How far the rear wheel runs beside the front one's track.
     #[error("rear offset is {0} m, expected a finite number")]
     Offset(f64),
-    /// Limits that are no band, or beyond half the sampling rate.
     #[error("band from {low_hz} to {high_hz} Hz, expected 0 < low < high <= {half_rate_hz} Hz")]
     Band { low_hz: f64, high_hz: f64, half_rate_hz: f64 },
 }
 
-/// The bound for one corner on one kind of drive.
 #[derive(Debug, Clone)]
 pub struct CornerBound {
     fisher: Fisher,
@@ -124,21 +115,17 @@ impl CornerBound {
     }
 
     /// The same with another idea of how pressure and road change, for [`history`](Self::history).
-    #[must_use]
     pub fn with_prior(self, prior: BoundPrior) -> Self {
         Self { prior, ..self }
     }
 
     /// Fisher information per second about (pressure in kPa, natural logarithm of the road's level at 10 Hz, slope
     /// `w`), 3x3, at a gauge pressure in kPa.
-    #[must_use]
     pub fn information_matrix_per_second(&self, pressure_kpa: f64) -> Matrix3<f64> {
         self.fisher.per_second(pressure_kpa)
     }
 
-    /// Information about the pressure alone in 1/(kPa² s), what level and slope cost taken off when they are
-    /// unknown (Schur complement).
-    #[must_use]
+    /// Information about the pressure alone in 1/(kPa² s), what level and slope cost taken off when they are unknown (Schur complement).
     pub fn information_per_second_kpa2(&self, pressure_kpa: f64) -> f64 {
         let f = self.fisher.per_second(pressure_kpa);
         match self.knowledge {
@@ -153,13 +140,11 @@ impl CornerBound {
 
     /// Smallest standard deviation in kPa of an unbiased estimate of a constant pressure after `seconds` of driving,
     /// nothing known beforehand. Holds once a few periods of the wheel hop (0.1 s) have been seen.
-    #[must_use]
     pub fn sd_kpa(&self, seconds: f64, pressure_kpa: f64) -> f64 {
         (self.information_per_second_kpa2(pressure_kpa) * seconds).sqrt().recip()
     }
 
     /// The same with a Gaussian prior of standard deviation `prior_sd_kpa` on the pressure.
-    #[must_use]
     pub fn sd_with_prior_kpa(&self, seconds: f64, pressure_kpa: f64, prior_sd_kpa: f64) -> f64 {
         (self.information_per_second_kpa2(pressure_kpa) * seconds + prior_sd_kpa.powi(-2)).sqrt().recip()
     }
@@ -167,7 +152,6 @@ impl CornerBound {
     /// Bound on the standard deviation in kPa at each time (s, increasing) of a drive with these true pressures
     /// (kPa), for an estimate from what was measured up to then; `prior_sd_kpa` is the sd before the first. What it
     /// assumes of changing pressures is [`BoundPrior`]'s. As long as the shorter of both slices.
-    #[must_use]
     pub fn history(&self, times_s: &[f64], pressures_kpa: &[f64], prior_sd_kpa: f64) -> Vec<f64> {
         let mut recursion = self.recursion(prior_sd_kpa);
         let mut last: Option<(f64, f64)> = None;
@@ -185,7 +169,6 @@ impl CornerBound {
     }
 
     /// The recursion behind [`history`](Self::history), for drives that stop in between.
-    #[must_use]
     pub fn recursion(&self, prior_sd_kpa: f64) -> BoundRecursion {
         BoundRecursion::new(&self.fisher, self.knowledge, self.prior, prior_sd_kpa)
     }

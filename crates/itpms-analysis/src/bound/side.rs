@@ -1,5 +1,4 @@
-//! The bound of one side of a car: a front and a rear wheel that meet nearly the same road (`docs/math/bound.md`,
-//! eq. 9-10).
+//! The bound of one side of a car: a front and a rear wheel that meet nearly the same road (`docs/math/bound.md`, eq. 9-10).
 //!
 //! Called by the score, beside the drives of four quarter cars. The four signals are those of one place on the road: the
 //! delay between the wheels is known, and a known delay changes nothing.
@@ -43,7 +42,6 @@ impl SideBound {
 
     /// Fisher information per second about (pressure in front, pressure at the rear in kPa, natural logarithm of the road's
     /// level at 10 Hz, slope `w`) at these gauge pressures in kPa.
-    #[must_use]
     pub fn information_matrix_per_second(&self, pressures_kpa: [f64; 2]) -> Matrix4<f64> {
         over_the_band(self.setting.band_hz, |frequency_hz| {
             let (phi, derivatives) = self.model(frequency_hz, pressures_kpa);
@@ -86,10 +84,8 @@ impl SideBound {
         (signal + Matrix4::identity() * Complex::from(noise), derivatives)
     }
 
-    /// Bound on the standard deviations in kPa, `[front, rear]`, at each time (s, increasing) of a drive with these true
-    /// pressures, as [`CornerBound::history`](super::CornerBound::history). Up to `calibrated_until_s` the
-    /// pressures are given, as during a reset.
-    #[must_use]
+    /// Bound on the standard deviations in kPa, `[front, rear]`, at each time (s, increasing) of a drive with these true pressures, as
+    /// [`CornerBound::history`](super::CornerBound::history). Up to `calibrated_until_s` the pressures are given, as during a reset.
     pub fn history(
         &self,
         times_s: &[f64],
@@ -178,8 +174,7 @@ mod tests {
 
     #[test]
     fn information_is_the_curvature_of_the_relative_entropy() {
-        // KL(p, p + e) = tr(Phi_e^-1 Phi) - 4 - ln det(Phi_e^-1 Phi): no derivative is used. Both signs of e cancel the odd
-        // term.
+        // KL(p, p + e) = tr(Phi_e^-1 Phi) - 4 - ln det(Phi_e^-1 Phi): no derivative is used. Both signs of e cancel the odd term.
         let side = side(80.0, 0.02);
         let divergence = |f: f64, e: [f64; 2]| {
             let (phi, _) = side.model(f, [P, P]);

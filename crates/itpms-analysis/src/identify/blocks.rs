@@ -83,18 +83,15 @@ impl Block {
     }
 }
 
-/// A fit with the covariance of its coefficients.
 #[derive(Debug, Clone)]
 pub(super) struct BlockFit {
     pub(super) coefficients: DVector<f64>,
     pub(super) covariance: DMatrix<f64>,
     /// Effective degrees of freedom of each coefficient's variance.
     pub(super) dof: DVector<f64>,
-    /// Root of the mean squared residual.
     pub(super) residual_rms: f64,
 }
 
-/// Sum of blocks without one of them.
 fn total(blocks: &[Block], without: Option<usize>) -> Option<Block> {
     let mut used = blocks.iter().enumerate().filter(|(i, _)| Some(*i) != without).map(|(_, block)| block);
     let first = used.next()?.clone();

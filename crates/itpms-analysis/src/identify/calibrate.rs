@@ -23,19 +23,12 @@ pub struct Calibration {
     /// The line, ready for a vehicle file.
     #[serde(skip)]
     pub map: PressureMap<f64>,
-    /// Slope in N/m per kPa.
     pub stiffness_per_kpa: Coefficient,
-    /// Intercept in N/m.
     pub stiffness_at_zero: Coefficient,
-    /// Correlation of slope and intercept.
     pub correlation: f64,
-    /// Coefficient of determination.
     pub r_squared: f64,
-    /// Standard deviation of a row about the line in N/m.
     pub residual_sd_n_per_m: f64,
-    /// The same as a pressure in kPa.
     pub residual_sd_kpa: f64,
-    /// Number of different pressures.
     pub pressures: usize,
     /// The table with its residuals, in the order of the file.
     pub rows: Vec<CalibrationRow>,
@@ -50,40 +43,31 @@ pub struct Calibration {
 /// A coefficient with its ordinary standard error and its 95 % interval (Student's t).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Coefficient {
-    /// Its value.
     pub value: f64,
-    /// Its standard error.
     pub standard_error: f64,
     /// Low and high end of the 95 % interval.
     pub interval_95: (f64, f64),
 }
 
-/// One row of the table.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct CalibrationRow {
-    /// Gauge pressure in kPa.
     pub pressure_kpa: f64,
-    /// Measured stiffness in N/m.
     pub stiffness_n_per_m: f64,
-    /// The line's stiffness in N/m.
     pub fitted_n_per_m: f64,
     /// Half the width in N/m of the line's 95 % confidence band there.
     pub band_95_n_per_m: f64,
     /// Measured less fitted, in N/m.
     pub residual_n_per_m: f64,
-    /// The residual over its standard deviation, had the row not taken part in the line. `None` where all others are
-    /// exactly on a line.
+    /// The residual over its standard deviation, had the row not taken part in the line. `None` where all others are exactly on a line.
     pub studentized: Option<f64>,
 }
 
 /// A test statistic and the probability of a larger one if nothing were wrong.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Test {
-    /// Fisher's F.
     pub f: f64,
     /// Degrees of freedom, upper and lower.
     pub degrees_of_freedom: (f64, f64),
-    /// Probability.
     pub p: f64,
 }
 
@@ -94,10 +78,6 @@ impl Test {
 }
 
 /// Fits a tire's line to gauge pressures in kPa and stiffnesses in N/m; a pressure may be there several times.
-///
-/// # Errors
-/// See [`IdentifyError`]: too few rows, one pressure only, stiffness that falls with pressure, wrong units, an
-/// intercept that no vehicle file takes.
 pub fn calibrate(
     pressure_kpa: &[f64],
     stiffness_n_per_m: &[f64],
@@ -145,7 +125,6 @@ pub fn calibrate(
 
 impl Calibration {
     /// Half the width in N/m of the 95 % confidence band of the line at a pressure in kPa.
-    #[must_use]
     pub fn band_95_n_per_m(&self, pressure_kpa: f64) -> f64 {
         band(&self.map, t_of_band(self.rows.len()), pressure_kpa)
     }

@@ -1,5 +1,4 @@
-//! Damping from sinusoidal excitation at one or several frequencies (paper, Sec. 5.1; docs/math/identification.md,
-//! section 2).
+//! Damping from sinusoidal excitation at one or several frequencies (paper, Sec. 5.1; docs/math/identification.md, section 2).
 //!
 //! Called by `itpms lab identify damper`. Force and displacement of a damper or of a whole strut under imposed motion, taken at
 //! the same instants; which way either of them counts does not matter. Friction is separated from damping by the
@@ -29,10 +28,6 @@ const FIRST_DISPLACEMENT: usize = 3;
 
 /// Identifies a damper. `spring_n_per_m` is a spring that works in parallel, already known; it is subtracted, and tells
 /// the sign of the force.
-///
-/// # Errors
-/// See [`IdentifyError`]: no steady sine of five periods, too few rows per period, clipping, wrong units, time that does
-/// not increase, damping that is negative or cannot be distinguished from zero.
 pub fn damper(
     records: &[SineRecord<'_>],
     spring_n_per_m: Option<f64>,
@@ -212,7 +207,6 @@ impl Fit {
     }
 }
 
-/// Chi-square of estimates about their weighted mean.
 fn chi_square(estimates: impl Iterator<Item = Estimate> + Clone) -> f64 {
     let weight = |e: &Estimate| e.standard_error.powi(-2);
     let (sum, weights) = estimates

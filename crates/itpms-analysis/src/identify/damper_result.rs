@@ -9,27 +9,21 @@ use super::estimate::Estimate;
 pub struct DamperResult {
     /// Damping in N s/m: mean of both directions, friction separated.
     pub damping_n_s_per_m: Estimate,
-    /// Damping in N s/m while the displacement grows.
     pub rising_n_s_per_m: Estimate,
-    /// Damping in N s/m while the displacement falls.
     pub falling_n_s_per_m: Estimate,
-    /// Friction in N.
     pub friction_n: Estimate,
-    /// The runs one by one.
     pub runs: Vec<RunResult>,
     /// Whether the runs agree; `None` for one run.
     pub consistency: Option<Consistency>,
-    /// Spring in N/m that was subtracted.
     pub spring_n_per_m: Option<f64>,
     /// Whether force and displacement count in opposite directions.
     pub opposite_signs: bool,
     /// Groups of periods whose disagreement gives the standard errors.
     pub blocks: usize,
-    /// Rows used.
     pub rows: usize,
     /// Rows left out: after turning points, between the runs, or in no whole period.
     pub rows_left_out: usize,
-    /// What a careful reader should know before using the number.
+    /// Caveats on the number.
     pub concerns: Vec<String>,
     /// Displacement in m, velocity in m/s, force in N and residual in N, run by run; for figures.
     #[serde(skip)]
@@ -39,41 +33,29 @@ pub struct DamperResult {
 /// One stretch of steady sine.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RunResult {
-    /// The record it is from.
     pub record: String,
-    /// Frequency in Hz, by least squares.
     pub frequency_hz: f64,
-    /// Amplitude of the displacement in m.
     pub amplitude_m: f64,
-    /// Amplitude of the velocity in m/s.
     pub velocity_m_s: f64,
-    /// Whole periods.
     pub periods: usize,
     /// Damping in N s/m from this run alone, friction separated by the shape of the loop.
     pub damping_n_s_per_m: Estimate,
-    /// Friction in N from this run alone.
     pub friction_n: Estimate,
     /// Imaginary part of force over displacement at the frequency, over omega, in N s/m: friction counts as damping.
     pub equivalent_n_s_per_m: f64,
     /// Force in phase with the displacement in N/m, without the spring given: gas spring less moving mass times omega².
     pub in_phase_n_per_m: Estimate,
-    /// Root mean square of the force's residual in N.
     pub residual_rms_n: f64,
     /// Root mean square departure of the displacement from a sine, as a share of its amplitude.
     pub distortion: f64,
 }
 
-/// Chi-square of the runs about their mean.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Consistency {
-    /// Of the damping.
     pub chi_square: f64,
-    /// Of the friction.
     pub friction_chi_square: f64,
-    /// Degrees of freedom of either.
     pub degrees_of_freedom: usize,
     /// Probability of a larger value for a linear damper.
     pub p: f64,
-    /// The same for the friction.
     pub friction_p: f64,
 }

@@ -68,8 +68,7 @@ pub(super) fn f_beyond(f: f64, upper: f64, lower: f64) -> f64 {
     incomplete_beta(lower / (lower + upper * f.max(0.0)), 0.5 * lower, 0.5 * upper)
 }
 
-/// Probability that chi-square with `dof` degrees of freedom is larger than `x`: the limit of F for a variance that is
-/// known.
+/// Probability that chi-square with `dof` degrees of freedom is larger than `x`: the limit of F for a variance that is known.
 pub(super) fn chi_square_beyond(x: f64, dof: f64) -> f64 {
     if !(x > 0.0) {
         return 1.0;

@@ -9,7 +9,6 @@ const ASYMMETRIC: f64 = 0.05;
 /// Residual of the displacement from a sine, as a share of its amplitude, that is worth a remark.
 const DISTORTED: f64 = 0.03;
 
-/// One sentence each.
 pub(super) fn concerns(result: &DamperResult) -> Vec<String> {
     let mut out = Vec::new();
     let c = result.damping_n_s_per_m;

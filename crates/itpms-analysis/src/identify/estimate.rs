@@ -16,7 +16,6 @@ pub(super) const NORMAL_95: f64 = 1.959_963_984_540_054;
 /// standard_error`, however many there are.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Estimate {
-    /// The value.
     pub value: f64,
     /// Half the width of the 95 % interval over 1.96, in the unit of the value.
     pub standard_error: f64,
@@ -31,7 +30,6 @@ impl Estimate {
         Self { value, standard_error: variance.max(0.0).sqrt() * widening, degrees_of_freedom: dof }
     }
 
-    /// The sum of coefficients times factors, from a fit.
     pub(super) fn of(fit: &BlockFit, factors: &[(usize, f64)]) -> Self {
         let value = factors.iter().map(|(i, a)| a * fit.coefficients[*i]).sum();
         let variance = factors
@@ -43,14 +41,12 @@ impl Estimate {
     }
 
     /// The ends of the 95 % interval.
-    #[must_use]
     pub fn interval_95(&self) -> (f64, f64) {
         let half = NORMAL_95 * self.standard_error;
         (self.value - half, self.value + half)
     }
 
     /// How many standard errors the value is from another.
-    #[must_use]
     pub fn deviation(&self, from: f64) -> f64 {
         (self.value - from) / self.standard_error
     }

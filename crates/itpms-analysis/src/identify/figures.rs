@@ -17,7 +17,6 @@ fn spread<T: Copy>(all: &[T]) -> impl Iterator<Item = T> + '_ {
 
 impl SpringResult {
     /// Load over displacement with the line, and the residuals.
-    #[must_use]
     pub fn figure(&self) -> Figure {
         let sign = if self.opposite_signs { -1.0 } else { 1.0 };
         let k = sign * self.stiffness_n_per_m.value;
@@ -62,7 +61,6 @@ impl SpringResult {
 
 impl DamperResult {
     /// Force over velocity, damping by run, and the residuals.
-    #[must_use]
     pub fn figure(&self) -> Figure {
         let velocity = || Axis::linear("Velocity", "m/s");
         let mut data = Panel::new(
@@ -123,7 +121,6 @@ impl DamperResult {
 
 impl Calibration {
     /// The line with its band, and the residuals.
-    #[must_use]
     pub fn figure(&self) -> Figure {
         let pressure = || Axis::linear("Gauge pressure", "kPa");
         let (low, high) =

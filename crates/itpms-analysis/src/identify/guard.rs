@@ -6,7 +6,6 @@ use super::IdentifyError;
 /// its amplitude stays there for 4.5 % or 0.5 % of the time; cut at 95 % of its amplitude, a sine stays 10 %.
 const CLIPPED_SHARE: f64 = 0.05;
 
-/// Whether units are doubted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Units {
     /// Values that no part of a car has in the unit of their column are refused.
@@ -41,7 +40,6 @@ pub(super) fn plain(value: f64) -> String {
     }
 }
 
-/// Lowest and highest value.
 pub(super) fn range(values: &[f64]) -> (f64, f64) {
     values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(*v), high.max(*v)))
 }

@@ -3,7 +3,6 @@
 
 use super::estimate::Estimate;
 
-/// A loop about a line.
 pub(super) struct Loop {
     /// Offsets in N at the middle of the travel, of rising and of falling strokes.
     rising: Vec<f64>,

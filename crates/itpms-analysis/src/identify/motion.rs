@@ -19,13 +19,10 @@ const SLOWEST_HZ: f64 = 0.02;
 /// One continuous record of imposed motion.
 #[derive(Debug, Clone, Copy)]
 pub struct SineRecord<'a> {
-    /// What messages call it.
     pub name: &'a str,
     /// Time in s, strictly increasing.
     pub time_s: &'a [f64],
-    /// Displacement in m.
     pub displacement_m: &'a [f64],
-    /// Force in N.
     pub force_n: &'a [f64],
 }
 

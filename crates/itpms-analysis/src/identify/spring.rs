@@ -1,5 +1,4 @@
-//! Spring stiffness from a load-displacement record, loaded and unloaded slowly (paper, Sec. 5.1;
-//! docs/math/identification.md, section 1).
+//! Spring stiffness from a load-displacement record, loaded and unloaded slowly (paper, Sec. 5.1; docs/math/identification.md, section 1).
 //!
 //! Called by `itpms lab identify spring`. Load may be a force or a weight in newtons; which way either of them counts does
 //! not matter. Friction shows as a loop and is separated, preload as an offset.
@@ -12,7 +11,6 @@ use super::guard::{self, Units, plain};
 use super::strokes::{Stroke, strokes};
 use super::{IdentifyError, loops};
 
-/// Rows needed in all.
 const FEWEST_ROWS: usize = 6;
 /// Share of the travel by which the displacement must come back to have turned.
 const TURN: f64 = 0.1;
@@ -55,15 +53,12 @@ pub struct SpringResult {
     pub nonlinearity: Option<Nonlinearity>,
     /// Lowest and highest displacement in m that was used.
     pub travel_m: (f64, f64),
-    /// Strokes used.
     pub strokes: usize,
-    /// Rows used.
     pub rows: usize,
     /// Rows left out: next to turning points, or in strokes too short to use.
     pub rows_left_out: usize,
-    /// Root mean square of the residuals in N.
     pub residual_rms_n: f64,
-    /// What a careful reader should know before using the number.
+    /// Caveats on the number.
     pub concerns: Vec<String>,
     /// Displacement in m, load in N and residual in N of the rows used; for figures.
     #[serde(skip)]
@@ -81,16 +76,12 @@ pub struct Nonlinearity {
     pub significant: bool,
 }
 
-/// Rows of one stroke that are used.
 struct Used {
     rising: bool,
     rows: Vec<(f64, f64)>,
 }
 
 /// Identifies a spring from displacement in m and load in N, in the order in which they were measured.
-///
-/// # Errors
-/// See [`IdentifyError`]: too few rows, no movement, clipping, wrong units, a slope that cannot be distinguished from zero.
 pub fn spring(displacement_m: &[f64], load_n: &[f64], units: Units) -> Result<SpringResult, IdentifyError> {
     guard::pair(("displacement_m", displacement_m), ("load_n", load_n))?;
     if load_n.len() < FEWEST_ROWS {

@@ -6,7 +6,6 @@ pub(super) struct Stroke {
     pub(super) start: usize,
     /// Row after the last.
     pub(super) end: usize,
-    /// Whether the displacement grows.
     pub(super) rising: bool,
 }
 

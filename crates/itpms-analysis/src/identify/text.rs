@@ -44,8 +44,6 @@ pub(super) fn ending(out: &mut String, concerns: &[String]) {
 }
 
 impl SpringResult {
-    /// Some ten lines.
-    #[must_use]
     pub fn table(&self) -> String {
         let mut out = String::new();
         let k = &self.stiffness_n_per_m;
@@ -90,7 +88,6 @@ impl SpringResult {
 
 impl DamperResult {
     /// A block about the damper and a line per run.
-    #[must_use]
     pub fn table(&self) -> String {
         let mut out = String::new();
         let c = &self.damping_n_s_per_m;
@@ -173,7 +170,6 @@ impl DamperResult {
 
 impl Calibration {
     /// The line, its tests and the residuals.
-    #[must_use]
     pub fn table(&self) -> String {
         let mut out = String::new();
         let (slope, zero) = (&self.stiffness_per_kpa, &self.stiffness_at_zero);

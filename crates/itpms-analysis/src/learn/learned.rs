@@ -6,31 +6,23 @@ use super::parameter::Parameter;
 use super::weigh::Belief;
 use super::{DriveReading, LearnError, strut};
 
-/// A corner's parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LearnedCorner {
-    /// Unsprung mass in kg.
     pub unsprung_mass_kg: Parameter,
-    /// Stiffness of the tire at placard pressure in N/m.
     pub tire_n_per_m: Parameter,
     /// Stiffness over unsprung mass in 1/s², the level of every uncalibrated pressure.
     pub stiffness_over_mass: Parameter,
-    /// Damping in N s/m.
     pub damping_n_s_per_m: Parameter,
-    /// Spring in N/m.
     pub spring_n_per_m: Parameter,
-    /// Friction in N.
     pub friction_n: Parameter,
 }
 
-/// What the drives have taught.
+/// The result of the drives.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Learned {
-    /// By corner, as far as the file has them.
     pub corners: [Option<LearnedCorner>; 4],
     /// Slope of stiffness over pressure over the file's, of all tires alike.
     pub slope: Parameter,
-    /// The car to go on with.
     pub car: CarConfig<f64>,
 }
 
@@ -77,7 +69,6 @@ fn corner(stated: &CornerConfig<f64>, i: usize, belief: &Belief, drives: &[Drive
     }
 }
 
-/// What an estimator knows of it.
 fn config(
     stated: &CornerConfig<f64>,
     corner: &LearnedCorner,

@@ -19,25 +19,20 @@ pub struct WheelReading {
     pub stiffness_over_mass: f64,
     /// Its relative standard deviation, by how its half minutes scatter.
     pub relative_sd: f64,
-    /// Valid time in s that it rests on.
     pub seconds: f64,
 }
 
 /// A strut averaged over a drive, for the file's sprung mass.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StrutMean {
-    /// Damping in N s/m.
     pub damping_n_s_per_m: f64,
-    /// Spring in N/m.
     pub spring_n_per_m: f64,
-    /// Friction in N.
     pub friction_n: f64,
 }
 
 /// What a drive has shown. The same whatever unsprung masses, dampers, springs and tires its [`Listener`] was given.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DriveReading {
-    /// The known pressures in kPa gauge.
     pub pressures_kpa: [f64; 4],
     /// By corner; `None` where too little was valid.
     pub wheels: [Option<WheelReading>; 4],
@@ -81,9 +76,7 @@ const ANY_FRICTION_N: f64 = 50.0;
 
 impl Listener {
     /// For a drive of this car at these pressures in kPa gauge, by corner.
-    ///
-    /// # Errors
-    /// A rate or parameters that the estimator refuses; a pressure that is not positive and finite.
+    /// Errors: a rate or parameters that the estimator refuses; a pressure that is not positive and finite.
     pub fn new(
         config: &CarConfig<f64>,
         pressures_kpa: [f64; 4],
@@ -114,7 +107,6 @@ impl Listener {
         })
     }
 
-    /// Takes a sample.
     pub fn take(&mut self, sample: &CarSample<f64>) {
         let estimate = self.car.update(sample);
         if self.first_s.is_nan() {
@@ -148,8 +140,6 @@ impl Listener {
         }
     }
 
-    /// What the drive has shown.
-    #[must_use]
     pub fn finish(self) -> DriveReading {
         let strut = |i: usize| {
             let (sum, stated) = (&self.struts[i], self.config.corners[i].as_ref()?.quarter_car);

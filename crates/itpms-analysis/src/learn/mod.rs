@@ -35,16 +35,13 @@ pub const PASSES: usize = 2;
 
 /// Why nothing can be learned.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
-#[allow(missing_docs, reason = "the messages say it")]
 pub enum LearnError {
     #[error("no drive, expected one at least")]
     NoDrive,
-    /// A drive in which no tire was read.
     #[error(
         "drive {0} of the list: no tire was read for a minute after the first 30 s, expected some minutes of driving at more than walking pace"
     )]
     TooLittle(usize),
-    /// A parameter that no car has comes out.
     #[error("what was learned is no car: {0}")]
     Parameter(#[from] ParameterError),
 }

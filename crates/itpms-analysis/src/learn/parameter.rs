@@ -6,13 +6,9 @@ const NOT_LEARNED_SD: f64 = 0.8;
 /// A parameter before and after, with its standard deviations in its own unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parameter {
-    /// What the file says.
     pub before: f64,
-    /// And how well it says that is known.
     pub before_sd: f64,
-    /// What is believed now.
     pub after: f64,
-    /// And how well that is known.
     pub after_sd: f64,
 }
 
@@ -25,7 +21,6 @@ impl Parameter {
 
     /// Whether the drives have shown it, and not the file alone. Shares count where a value has grown, since its deviation grows with it; one
     /// that has shrunk to next to nothing, such as friction, is known by its deviation itself.
-    #[must_use]
     pub fn is_learned(&self) -> bool {
         self.after_sd < NOT_LEARNED_SD * self.before_sd * (self.after / self.before).max(1.0)
     }

@@ -74,7 +74,6 @@ impl Belief {
     }
 }
 
-/// What the file says, then what the drives do.
 pub(super) fn weigh(file: &CarConfig<f64>, drives: &[DriveReading]) -> Belief {
     let mut belief = prior(file);
     know_ratios(file, &mut belief);

@@ -26,7 +26,6 @@ const FEWEST_FRAMES: u64 = 60;
 const SYSTEMATIC_S: f64 = 0.0015;
 const SYSTEMATIC_SIDE_S: f64 = 0.005;
 
-/// Listens to a drive for its wheelbase.
 #[derive(Debug)]
 pub struct WheelbaseListener {
     rate_hz: f64,
@@ -45,18 +44,13 @@ pub struct WheelbaseListener {
     speeds: f64,
 }
 
-/// A wheelbase that was found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FoundWheelbase {
-    /// In m.
     pub wheelbase_m: f64,
-    /// Its standard deviation in m.
     pub sd_m: f64,
 }
 
 impl WheelbaseListener {
-    /// For samples of this car at this rate.
-    #[must_use]
     pub fn new(config: &CarConfig<f64>, sample_rate_hz: f64) -> Self {
         let tried = ((LONGEST_M - SHORTEST_M) / STEP_M) as usize + 1;
         Self {
@@ -140,7 +134,6 @@ impl WheelbaseListener {
     }
 
     /// The wheelbase; `None` if front and rear were not found to follow each other.
-    #[must_use]
     pub fn finish(self) -> Option<FoundWheelbase> {
         let (best, most) = self.sums.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
         let agreement = most / self.phases as f64;

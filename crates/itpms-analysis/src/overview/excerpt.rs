@@ -1,6 +1,5 @@
 //! The two seconds of a corner in which its wheel moves most, sample by sample. Filled by `Overview`, read by `page`.
 
-/// Length in s.
 const LENGTH_S: f64 = 2.0;
 
 /// A row: time in s, acceleration of the body and of the wheel in m/s².
@@ -40,7 +39,6 @@ impl Excerpt {
     }
 }
 
-/// Variance of the wheel's values.
 fn variance(rows: &[Row]) -> f64 {
     let values = || rows.iter().map(|row| row.2).filter(|value| value.is_finite());
     let count = values().count().max(1) as f64;

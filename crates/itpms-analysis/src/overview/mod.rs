@@ -25,9 +25,7 @@ pub use wheels::{FoundWheels, WheelSignals};
 
 use crate::transfer::{CrossSpectra, Density, no_suspension_allows};
 
-/// Steps of time that are a gap.
 const GAP_STEPS: f64 = 1.5;
-/// Where a wheel hops, in Hz.
 const HOP_HZ: (f64, f64) = (8.0, 20.0);
 
 /// Names of the corners, in the order of their signals.
@@ -36,9 +34,7 @@ const CORNERS: [&str; 4] = ["fl", "fr", "rl", "rr"];
 /// What a log says of one corner at one time; NaN where a value is missing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CornerSignals {
-    /// Acceleration of the body in m/s².
     pub body_accel_m_s2: f64,
-    /// Acceleration of the wheel in m/s².
     pub wheel_accel_m_s2: f64,
     /// Pressure in kPa, where the log knows it.
     pub pressure_kpa: f64,
@@ -68,18 +64,14 @@ struct Corner {
     spectra: CrossSpectra,
 }
 
-/// What was found in a log.
 #[derive(Debug)]
 pub struct Found {
-    /// Rows.
     pub rows: u64,
-    /// First and last time in s.
     pub span_s: (f64, f64),
     /// Usual time between two rows in s.
     pub step_s: f64,
     /// Speed in m/s; `None` for a log without one.
     pub speed: Option<Statistics>,
-    /// The corners that the log has.
     pub corners: Vec<FoundCorner>,
     /// The speeds of the wheels; `None` for a log without them.
     pub wheels: Option<FoundWheels>,
@@ -87,14 +79,11 @@ pub struct Found {
     speeds: Vec<(f64, f64)>,
 }
 
-/// What was found at one corner.
 #[derive(Debug)]
 pub struct FoundCorner {
     /// `fl`, `fr`, `rl` or `rr`.
     pub label: &'static str,
-    /// Of the body's acceleration, in m/s².
     pub body: Statistics,
-    /// Of the wheel's acceleration, in m/s².
     pub wheel: Statistics,
     /// Of the pressure in kPa; `None` where the log does not know it.
     pub pressure: Option<Statistics>,
@@ -113,8 +102,7 @@ pub struct FoundCorner {
     excerpt: Vec<(f64, f64, f64)>,
 }
 
-/// Courses over time: (s, lowest, highest) of both accelerations and (s, root mean square about the mean), (s, mean) of the
-/// rest.
+/// Courses over time: (s, lowest, highest) of both accelerations and (s, root mean square about the mean), (s, mean) of the rest.
 #[derive(Debug)]
 struct Tracks {
     body: Vec<(f64, f64, f64)>,
@@ -127,7 +115,6 @@ struct Tracks {
 
 impl Overview {
     /// Empty, for rows that usually are `step_s` apart.
-    #[must_use]
     pub fn new(step_s: f64) -> Self {
         Self {
             step_s,
@@ -175,8 +162,7 @@ impl Overview {
         self.wheels.get_or_insert_with(|| Wheels::new(time_s, self.step_s)).push(time_s, signals);
     }
 
-    /// What was found; `None` without a row.
-    #[must_use]
+    /// The findings; `None` without a row.
     pub fn finish(self) -> Option<Found> {
         let (span_s, steps, speed) = (self.span_s?, self.steps?, self.speed?);
         let named = CORNERS.into_iter().zip(self.corners);
@@ -250,7 +236,6 @@ impl Corner {
     }
 }
 
-/// Statistics of a signal that has values.
 fn known(trace: &Trace) -> Option<Statistics> {
     let statistics = trace.statistics();
     (statistics.samples > 0).then_some(statistics)

@@ -18,8 +18,6 @@ const FEW_STEPS: f64 = 5.0;
 const ROOM: f64 = 8.0;
 
 impl Found {
-    /// The page about the log of this name.
-    #[must_use]
     pub fn page(&self, log: &str) -> String {
         let mut body = format!("<p>{}</p>\n", escape(&self.summary()));
         let doubts = self.doubts();
@@ -54,8 +52,6 @@ impl Found {
         figures_page(&format!("Signals of {log}"), "", body)
     }
 
-    /// Length and rate in a sentence.
-    #[must_use]
     pub fn summary(&self) -> String {
         format!(
             "{} rows in {:.1} s, usually {:.3} ms apart ({:.1} Hz).",
@@ -124,7 +120,6 @@ impl Found {
 
 impl FoundCorner {
     /// Coherence and hop in a sentence.
-    #[must_use]
     pub fn summary(&self) -> String {
         let Some(hop_hz) = self.hop_hz else {
             return "No two seconds without a gap: no spectrum.".to_owned();
@@ -220,7 +215,6 @@ fn cells(unit: &str, s: &Statistics) -> String {
     format!("<td class=\"words\">{unit}</td><td>{}</td><td>{}</td>{}", s.samples, s.missing, numbers.concat())
 }
 
-/// Four significant figures.
 fn figures(value: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();

@@ -58,20 +58,15 @@ pub(super) struct Trace {
     statistics: Running,
 }
 
-/// Statistics of a signal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Statistics {
-    /// Values that are there.
     pub samples: u64,
     /// Rows without a value.
     pub missing: u64,
     /// Mean; this and the next three are NaN without a value.
     pub mean: f64,
-    /// Standard deviation.
     pub sd: f64,
-    /// Lowest value.
     pub low: f64,
-    /// Highest value.
     pub high: f64,
     /// Smallest difference between one value and the next that is not zero: the resolution of a coarse sensor. NaN for a
     /// signal that never changes.

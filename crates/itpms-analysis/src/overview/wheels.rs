@@ -7,7 +7,6 @@ use crate::plot::{Axis, Figure, Ink, Panel, Stroke};
 
 /// Speed in m/s below which ratios are those of steps and sharp bends.
 const LEAST_M_S: f64 = 5.0;
-/// The ratios: which wheels over which.
 const RATIOS: [(&str, Ink); 3] = [
     ("front left over right", Ink::Truth),
     ("rear left over right", Ink::Extra),
@@ -20,11 +19,8 @@ const INKS: [Ink; 4] = [Ink::Default, Ink::Adaptive, Ink::Mended, Ink::Plain];
 pub struct WheelSignals {
     /// Speeds in m/s, or in rad/s where the log has those, front left, front right, rear left, rear right.
     pub speeds: [f64; 4],
-    /// Whether they are in rad/s.
     pub in_rad_s: bool,
-    /// Yaw rate in rad/s.
     pub yaw_rate_rad_s: f64,
-    /// Acceleration along the car in m/s².
     pub accel_x_m_s2: f64,
 }
 
@@ -37,18 +33,14 @@ pub(super) struct Wheels {
     in_rad_s: bool,
 }
 
-/// What was found of them.
 #[derive(Debug)]
 pub struct FoundWheels {
     /// Of the speeds, in the order of the corners; `None` of one that never came.
     pub speeds: [Option<Statistics>; 4],
-    /// Unit of the speeds.
     pub unit: &'static str,
     /// Of the log ratios in thousandths above 18 km/h: front left over right, rear left over right, front over rear.
     pub ratios_1e3: [Option<Statistics>; 3],
-    /// Of the yaw rate in rad/s.
     pub yaw_rate_rad_s: Option<Statistics>,
-    /// Of the acceleration along the car in m/s².
     pub accel_x_m_s2: Option<Statistics>,
     speed_means: [Vec<(f64, f64)>; 4],
     ratio_means: [Vec<(f64, f64)>; 3],
@@ -92,8 +84,6 @@ impl Wheels {
 }
 
 impl FoundWheels {
-    /// Ratios in a sentence.
-    #[must_use]
     pub fn summary(&self) -> String {
         let missing: Vec<&str> = CORNERS
             .into_iter()
@@ -123,7 +113,6 @@ impl FoundWheels {
         }
     }
 
-    /// Name, unit and statistics of each signal.
     pub(super) fn signals(&self) -> impl Iterator<Item = (String, &'static str, &Statistics)> {
         let speeds = CORNERS.into_iter().zip(&self.speeds);
         let speeds = speeds

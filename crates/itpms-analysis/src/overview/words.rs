@@ -15,8 +15,7 @@ const STEPS_PER_SD: f64 = 3.0;
 const SAME: f64 = 0.9999;
 
 impl Found {
-    /// What looks wrong, corner by corner; empty where nothing does.
-    #[must_use]
+    /// Suspicious findings, corner by corner; empty without any.
     pub fn doubts(&self) -> Vec<String> {
         let mut out = Vec::new();
         if self.speed.is_none() && (self.wheels.is_none() || !self.corners.is_empty()) {
@@ -43,7 +42,6 @@ impl Found {
         said.into_iter().map(|(labels, text)| format!("{labels}: {text}")).collect()
     }
 
-    /// The sensors that show gravity, in one sentence.
     fn gravity(&self) -> Option<String> {
         let sensors = self.corners.iter().flat_map(|corner| {
             let of = |name, s| (format!("{}, {name}", corner.label), s);
@@ -75,7 +73,6 @@ impl FoundCorner {
             .collect()
     }
 
-    /// Of body and wheel together.
     fn pair(&self) -> Option<String> {
         if self.body.sd == 0.0 || self.wheel.sd == 0.0 || self.body.samples == 0 || self.wheel.samples == 0 {
             return None;
@@ -114,7 +111,6 @@ impl FoundCorner {
     }
 }
 
-/// Of one acceleration.
 fn signal(name: &str, s: &Statistics) -> Vec<String> {
     if s.samples == 0 {
         return vec![format!("{name}: never has a value")];

@@ -8,14 +8,12 @@ const FARTHEST: f64 = 1e300;
 /// Share of its values that an axis covers at least.
 const LEAST_SHARE: f64 = 1e-9;
 
-/// How values lie along it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Scale {
     Linear,
     Logarithmic,
 }
 
-/// One axis of a panel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
     label: String,
@@ -27,27 +25,22 @@ pub struct Axis {
 
 impl Axis {
     /// Evenly spaced. `unit` may be empty.
-    #[must_use]
     pub fn linear(label: impl Into<String>, unit: impl Into<String>) -> Self {
         Self { label: label.into(), unit: unit.into(), scale: Scale::Linear, range: None, hold: vec![] }
     }
 
     /// Every factor of ten as long as the next. Values that are not positive are not drawn.
-    #[must_use]
     pub fn logarithmic(label: impl Into<String>, unit: impl Into<String>) -> Self {
         Self { scale: Scale::Logarithmic, ..Self::linear(label, unit) }
     }
 
-    /// From `low` to `high`, whatever the data: what lies beyond is cut off and marked. Without this the range is that
-    /// of the data.
-    #[must_use]
+    /// From `low` to `high`, whatever the data: what lies beyond is cut off and marked. Without this the range is that of the data.
     pub fn within(mut self, low: f64, high: f64) -> Self {
         self.range = Some((low, high));
         self
     }
 
     /// A value that must be on the axis where its range is that of the data.
-    #[must_use]
     pub fn holding(mut self, value: f64) -> Self {
         self.hold.push(value);
         self

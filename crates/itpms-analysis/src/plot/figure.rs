@@ -26,7 +26,6 @@ pub struct Figure {
 
 impl Figure {
     /// An empty figure. `name` is that of its files, without ending: `figure-07`.
-    #[must_use]
     pub fn new(name: impl Into<String>, title: impl Into<String>) -> Self {
         Self {
             name: name.into(),
@@ -38,37 +37,29 @@ impl Figure {
     }
 
     /// What it shows, for those who cannot see it.
-    #[must_use]
     pub fn describe(self, description: impl Into<String>) -> Self {
         Self { description: description.into(), ..self }
     }
 
     /// How many panels stand side by side at most; two unless given.
-    #[must_use]
     pub fn columns(self, columns: usize) -> Self {
         Self { columns: columns.max(1), ..self }
     }
 
     /// One more panel, after the others: along rows, from the top.
-    #[must_use]
     pub fn panel(mut self, panel: Panel) -> Self {
         self.panels.push(panel);
         self
     }
 
-    /// Its name.
-    #[must_use]
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// Its title.
-    #[must_use]
     pub fn title(&self) -> &str {
         &self.title
     }
 
-    /// Names and samples of all panels, each name once.
     fn legend(&self) -> Vec<(&str, Sample)> {
         let mut entries: Vec<(&str, Sample)> = vec![];
         for entry in self.panels.iter().flat_map(|panel| panel.marks.iter()).filter_map(|mark| mark.entry()) {
@@ -79,8 +70,6 @@ impl Figure {
         entries
     }
 
-    /// The whole figure as one SVG document.
-    #[must_use]
     pub fn svg(&self) -> String {
         let columns = self.columns.min(self.panels.len()).max(1);
         let total_width = 2.0 * MARGIN + columns as f64 * WIDTH + (columns - 1) as f64 * GAP;
@@ -126,7 +115,6 @@ impl Figure {
 
     /// The figure for a page: a legend and the panels, which stack where there is little room. Goes into an element of
     /// the page's own; the page's style says how `plot-legend` and `plot-panels` lie.
-    #[must_use]
     pub fn html(&self) -> String {
         let mut svg = Svg::default();
         svg.raw("<ul class=\"plot-legend\">");

@@ -1,32 +1,24 @@
-//! Colors that the color-blind can tell apart (Okabe and Ito, 2008; the lighter ones darkened for thin lines on
-//! white), and who has which.
+//! Colors that the color-blind can tell apart (Okabe and Ito, 2008; the lighter ones darkened for thin lines on white), and who has which.
 
 /// Who or what is drawn. The same thing has the same color in every figure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Ink {
-    /// What really is.
     Truth,
-    /// The default estimator.
     Default,
-    /// The published filter, corrected and informed.
     Mended,
-    /// The published adaptive filter.
     Adaptive,
     /// The published filter without forgetting.
     Plain,
-    /// A number that the paper prints.
     Paper,
     /// Orange, for what has no color of its own.
     Extra,
     /// Sky blue, for what has no color of its own.
     Light,
-    /// Limits and remarks.
     Muted,
 }
 
 impl Ink {
     /// As SVG and CSS take it.
-    #[must_use]
     pub fn color(self) -> &'static str {
         match self {
             Self::Truth => "#1b1b1b",
@@ -76,15 +68,10 @@ pub(crate) fn night_style() -> String {
 /// How a line is drawn: a second way, beside color, to tell lines apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Stroke {
-    /// Unbroken.
     Solid,
-    /// Unbroken and broad.
     Bold,
-    /// Unbroken and thin, for many of a kind.
     Thin,
-    /// Long dashes.
     Dashed,
-    /// Dots.
     Dotted,
 }
 

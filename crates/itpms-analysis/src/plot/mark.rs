@@ -7,48 +7,20 @@ pub(super) type Points = Vec<(f64, f64)>;
 
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Mark {
-    Line {
-        name: String,
-        ink: Ink,
-        stroke: Stroke,
-        points: Points,
-    },
+    /// Through the points.
+    Line { name: String, ink: Ink, stroke: Stroke, points: Points },
     /// (x, low, high)
-    Band {
-        name: String,
-        ink: Ink,
-        edges: Vec<(f64, f64, f64)>,
-    },
+    Band { name: String, ink: Ink, edges: Vec<(f64, f64, f64)> },
     /// (left, right, height), standing on zero.
-    Bars {
-        name: String,
-        ink: Ink,
-        bars: Vec<(f64, f64, f64)>,
-    },
+    Bars { name: String, ink: Ink, bars: Vec<(f64, f64, f64)> },
     /// (x, y, half the length of its error bar; 0 or NaN for none)
-    Dots {
-        name: String,
-        ink: Ink,
-        dots: Vec<(f64, f64, f64)>,
-    },
+    Dots { name: String, ink: Ink, dots: Vec<(f64, f64, f64)> },
     /// A horizontal line with its word.
-    Level {
-        ink: Ink,
-        y: f64,
-        word: String,
-    },
+    Level { ink: Ink, y: f64, word: String },
     /// A vertical line with its word.
-    Moment {
-        ink: Ink,
-        x: f64,
-        word: String,
-    },
+    Moment { ink: Ink, x: f64, word: String },
     /// A stretch of x, shaded.
-    Stretch {
-        from: f64,
-        to: f64,
-        word: String,
-    },
+    Stretch { from: f64, to: f64, word: String },
 }
 
 /// What stands for a mark in a legend.

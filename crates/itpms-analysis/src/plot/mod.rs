@@ -1,8 +1,7 @@
 //! Figures as SVG: panels with axes, lines, bands, bars and points, drawn alike everywhere.
 //!
-//! Called by the paper's study and whoever shows a curve. Knows numbers and words, nothing of cars. The same data give
-//! the same bytes. A picture scales to any width, loads nothing, and says its title and what it shows to a screen
-//! reader.
+//! Called by the paper's study and whoever shows a curve. Knows numbers and words, nothing of cars. The same data give the same bytes. A
+//! picture scales to any width, loads nothing, and says its title and what it shows to a screen reader.
 //!
 //! | module | idea |
 //! |---|---|

@@ -9,7 +9,6 @@ use super::thin::thin;
 
 /// How far beyond the frame a point may be drawn, in frame heights: enough for the right slope at the edge.
 const BEYOND: f64 = 4.0;
-/// Size of words on lines.
 const WORD_SIZE: f64 = 12.0;
 
 /// Where the axes are in the picture.

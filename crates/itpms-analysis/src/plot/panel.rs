@@ -9,7 +9,6 @@ use super::text::width;
 
 /// Width of a panel, in units that are pixels when it is shown at its natural size.
 pub(super) const WIDTH: f64 = 430.0;
-/// Its usual height.
 const HEIGHT: f64 = 290.0;
 /// Sizes of letters: title, everything else.
 pub(super) const TITLE_SIZE: f64 = 15.5;
@@ -20,7 +19,6 @@ const TOP: f64 = 47.0;
 const BOTTOM: f64 = 44.0;
 const RIGHT: f64 = 14.0;
 
-/// A part of a figure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Panel {
     letter: String,
@@ -33,13 +31,11 @@ pub struct Panel {
 
 impl Panel {
     /// An empty panel. `letter` is what texts call it (`a`, `b`; empty when it is alone), `title` what it shows.
-    #[must_use]
     pub fn new(letter: impl Into<String>, title: impl Into<String>, x: Axis, y: Axis) -> Self {
         Self { letter: letter.into(), title: title.into(), x, y, height: HEIGHT, marks: vec![] }
     }
 
     /// Another height than the usual 290, for a width of 430.
-    #[must_use]
     pub fn height(self, height: f64) -> Self {
         Self { height, ..self }
     }
@@ -50,48 +46,40 @@ impl Panel {
     }
 
     /// A curve through (x, y), broken where a value is not finite. An empty name keeps it out of the legend.
-    #[must_use]
     pub fn line(self, name: impl Into<String>, ink: Ink, stroke: Stroke, points: Points) -> Self {
         self.with(Mark::Line { name: name.into(), ink, stroke, points })
     }
 
     /// The area between (x, low, high).
-    #[must_use]
     pub fn band(self, name: impl Into<String>, ink: Ink, edges: Vec<(f64, f64, f64)>) -> Self {
         self.with(Mark::Band { name: name.into(), ink, edges })
     }
 
     /// Bars of (left, right, height), as of a histogram.
-    #[must_use]
     pub fn bars(self, name: impl Into<String>, ink: Ink, bars: Vec<(f64, f64, f64)>) -> Self {
         self.with(Mark::Bars { name: name.into(), ink, bars })
     }
 
     /// Points at (x, y) with error bars of y ± the third; 0 for none.
-    #[must_use]
     pub fn dots(self, name: impl Into<String>, ink: Ink, dots: Vec<(f64, f64, f64)>) -> Self {
         self.with(Mark::Dots { name: name.into(), ink, dots })
     }
 
     /// A horizontal line with a word on it.
-    #[must_use]
     pub fn level(self, ink: Ink, y: f64, word: impl Into<String>) -> Self {
         self.with(Mark::Level { ink, y, word: word.into() })
     }
 
     /// A vertical line with a word beside its top.
-    #[must_use]
     pub fn moment(self, ink: Ink, x: f64, word: impl Into<String>) -> Self {
         self.with(Mark::Moment { ink, x, word: word.into() })
     }
 
     /// A shaded stretch of x with a word at its top.
-    #[must_use]
     pub fn stretch(self, from: f64, to: f64, word: impl Into<String>) -> Self {
         self.with(Mark::Stretch { from, to, word: word.into() })
     }
 
-    /// Width and height of the picture.
     pub(super) fn size(&self) -> (f64, f64) {
         (WIDTH, self.height)
     }
@@ -173,7 +161,6 @@ impl Panel {
         svg.text((middle, self.height - 6.0), Anchor::Middle, " fill=\"#4a4f57\"", &self.x.caption());
     }
 
-    /// The panel as a picture of its own.
     pub(super) fn svg(&self) -> String {
         let (width, height) = self.size();
         let mut svg = Svg::default();

@@ -3,7 +3,6 @@
 use std::fmt::Write as _;
 
 /// Text as XML and HTML text or attribute value.
-#[must_use]
 pub fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for character in text.chars() {

@@ -11,7 +11,6 @@ use super::words::{clock, corner_name};
 use super::{AlertSpan, ReportData};
 use crate::plot::escape;
 
-/// A line of the table.
 struct Line {
     class: &'static str,
     wheels: String,

@@ -37,7 +37,6 @@ const BODY: &str = "<path class=\"car-body\" d=\"M78 16 Q120 4 162 16 Q190 26 19
     <path class=\"car-glass\" d=\"M74 364 Q120 376 166 364 L160 347 Q120 355 80 347 Z\"/>\
     <path class=\"car-body\" d=\"M42 168 L28 174 L30 184 L42 184 Z M198 168 L212 174 L210 184 L198 184 Z\"/>";
 
-/// What is shown of a tire.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Tire {
     pub(super) status: Status,

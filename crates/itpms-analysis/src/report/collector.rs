@@ -20,7 +20,6 @@ use crate::spectrum::PowerLaw;
 
 /// Buckets of every curve over time; at most twice as many points are drawn.
 const BUCKETS: usize = 2000;
-/// Finest bucket in s.
 const FINEST_S: f64 = 0.01;
 /// Below this speed in m/s a car learns nothing.
 const STANDING_M_S: f64 = 2.5;
@@ -52,24 +51,20 @@ mod channel {
     pub(super) const PER_CORNER: usize = 13;
 }
 
-/// What the report takes for granted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReportOptions {
     /// Comparisons with the truth begin this long after the first row, in s.
     pub settle_s: f64,
     /// Shortest and longest wavelength in m that the road estimate holds for.
     pub road_wavelengths_m: (f64, f64),
-    /// Degrees of freedom that the innovations add per second: two per complex value, one per real value, less
-    /// what overlaps. A filter with two outputs has `2 * rate`; 12 bins each 0.1 s from half-overlapping frames
-    /// have 120.
+    /// Degrees of freedom that the innovations add per second: two per complex value, one per real value, less what overlaps. A filter with
+    /// two outputs has `2 * rate`; 12 bins each 0.1 s from half-overlapping frames have 120.
     pub nis_dof_per_s: f64,
     /// Whether curves over time are kept, the bound's among them; figures are there without.
     pub curves: bool,
     /// Band of the Cramer-Rao bound in Hz; cut at 0.4 of the rate.
     pub bound_band_hz: (f64, f64),
-    /// The sd in kPa that the bound starts from.
     pub bound_prior_sd_kpa: f64,
-    /// Unit in which the page shows pressures.
     pub pressure_unit: PressureUnit,
 }
 
@@ -88,10 +83,8 @@ impl Default for ReportOptions {
     }
 }
 
-/// One corner at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CornerRow {
-    /// What the estimator says.
     pub estimate: CornerEstimate<f64>,
     /// True pressure in kPa; NaN when unknown.
     pub truth_kpa: f64,
@@ -128,7 +121,6 @@ pub struct ReportCollector {
 
 impl ReportCollector {
     /// A collector for the corners that have a configuration, in the order of [`Corner::ALL`].
-    #[must_use]
     pub fn new(corners: &[Option<CornerConfig<f64>>; 4], options: ReportOptions) -> Self {
         let corners: Vec<CornerCollector> = Corner::ALL
             .into_iter()
@@ -233,8 +225,6 @@ impl ReportCollector {
         hole
     }
 
-    /// The drive is over.
-    #[must_use]
     pub fn finish(self, provenance: Provenance) -> ReportData {
         let drive = DriveFigures {
             samples: self.samples,

@@ -6,12 +6,9 @@ use itpms_core::model::{ColdPressure, CornerEstimate, Level, Warning};
 
 use super::Z_95;
 
-/// The drive as a whole.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DriveFigures {
-    /// Rows taken.
     pub samples: u64,
-    /// From the first row to the last, in s.
     pub duration_s: f64,
     /// Rows per second: one over the mean step, holes left out.
     pub rate_hz: f64,
@@ -24,18 +21,14 @@ pub struct DriveFigures {
 /// One estimate, taken out of its series.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reading {
-    /// Time in s.
     pub time_s: f64,
-    /// Pressure in kPa.
     pub pressure_kpa: f64,
-    /// Its sd in kPa.
     pub sd_kpa: f64,
 }
 
 /// What the last valid reading rests on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grounds {
-    /// What the pressure's level rests on.
     pub level: Level,
     /// Sd in kPa of what the pressure has changed by within minutes.
     pub change_sd_kpa: f64,
@@ -43,29 +36,23 @@ pub struct Grounds {
     pub axle_difference_sd_kpa: Option<f64>,
 }
 
-/// How far the estimate was from the truth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TruthFigures {
-    /// Root of the mean squared error in kPa.
     pub rmse_kpa: f64,
     /// Mean error in kPa, estimate less truth.
     pub bias_kpa: f64,
     /// Share of the samples whose 95 % interval holds the truth.
     pub coverage: f64,
-    /// Samples compared.
     pub samples: u64,
     /// They begin this long after the first, in s.
     pub settle_s: f64,
 }
 
-/// One corner's figures.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CornerFigures {
     /// The first valid reading at least `settle_s` after the start.
     pub first: Option<Reading>,
-    /// The last valid reading.
     pub last: Option<Reading>,
-    /// And what it rests on.
     pub grounds: Option<Grounds>,
     /// What the tire would have had cold then, where the temperature of the air was known.
     pub cold: Option<ColdPressure<f64>>,
@@ -77,13 +64,10 @@ pub struct CornerFigures {
     pub low_until_s: Option<f64>,
     /// When `malfunction` was first warned of, in s.
     pub malfunction_since_s: Option<f64>,
-    /// The last row's warning.
     pub warning: Warning,
-    /// Share of the rows that were valid.
     pub share_valid: f64,
     /// Mean of the normalised innovation squared over its expected value; NaN when never known.
     pub mean_nis: f64,
-    /// Comparison with the truth, where there was one.
     pub truth: Option<TruthFigures>,
 }
 

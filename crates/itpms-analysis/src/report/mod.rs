@@ -49,15 +49,11 @@ pub const Z_95: f64 = 1.959_963_985;
 /// Where the numbers come from, shown at the end of the page as given.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Provenance {
-    /// Program, version and commit.
     pub program: String,
     /// The day it was made on, as 2026-03-01 (UTC); empty: not shown.
     pub made: String,
-    /// The log's or scenario's name.
     pub source: String,
-    /// The vehicle's name.
     pub vehicle: String,
-    /// The estimator's name.
     pub estimator: String,
     /// The command that made it; empty: not shown.
     pub command: String,
@@ -65,51 +61,41 @@ pub struct Provenance {
     pub options: Vec<(String, String)>,
     /// Where the vehicle's parameters come from, in words.
     pub sources: Vec<(Parameter, String)>,
-    /// What was repaired in the log, with counts.
+    /// Repairs of the log, with counts.
     pub repairs: Vec<(String, u64)>,
 }
 
-/// Everything on the page.
 #[derive(Debug, Clone)]
 pub struct ReportData {
-    /// Where it comes from.
     pub provenance: Provenance,
-    /// The drive as a whole.
     pub drive: DriveFigures,
     /// Times in s after [`DriveFigures::origin_s`] of all curves over time, speed among them.
     pub time_s: Vec<f64>,
     /// Speed in m/s at those times; empty when never known.
     pub speed_m_s: Vec<f64>,
-    /// The corners that were estimated.
     pub corners: Vec<CornerReport>,
     /// The corners of the vehicle that were not.
     pub not_estimated: Vec<Corner>,
-    /// What the monitor reported; `None` where there was none.
+    /// The monitor's reports; `None` without a monitor.
     pub watch: Option<WatchReport>,
-    /// What should be known before believing it, a sentence each.
+    /// Caveats, a sentence each.
     pub concerns: Vec<String>,
-    /// Unit in which the page shows pressures.
     pub pressure_unit: PressureUnit,
-    /// What the wheel speeds reported; `None` where they were not used.
+    /// The report by wheel speeds; `None` where they were not used.
     pub wheel_speeds: Option<WheelSpeedReport>,
     /// Dampers and load; `None` where not all four corners are measured.
     pub suspension: Option<SuspensionVerdict>,
 }
 
-/// One corner's share of the page.
 #[derive(Debug, Clone)]
 pub struct CornerReport {
-    /// Which one.
     pub corner: Corner,
-    /// Pressure the placard asks for, in kPa.
     pub placard_kpa: f64,
-    /// What the estimate was given of the corner.
     pub config: CornerConfig<f64>,
     /// What the level of the pressures rested on in the end; `None` where nothing was estimated.
     pub level: Option<Level>,
     /// The wheel's state at the end, if a monitor reported it.
     pub state: Option<WheelState>,
-    /// Headline figures.
     pub figures: CornerFigures,
     /// The tire's own sensor, where the log has one.
     pub tire_sensor: Option<TireSensor>,
@@ -128,19 +114,13 @@ pub struct TimeCurves {
     pub not_valid_kpa: Vec<f64>,
     /// Lower and upper edge of its 95 % band in kPa.
     pub band_kpa: [Vec<f64>; 2],
-    /// True pressure in kPa.
     pub truth_kpa: Vec<f64>,
-    /// Sd of the estimate in kPa.
     pub sd_kpa: Vec<f64>,
-    /// Distance from the truth in kPa.
     pub error_kpa: Vec<f64>,
-    /// Cramer-Rao bound of one corner as an sd in kPa.
     pub bound_sd_kpa: Vec<f64>,
     /// Edges of the bound's 95 % band around the truth, or else around the estimate, in kPa.
     pub bound_band_kpa: [Vec<f64>; 2],
-    /// Forgetting factor.
     pub forgetting: Vec<f64>,
-    /// Normalised innovation squared over its expected value.
     pub nis: Vec<f64>,
     /// Its mean over [`NisCheck::window_s`].
     pub nis_mean: Vec<f64>,
@@ -148,10 +128,8 @@ pub struct TimeCurves {
     pub nis_check: Option<NisCheck>,
     /// Information gate, 0 to 1.
     pub gate: Vec<f64>,
-    /// Probability that the pressure is changing.
     pub change_probability: Vec<f64>,
-    /// Stretches `(from s, to s, code)`: 0 valid, 1 starting, 2 no information, 3 bad signal, 4 diverged,
-    /// 5 the car does not fit.
+    /// Stretches `(from s, to s, code)`: 0 valid, 1 starting, 2 no information, 3 bad signal, 4 diverged, 5 the car does not fit.
     pub validity: Vec<(f64, f64, f64)>,
     /// Stretches `(from s, to s, code)`: 0 none, 1 malfunction, 2 low.
     pub warning: Vec<(f64, f64, f64)>,
@@ -160,32 +138,22 @@ pub struct TimeCurves {
 /// The band that the averaged innovations of a consistent estimator keep to 95 % of the time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NisCheck {
-    /// Length of the average in s.
     pub window_s: f64,
-    /// Lower edge.
     pub lower: f64,
-    /// Upper edge.
     pub upper: f64,
-    /// Share of the averages inside.
     pub share_inside: f64,
 }
 
-/// The road under one wheel.
 #[derive(Debug, Clone)]
 pub struct RoadReport {
-    /// Height over distance.
     pub profile: ProfileCurves,
-    /// Roughness over distance.
     pub roughness: RoughnessCurves,
     /// Power spectral density; `None` on less than 51 m of road.
     pub spectrum: Option<SpectrumCurves>,
     /// Level, slope and class of the estimate, in the band where it holds.
     pub fit: Option<RoadFit>,
-    /// The same of the true road.
     pub truth_fit: Option<RoadFit>,
-    /// Roughness of all of the estimate in m/km.
     pub iri_m_per_km: Option<f64>,
-    /// Roughness of all of the true road in m/km.
     pub truth_iri_m_per_km: Option<f64>,
     /// Rms of the estimate's error over the rms of the true road, both in the band where the estimate holds.
     pub relative_error: Option<f64>,
@@ -195,58 +163,43 @@ pub struct RoadReport {
 /// of the height with its slow drift, which is not in these curves (docs/math/road.md, section 3).
 #[derive(Debug, Clone, Default)]
 pub struct ProfileCurves {
-    /// Distance driven in m.
     pub distance_m: Vec<f64>,
-    /// Estimate.
     pub height_m: Vec<f64>,
     /// True height, likewise freed; empty when unknown.
     pub truth_m: Vec<f64>,
 }
 
-/// Roughness of road segments.
 #[derive(Debug, Clone, Default)]
 pub struct RoughnessCurves {
-    /// Middle of each segment in m.
     pub distance_m: Vec<f64>,
-    /// IRI of the estimate in m/km.
     pub iri_m_per_km: Vec<f64>,
     /// IRI of the true road in m/km; empty when unknown.
     pub truth_m_per_km: Vec<f64>,
-    /// Length of a segment in m.
     pub segment_m: f64,
 }
 
 /// Power spectral density of the road.
 #[derive(Debug, Clone, Default)]
 pub struct SpectrumCurves {
-    /// Spatial frequency in cycles per m.
     pub frequency_per_m: Vec<f64>,
     /// Density of the estimate in m³.
     pub density_m3: Vec<f64>,
     /// Density of the true road in m³; empty when unknown.
     pub truth_m3: Vec<f64>,
-    /// Number of segments averaged.
     pub segments: usize,
 }
 
 /// What was found, in one line: the page's title. Numbers and their units are held together by no-break spaces.
-#[must_use]
 pub fn headline(data: &ReportData) -> String {
     title::title(data)
 }
 
-/// The page as text.
-///
-/// # Errors
-/// Only if the curves cannot be written as JSON.
+/// The page as text. Errors: only if the curves cannot be written as JSON.
 pub fn render_report(data: &ReportData) -> io::Result<String> {
     html::page(data)
 }
 
-/// Writes the page.
-///
-/// # Errors
-/// Those of the writer.
+/// Writes the page. Errors: those of the writer.
 pub fn write_report(mut out: impl io::Write, data: &ReportData) -> io::Result<()> {
     out.write_all(render_report(data)?.as_bytes())?;
     out.flush()

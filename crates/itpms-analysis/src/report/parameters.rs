@@ -11,57 +11,23 @@ use super::words::corner_name;
 use super::{CornerReport, ReportData};
 use crate::plot::escape;
 
-/// A parameter of a corner.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Parameter {
-    /// Sprung mass.
-    SprungMass,
-    /// Unsprung mass.
-    UnsprungMass,
-    /// Stiffness of the tire at placard pressure.
-    Tire,
-    /// That over the unsprung mass.
-    TireOverMass,
-    /// Slope of stiffness over pressure.
-    Slope,
-    /// Damping.
-    Damping,
-    /// Spring.
-    Spring,
-    /// Friction of the strut.
-    Friction,
-    /// Damping of the tire.
-    TireDamping,
+itpms_core::labelled! {
+    /// In the order of the table.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Parameter {
+        TireOverMass = "Tire stiffness over unsprung mass",
+        UnsprungMass = "Unsprung mass",
+        Tire = "Tire stiffness at placard pressure",
+        Slope = "Slope of stiffness over pressure",
+        Damping = "Damping",
+        Friction = "Friction of the strut",
+        Spring = "Spring",
+        SprungMass = "Sprung mass",
+        TireDamping = "Damping of the tire",
+    }
 }
 
 impl Parameter {
-    /// In the order of the table.
-    pub const ALL: [Self; 9] = [
-        Self::TireOverMass,
-        Self::UnsprungMass,
-        Self::Tire,
-        Self::Slope,
-        Self::Damping,
-        Self::Friction,
-        Self::Spring,
-        Self::SprungMass,
-        Self::TireDamping,
-    ];
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::SprungMass => "Sprung mass",
-            Self::UnsprungMass => "Unsprung mass",
-            Self::Tire => "Tire stiffness at placard pressure",
-            Self::TireOverMass => "Tire stiffness over unsprung mass",
-            Self::Slope => "Slope of stiffness over pressure",
-            Self::Damping => "Damping",
-            Self::Spring => "Spring",
-            Self::Friction => "Friction of the strut",
-            Self::TireDamping => "Damping of the tire",
-        }
-    }
-
     fn unit(self) -> &'static str {
         match self {
             Self::SprungMass | Self::UnsprungMass => "kg",
@@ -73,7 +39,6 @@ impl Parameter {
         }
     }
 
-    /// Value and standard deviation in the unit.
     fn value(self, config: &CornerConfig<f64>) -> [f64; 2] {
         let (car, tire, known) = (&config.quarter_car, &config.tire, &config.uncertainty);
         let stiffness = tire.stiffness_n_per_m(config.placard_kpa);
@@ -150,8 +115,12 @@ pub(super) fn section(data: &ReportData) -> String {
     }
     out.push_str("<th scope=\"col\">From</th><th scope=\"col\">Rests on it</th></tr></thead><tbody>\n");
     for parameter in Parameter::ALL {
-        let _ =
-            write!(out, "<tr><th scope=\"row\">{}<small>{}</small></th>", parameter.name(), parameter.unit());
+        let _ = write!(
+            out,
+            "<tr><th scope=\"row\">{}<small>{}</small></th>",
+            parameter.label(),
+            parameter.unit()
+        );
         for corner in &data.corners {
             let _ = write!(out, "<td>{}</td>", shown(parameter.value(&corner.config)));
         }

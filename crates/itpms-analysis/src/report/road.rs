@@ -10,7 +10,6 @@ use super::{ProfileCurves, RoadReport, RoughnessCurves, SpectrumCurves};
 use crate::roughness::{Cells, Enveloping, GoldenCar, undo_cells};
 use crate::spectrum::{Psd, Welch, fit_power_law};
 
-/// Length of a cell in m.
 const CELL_M: f64 = 0.05;
 /// Cells per segment of the spectrum: 51 m.
 const SEGMENT: usize = 1024;
@@ -74,7 +73,6 @@ struct Window {
     since: usize,
 }
 
-/// A sum of the values that are there.
 #[derive(Debug, Clone, Copy, Default)]
 struct Sum {
     of: f64,

@@ -65,7 +65,7 @@ fn not_judged(verdict: &SuspensionVerdict) -> String {
     out
 }
 
-/// What matters most, in sentences.
+/// Most important findings, in sentences.
 fn summary(verdict: &SuspensionVerdict) -> String {
     let of = |states: &[DamperState]| {
         let corners = Corner::ALL.into_iter().zip(&verdict.dampers);

@@ -13,7 +13,6 @@ pub enum Keep {
     Lowest,
     /// The largest value: for the upper edge of a band.
     Highest,
-    /// The mean.
     Mean,
 }
 
@@ -101,7 +100,6 @@ pub struct Track {
 impl Track {
     /// An empty track of `channels` values per `x`, at first in buckets of `width` (as fine as is of interest), never
     /// more than `capacity` of them (at least 2). Up to twice as many points are drawn.
-    #[must_use]
     pub fn new(channels: usize, width: f64, capacity: usize) -> Self {
         let width = if width > 0.0 { width } else { f64::MIN_POSITIVE };
         Self { channels, capacity: capacity.max(2), width, buckets: Vec::new() }
@@ -147,39 +145,32 @@ impl Track {
         self.buckets = merged;
     }
 
-    /// Number of buckets in use.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.buckets.len()
     }
 
     /// True before the first value.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.buckets.is_empty()
     }
 
     /// Present width of a bucket.
-    #[must_use]
     pub fn width(&self) -> f64 {
         self.width
     }
 
     /// The `x` of every drawn point: one for a bucket that holds one sample, two for any other, and one without
     /// values in every hole of the data.
-    #[must_use]
     pub fn x(&self) -> Vec<f64> {
         self.draw(|bucket| (bucket.first_x, bucket.last_x), |hole| hole)
     }
 
     /// One channel's values at the points of [`x`](Self::x); NaN where there are none.
-    #[must_use]
     pub fn curve(&self, channel: usize, keep: Keep) -> Vec<f64> {
         self.draw(|bucket| bucket.extents.get(channel).unwrap_or(&Extent::EMPTY).pair(keep), |_| f64::NAN)
     }
 
     /// One value per bucket, drawn at the points of [`x`](Self::x). As long as `values` has one for each.
-    #[must_use]
     pub fn spread(&self, values: &[f64]) -> Vec<f64> {
         let mut next = values.iter();
         self.draw(
@@ -233,9 +224,7 @@ impl Track {
         self.buckets.iter().map(middle).zip(self.means(channel).map(|(_, mean)| mean))
     }
 
-    /// Stretches of constant value, `(from, to, value)`, of a channel that holds codes; the largest code in a bucket
-    /// stands for all of it.
-    #[must_use]
+    /// Stretches of constant value, `(from, to, value)`, of a channel that holds codes; the largest code in a bucket stands for all of it.
     pub fn runs(&self, channel: usize) -> Vec<(f64, f64, f64)> {
         let longest = self.longest_step();
         let mut runs: Vec<(f64, f64, f64)> = Vec::new();

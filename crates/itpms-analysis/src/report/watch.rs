@@ -22,13 +22,11 @@ pub struct AlertSpan {
     pub ended_s: Option<f64>,
 }
 
-/// What the monitor reported during a drive.
 #[derive(Debug, Clone, Default)]
 pub struct WatchReport {
     /// Each wheel's stretches `(from s, to s, code)`, in the order of [`Corner::ALL`]: 0 fine, 1 unknown, 2 uncertain,
     /// 3 over, 4 malfunction, 5 low.
     pub states: [Vec<(f64, f64, f64)>; 4],
-    /// Each wheel's state at the end.
     pub last: [Option<WheelState>; 4],
     /// The alerts in the order in which they were reported.
     pub alerts: Vec<AlertSpan>,
@@ -49,7 +47,7 @@ impl WatchCollector {
         Self { track, before: None, report: WatchReport::default() }
     }
 
-    /// What the monitor says after a sample; one that says the same as before adds nothing.
+    /// The monitor's report after a sample; a repeated one adds nothing.
     pub(super) fn push(&mut self, now: &MonitorReport<f64>) {
         if self.before.as_ref().is_some_and(|before| before.time_s == now.time_s) {
             return;

@@ -25,16 +25,13 @@ const CHANNELS: usize = DIFFERENCES + 3 * 3;
 /// A value over time with its 95 % band.
 #[derive(Debug, Clone, Default)]
 pub struct BandCurve {
-    /// The value.
     pub value: Vec<f64>,
     /// Lower and upper edge.
     pub band: [Vec<f64>; 2],
 }
 
-/// What wheel speeds reported during a drive.
 #[derive(Debug, Clone)]
 pub struct WheelSpeedReport {
-    /// Times in s of the curves, like the report's.
     pub time_s: Vec<f64>,
     /// Change of each rolling radius since the calibration in thousandths, in the order of [`Corner::ALL`].
     pub change_1e3: [BandCurve; 4],
@@ -42,7 +39,6 @@ pub struct WheelSpeedReport {
     pub lost_percent: [BandCurve; 4],
     /// Change of the ratios of the radii in thousandths: front left over right, rear left over right, front over rear.
     pub difference_1e3: [BandCurve; 3],
-    /// What was reported last.
     pub last: RadiusReport<f64>,
 }
 
@@ -94,7 +90,6 @@ impl WheelSpeedCollector {
 }
 
 /// What the wheel speeds say of the tires, in one sentence without a full stop.
-#[must_use]
 pub fn found(radii: &RadiusReport<f64>) -> String {
     let names = |wheels: itpms_core::model::Wheels| {
         let names: Vec<String> = wheels.iter().map(|corner| corner_name(corner).to_lowercase()).collect();
@@ -127,8 +122,7 @@ pub fn found(radii: &RadiusReport<f64>) -> String {
     }
 }
 
-/// What the wheel speeds cannot show, a sentence each.
-#[must_use]
+/// Limits of the wheel speeds, a sentence each.
 pub fn unseen(radii: &RadiusReport<f64>) -> Vec<String> {
     let known = !matches!(radii.state, RadiusState::Uncalibrated | RadiusState::Calibrating);
     let mut out = Vec::new();
@@ -178,8 +172,6 @@ pub fn unseen(radii: &RadiusReport<f64>) -> Vec<String> {
     out
 }
 
-/// A wheel's radius and loss, as one reads them.
-#[must_use]
 pub fn wheel_line(wheel: &WheelRadius<f64>) -> String {
     if !wheel.change.is_finite() {
         return "not compared with anything".to_owned();
@@ -220,7 +212,6 @@ pub(super) fn title(data: &ReportData, wheels: &WheelSpeedReport) -> String {
     text[..1].to_uppercase() + &text[1..]
 }
 
-/// The section of the page.
 pub(super) fn section(data: &ReportData) -> String {
     let Some(wheels) = &data.wheel_speeds else { return String::new() };
     let mut out = format!(
@@ -277,7 +268,6 @@ struct BandJson<'a> {
     hi: Digits<'a>,
 }
 
-/// The curves for the page's script.
 pub(super) fn json(data: &ReportData) -> Option<WheelsJson<'_>> {
     let wheels = data.wheel_speeds.as_ref()?;
     fn bands<'a>(curves: &'a [BandCurve], names: &[&'static str]) -> Vec<BandJson<'a>> {

@@ -14,12 +14,10 @@ const FOR_GOOD_READINGS: u64 = 2;
 /// Seconds after which a reading says nothing of now: some sensors send every ten minutes.
 const OLD_S: f64 = 900.0;
 
-/// A tire's own sensor at the end of a drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TireSensor {
     /// When it last sent, in s after [`DriveFigures::origin_s`](super::DriveFigures::origin_s).
     pub time_s: f64,
-    /// What it sent, in kPa.
     pub pressure_kpa: f64,
     /// Since when it has contradicted the estimate, in the same time; `None` where it does not for good.
     pub contradicts_since_s: Option<f64>,
@@ -27,7 +25,6 @@ pub struct TireSensor {
 
 impl TireSensor {
     /// That in words beside an estimate; `None` where they agree.
-    #[must_use]
     pub fn contradiction(&self, estimate_kpa: f64, sd_kpa: f64, unit: PressureUnit) -> Option<String> {
         let since_s = self.contradicts_since_s?;
         Some(format!(

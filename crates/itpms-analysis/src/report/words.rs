@@ -7,15 +7,17 @@ use itpms_core::warning::{Doubt, WheelState};
 
 use super::{CornerReport, Reading};
 
-/// How a corner fares, in the order of urgency.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Status {
-    Low,
-    Malfunction,
-    Over,
-    Uncertain,
-    Unknown,
-    Fine,
+itpms_core::labelled! {
+    /// How a corner fares, in the order of urgency.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+    pub(super) enum Status {
+        Low = "Low",
+        Malfunction = "Malfunction",
+        Over = "Over-inflated",
+        Uncertain = "Uncertain",
+        Unknown = "Unknown",
+        Fine = "Fine",
+    }
 }
 
 impl Status {
@@ -33,17 +35,6 @@ impl Status {
             Self::Unknown
         } else {
             Self::Fine
-        }
-    }
-
-    pub(super) fn label(self) -> &'static str {
-        match self {
-            Self::Low => "Low",
-            Self::Malfunction => "Malfunction",
-            Self::Over => "Over-inflated",
-            Self::Uncertain => "Uncertain",
-            Self::Unknown => "Unknown",
-            Self::Fine => "Fine",
         }
     }
 
@@ -78,7 +69,6 @@ impl Status {
         }
     }
 
-    /// The same of what is so now.
     pub(super) fn word(self) -> &'static str {
         match self {
             Self::Low => "LOW",
@@ -93,7 +83,6 @@ impl Status {
 
 impl CornerReport {
     /// Why the wheel was not known at the end, if the monitor reported that it was not: words that follow on its state and a colon.
-    #[must_use]
     pub fn doubt(&self) -> Option<&'static str> {
         match self.state? {
             WheelState::Unknown(doubt) => Some(match doubt {

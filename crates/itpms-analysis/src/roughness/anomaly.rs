@@ -12,7 +12,6 @@ const STEP_M: f64 = 0.2;
 const LEAST_M: f64 = 6e-3;
 /// And by so many robust standard deviations of the block it lies in.
 const CERTAIN: f64 = 10.0;
-/// Length of a block in m, for that deviation.
 const BLOCK_M: f64 = 100.0;
 /// A median absolute deviation over a normal distribution's standard deviation, inverted.
 const MAD_TO_SD: f64 = 1.4826;
@@ -27,11 +26,9 @@ const SPANNED_SD_SHARE: f64 = 0.2;
 pub struct Anomaly {
     /// Where its deepest or highest place is, in m of distance.
     pub at_m: f64,
-    /// When the wheel was there, in s.
     pub time_s: f64,
     /// Height of that place over the road around it, in m; negative: a hole. A tire spans what is short, so that a short hole reads shallow.
     pub height_m: f64,
-    /// Its standard deviation in m.
     pub height_sd_m: f64,
     /// Its length in m, as far as it stands out.
     pub length_m: f64,
@@ -39,13 +36,11 @@ pub struct Anomaly {
 
 impl Anomaly {
     /// `hole` or `bump`.
-    #[must_use]
     pub fn kind(&self) -> &'static str {
         if self.height_m < 0.0 { "hole" } else { "bump" }
     }
 }
 
-/// A place on the track.
 #[derive(Debug, Clone, Copy)]
 struct Place {
     at_m: f64,
@@ -67,7 +62,6 @@ pub struct AnomalySearch {
 
 impl AnomalySearch {
     /// A track of heights `spacing_m` apart.
-    #[must_use]
     pub fn new(spacing_m: f64) -> Self {
         Self { spacing_m, around: VecDeque::new(), block: Vec::new(), found: Vec::new() }
     }
@@ -149,7 +143,6 @@ impl AnomalySearch {
     }
 
     /// The track is over: its anomalies in order.
-    #[must_use]
     pub fn finish(mut self) -> Vec<Anomaly> {
         self.end_stretch();
         self.found
@@ -166,7 +159,6 @@ pub struct SideAnomaly {
 }
 
 /// Puts together what the wheels of a side found, each list in order and by the distance of the road: within `within_m` it is the same hole.
-#[must_use]
 pub fn of_a_side(wheels: &[Vec<Anomaly>], within_m: f64) -> Vec<SideAnomaly> {
     let mut all: Vec<Anomaly> = wheels.iter().flatten().copied().collect();
     all.sort_by(|a, b| a.at_m.total_cmp(&b.at_m));

@@ -19,7 +19,6 @@ impl<const N: usize> Cells<N> {
         Self { cell_m, last: None, filled_m: 0.0, integral: [0.0; N] }
     }
 
-    /// Distance of the last sample in m.
     pub(crate) fn last_m(&self) -> Option<f64> {
         self.last.map(|(last_m, _)| last_m)
     }

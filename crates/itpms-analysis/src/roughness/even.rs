@@ -21,9 +21,7 @@ const MOST_MISSING: f64 = 1e7;
 
 /// Profiles that cannot be made even.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
-#[allow(missing_docs, reason = "the messages say it")]
 pub enum EvenError {
-    /// There is no distance between them.
     #[error("found {0} points, expected 2 or more")]
     Points(usize),
     #[error(
@@ -31,25 +29,16 @@ pub enum EvenError {
          expected {most} or fewer",
         most = MOST_MISSING
     )]
-    Gaps {
-        missing: f64,
-        /// Distance from height to height in m.
-        spacing_m: f64,
-        from_m: f64,
-        to_m: f64,
-    },
+    Gaps { missing: f64, spacing_m: f64, from_m: f64, to_m: f64 },
 }
 
-/// Heights at even distances.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EvenProfile {
     /// Where the first height is, in m.
     pub start_m: f64,
-    /// Distance from height to height in m.
     pub spacing_m: f64,
     /// Heights in m; NaN is missing.
     pub heights_m: Vec<f64>,
-    /// What the heights are.
     pub sampling: Sampling,
     /// Heights that were missing and are bridged.
     pub bridged: usize,
@@ -57,7 +46,6 @@ pub struct EvenProfile {
 
 impl EvenProfile {
     /// From heights `spacing_m` apart.
-    #[must_use]
     pub fn of_even(start_m: f64, spacing_m: f64, heights_m: Vec<f64>) -> Self {
         let mut even = Self { start_m, spacing_m, heights_m, sampling: Sampling::Points, bridged: 0 };
         even.bridge();

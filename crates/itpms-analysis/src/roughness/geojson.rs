@@ -12,7 +12,6 @@ const POINTS: u32 = 10;
 const PER_DEGREE: f64 = 1e7;
 
 /// The road's segments and anomalies where they are on earth; what has no place is left out and counted.
-#[must_use]
 pub fn geojson(table: &RoughnessTable, sides: &[(&str, &[SideAnomaly])], way: &Way) -> (Value, usize) {
     let mut features = Vec::new();
     let mut left_out = 0;

@@ -13,7 +13,6 @@ const K1: f64 = 653.0;
 const C: f64 = 6.0;
 /// Unsprung over sprung mass.
 const MU: f64 = 0.15;
-/// The golden car's speed in m/s.
 const SPEED_M_S: f64 = 80.0 / 3.6;
 /// Length of the moving average that stands for the tire's contact patch.
 const AVERAGE_M: f64 = 0.25;
@@ -54,10 +53,7 @@ pub struct GoldenCar {
 
 impl GoldenCar {
     /// A golden car about to drive over heights `spacing_m` apart. Above 0.3 m the standard calls a profile too
-    /// coarse; up to 1 m is computed all the same.
-    ///
-    /// # Errors
-    /// The spacing must be a number in (0, 1] m.
+    /// coarse; up to 1 m is computed all the same. Errors: the spacing must be a number in (0, 1] m.
     pub fn new(spacing_m: f64, enveloping: Enveloping) -> Result<Self, SpacingError> {
         if !(spacing_m > 0.0 && spacing_m <= 1.0) {
             return Err(SpacingError(spacing_m));
@@ -155,7 +151,6 @@ pub fn segment_iri_m_per_km(
 /// The share of a road's IRI that is left when waves longer than `longest_m` are missing from it, for a road of slope
 /// `waviness`: a Gaussian road's mean rectified slope goes with its rms, which is an integral over the golden car's
 /// response. With all waves from 0.25 to 1000 m it is 1; up to 10 m it is 0.95 (slope 2), up to 20 m 0.99.
-#[must_use]
 pub fn share_of_iri(longest_m: f64, waviness: f64) -> f64 {
     const STEPS: i32 = 400;
     let power = |wavelength_m: f64| {

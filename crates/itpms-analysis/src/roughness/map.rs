@@ -41,7 +41,6 @@ const STYLE: &str = "
 struct Projection {
     west_deg: f64,
     north_deg: f64,
-    /// Meters in a degree of longitude.
     per_degree_m: f64,
     per_m: f64,
     left: f64,
@@ -89,7 +88,6 @@ fn number(of: &Value, name: &str) -> f64 {
 }
 
 /// The page of a map in GeoJSON, as [`geojson`](super::geojson()) makes it; `about`: the name of the drive, and what was seen.
-#[must_use]
 pub fn map_page(name: &str, about: &str, map: &Value) -> String {
     let features: Vec<&Value> = map["features"].as_array().into_iter().flatten().collect();
     let of = |kind: &'static str| features.iter().copied().filter(move |one| one["geometry"]["type"] == kind);

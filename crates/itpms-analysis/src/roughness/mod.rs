@@ -1,5 +1,4 @@
-//! How rough a road is: International Roughness Index (ASTM E1926), ISO 8608 class, level and slope, per track and
-//! segment.
+//! How rough a road is: International Roughness Index (ASTM E1926), ISO 8608 class, level and slope, per track and segment.
 //!
 //! Called by the roughness command, the report, the score and the road export.
 //!

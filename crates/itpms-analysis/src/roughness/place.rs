@@ -26,14 +26,11 @@ impl Way {
         }
     }
 
-    /// Whether nothing is known.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.fixes.len() < 2
     }
 
     /// Where a distance is, in degrees: latitude and longitude.
-    #[must_use]
     pub fn at(&self, distance_m: f64) -> Option<[f64; 2]> {
         let later = self.fixes.partition_point(|(at_m, _)| *at_m < distance_m);
         let later = later.clamp(1, self.fixes.len().max(2) - 1);
@@ -50,7 +47,6 @@ impl Way {
     }
 
     /// How far the positions are apart over how far the car has driven between the first and the last, if that is a way: a check of units.
-    #[must_use]
     pub fn length_share(&self) -> Option<f64> {
         let metres = |a: [f64; 2], b: [f64; 2]| {
             let [north, east] = [b[0] - a[0], (b[1] - a[1]) * (0.5 * (a[0] + b[0])).to_radians().cos()];

@@ -22,7 +22,6 @@ const HIGHEST_PER_M: f64 = 2.83;
 /// Below this share of the waves that make up an IRI, the number is marked as low.
 const WHOLE_IRI: f64 = 0.99;
 
-/// What the heights are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sampling {
     /// Heights at points, as surveyed.
@@ -38,51 +37,39 @@ pub struct SurveyOptions {
     pub origin_m: f64,
     /// Length of a segment in m; a road that is shorter is one segment.
     pub segment_m: f64,
-    /// Distance from height to height in m.
     pub spacing_m: f64,
     /// Whether a tire has smoothed the heights already.
     pub enveloping: Enveloping,
-    /// What the heights are.
     pub sampling: Sampling,
 }
 
 /// Options no road can be read with.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
-#[allow(missing_docs, reason = "the messages say it")]
 pub enum SurveyError {
-    /// Too coarse for the golden car.
     #[error("heights are {0} m apart, expected more than 0 and at most 1 m")]
     Spacing(f64),
-    /// Shorter than anything the golden car could tell apart.
     #[error("segments of {found} m, expected {least} m or more")]
     Segment { found: f64, least: f64 },
 }
 
 /// Why a segment has no number.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
-#[allow(missing_docs, reason = "the messages say it")]
 pub enum TooLittle {
-    /// Most of it is unknown.
     #[error("too little road: {known_m:.0} of {segment_m:.0} m")]
     Road { known_m: f64, segment_m: f64 },
-    /// The band does not hold the wave at which ISO 8608 states a level.
     #[error("waves of {shortest_m:.2} to {longest_m:.1} m only: Gd(n0) needs 10 m")]
     Waves { shortest_m: f64, longest_m: f64 },
-    /// No line goes through the spectrum.
     #[error("no spectrum: {0}")]
     Spectrum(FitError),
 }
 
-/// The roughness of one segment of one track.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SegmentRoughness {
-    /// Where it begins, in m.
     pub start_m: f64,
     /// Its length in m: as asked for, or that of a road that is shorter.
     pub length_m: f64,
     /// Length of road whose height is known, in m.
     pub known_m: f64,
-    /// IRI in m/km.
     pub iri_m_per_km: Result<f64, TooLittle>,
     /// The share of its IRI that the waves in the data make up, 0 to 1; below 0.99 the number reads low by the rest.
     pub iri_share: f64,
@@ -91,14 +78,11 @@ pub struct SegmentRoughness {
 }
 
 impl SegmentRoughness {
-    /// Where it ends, in m.
-    #[must_use]
     pub fn end_m(&self) -> f64 {
         self.start_m + self.length_m
     }
 
     /// What a reader of the numbers should know, in words; empty if nothing.
-    #[must_use]
     pub fn note(&self) -> String {
         let low = || format!("IRI from {:.0} % of its waves: reads low", 100.0 * self.iri_share);
         match (&self.iri_m_per_km, &self.fit) {
@@ -111,14 +95,11 @@ impl SegmentRoughness {
     }
 }
 
-/// The roughness of a track.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TrackRoughness {
     /// Its segments, in order, without a gap.
     pub segments: Vec<SegmentRoughness>,
-    /// IRI of all that is known, in m/km.
     pub iri_m_per_km: Option<f64>,
-    /// Length of all that is known, in m.
     pub known_m: f64,
 }
 
@@ -138,7 +119,6 @@ impl Sums {
         Self { heights: 0.0, slopes: 0.0, count: 0.0, waves_m: (0.0, f64::INFINITY), fit: None };
 }
 
-/// A track in the making.
 #[derive(Debug)]
 pub struct TrackSurvey {
     options: SurveyOptions,
@@ -154,7 +134,6 @@ pub struct TrackSurvey {
 }
 
 impl TrackSurvey {
-    /// A track about to begin.
     pub fn new(options: SurveyOptions) -> Result<Self, SurveyError> {
         let segment_m = options.segment_m;
         if !(segment_m >= SHORTEST_SEGMENT_M && segment_m.is_finite()) {
@@ -272,8 +251,6 @@ impl TrackSurvey {
         Some(newest)
     }
 
-    /// The track is over.
-    #[must_use]
     pub fn finish(mut self) -> TrackRoughness {
         self.interrupt();
         let length_m = self.length_m();

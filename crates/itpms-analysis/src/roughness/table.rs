@@ -23,7 +23,6 @@ fn side(track: &str) -> Option<Side> {
     }
 }
 
-/// Tracks cut into the same segments.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RoughnessTable {
     segment_m: f64,
@@ -42,19 +41,15 @@ pub(super) struct Place<'a> {
 impl RoughnessTable {
     /// From named tracks whose segments begin at the same places; `segment_m` is the length asked for. `left`, `fl` and
     /// `rl` are on one side, `right`, `fr` and `rr` on the other.
-    #[must_use]
     pub fn new(segment_m: f64, tracks: Vec<(String, TrackRoughness)>) -> Self {
         Self { segment_m, tracks }
     }
 
     /// IRI of its roughest track in m/km, if that of any is known.
-    #[must_use]
     pub fn roughest_m_per_km(&self) -> Option<f64> {
         self.tracks.iter().filter_map(|(_, track)| track.iri_m_per_km).reduce(f64::max)
     }
 
-    /// The tracks with their names.
-    #[must_use]
     pub fn tracks(&self) -> &[(String, TrackRoughness)] {
         &self.tracks
     }
@@ -73,14 +68,10 @@ impl RoughnessTable {
         Some(0.5 * (of(Side::Left)? + of(Side::Right)?))
     }
 
-    /// Mean roughness index of a segment in m/km.
-    #[must_use]
     pub fn mri_m_per_km(&self, segment: usize) -> Option<f64> {
         self.mean(|track| track.segments.get(segment)?.iri_m_per_km.ok())
     }
 
-    /// Mean roughness index of all that is known in m/km.
-    #[must_use]
     pub fn whole_mri_m_per_km(&self) -> Option<f64> {
         self.mean(|track| track.iri_m_per_km)
     }
@@ -89,7 +80,6 @@ impl RoughnessTable {
         self.tracks.iter().map(|(_, track)| track.segments.len()).max().unwrap_or(0)
     }
 
-    /// The tracks that reach a segment.
     fn segment(&self, i: usize) -> impl Iterator<Item = (&str, &SegmentRoughness)> {
         self.tracks.iter().filter_map(move |(name, track)| Some((name.as_str(), track.segments.get(i)?)))
     }
@@ -113,7 +103,6 @@ impl RoughnessTable {
     }
 
     /// A line per segment and track, under a heading; no more than `most` lines.
-    #[must_use]
     pub fn lines(&self, most: usize) -> Vec<String> {
         let mut lines = vec![format!(
             "{:>16}  {:<5}  {:>8}  {:>5}  {:>16}  {:>11}  {:>12}",
@@ -161,7 +150,6 @@ impl RoughnessTable {
 
     /// A row per segment and track: `start_m, end_m, track, known_m, iri_m_per_km, mri_m_per_km, iri_share, iso_class,
     /// gd_n0_m3, gd_n0_sd_ln, waviness, waviness_sd, shortest_wave_m, longest_wave_m, note`. Empty cells are unknown.
-    #[must_use]
     pub fn csv(&self) -> String {
         let mut text = String::from(
             "start_m,end_m,track,known_m,iri_m_per_km,mri_m_per_km,iri_share,iso_class,gd_n0_m3,gd_n0_sd_ln,waviness,\
@@ -194,9 +182,7 @@ impl RoughnessTable {
         text
     }
 
-    /// Everything: `segment_m`, `tracks` by name (`iri_m_per_km`, `known_m`), `mri_m_per_km`, and `segments` with their
-    /// tracks.
-    #[must_use]
+    /// Everything: `segment_m`, `tracks` by name (`iri_m_per_km`, `known_m`), `mri_m_per_km`, and `segments` with their tracks.
     pub fn json(&self) -> Value {
         let whole = |(name, track): &(String, TrackRoughness)| json!({ "track": name, "iri_m_per_km": track.iri_m_per_km, "known_m": track.known_m });
         let segment = |i: usize| {

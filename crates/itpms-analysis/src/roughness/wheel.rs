@@ -7,7 +7,6 @@ use super::cells::Cells;
 use super::golden_car::Enveloping;
 use super::survey::{Sampling, SegmentRoughness, SurveyError, SurveyOptions, TrackRoughness, TrackSurvey};
 
-/// Length of a cell in m.
 const CELL_M: f64 = 0.05;
 /// A longer step from sample to sample is a hole in the log.
 const LONGEST_STEP_M: f64 = 1.0;
@@ -20,7 +19,6 @@ const SHORTEST_M: f64 = 0.5;
 /// Share of the sampling rate up to which a wave is seen, below the anti-alias filter.
 const HIGHEST_SHARE: f64 = 0.25;
 
-/// The road under one wheel in the making.
 #[derive(Debug)]
 pub struct WheelSurvey {
     cells: Cells<2>,
@@ -33,9 +31,7 @@ pub struct WheelSurvey {
 
 impl WheelSurvey {
     /// A wheel about to roll; segments of `segment_m` count from the distance zero, samples come at `rate_hz`.
-    ///
-    /// # Errors
-    /// The segment's length: see [`SurveyError`].
+    /// Errors: the segment's length: see [`SurveyError`].
     pub fn new(segment_m: f64, rate_hz: f64) -> Result<Self, SurveyError> {
         let survey = TrackSurvey::new(SurveyOptions {
             origin_m: 0.0,
@@ -49,7 +45,6 @@ impl WheelSurvey {
     }
 
     /// The same, and looks for holes and bumps.
-    #[must_use]
     pub fn with_anomalies(mut self) -> Self {
         self.anomalies = Some(AnomalySearch::new(CELL_M));
         self
@@ -86,14 +81,11 @@ impl WheelSurvey {
         self.survey.take_newest()
     }
 
-    /// The drive is over.
-    #[must_use]
     pub fn finish(self) -> TrackRoughness {
         self.survey.finish()
     }
 
     /// The same with the holes and bumps, if they were [looked for](Self::with_anomalies).
-    #[must_use]
     pub fn finish_with_anomalies(self) -> (TrackRoughness, Vec<Anomaly>) {
         (self.survey.finish(), self.anomalies.map(AnomalySearch::finish).unwrap_or_default())
     }

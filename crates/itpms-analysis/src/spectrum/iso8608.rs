@@ -21,7 +21,6 @@ pub struct PowerLaw {
 
 impl PowerLaw {
     /// Displacement density in m³ at a spatial frequency in cycles per metre.
-    #[must_use]
     pub fn density_m3(&self, frequency_per_m: f64) -> f64 {
         self.gd_n0_m3 * (frequency_per_m / REFERENCE_FREQUENCY_PER_M).powf(-self.waviness)
     }
@@ -53,7 +52,6 @@ impl IsoClass {
     pub const ALL: [IsoClass; 8] = [Self::A, Self::B, Self::C, Self::D, Self::E, Self::F, Self::G, Self::H];
 
     /// The class of a level `Gd(n0)` in m³; `None` unless it is positive and finite.
-    #[must_use]
     pub fn of_level(gd_n0_m3: f64) -> Option<Self> {
         if !(gd_n0_m3 > 0.0 && gd_n0_m3.is_finite()) {
             return None;
@@ -62,19 +60,15 @@ impl IsoClass {
     }
 
     /// Geometric mean of the class's `Gd(n0)` in m³: 16e-6 for A, four times as much for each class after it.
-    #[must_use]
     pub fn geometric_mean_m3(self) -> f64 {
         16e-6 * 4f64.powi(self as i32)
     }
 
     /// Upper limit of the class's `Gd(n0)` in m³: twice the geometric mean. Class H has none in the standard.
-    #[must_use]
     pub fn upper_limit_m3(self) -> f64 {
         2.0 * self.geometric_mean_m3()
     }
 
-    /// The class's letter.
-    #[must_use]
     pub fn label(self) -> &'static str {
         match self {
             Self::A => "A",
@@ -91,12 +85,9 @@ impl IsoClass {
 
 /// A spectrum no line can be drawn through.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
-#[allow(missing_docs, reason = "the messages say it")]
 pub enum FitError {
-    /// Limits that are no band.
     #[error("band from {low_per_m} to {high_per_m} cycles/m, expected 0 < low < high")]
     Band { low_per_m: f64, high_per_m: f64 },
-    /// The spectrum does not reach into the band.
     #[error("{0} smoothed bands hold a positive density, expected at least 3")]
     TooFewBands(usize),
 }
@@ -104,7 +95,6 @@ pub enum FitError {
 /// One band of a smoothed spectrum.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Band {
-    /// Lower limit in cycles per metre.
     pub low_per_m: f64,
     /// Upper limit in cycles per metre.
     pub high_per_m: f64,
@@ -116,7 +106,6 @@ pub struct Band {
 
 impl Band {
     /// Geometric centre in cycles per metre.
-    #[must_use]
     pub fn center_per_m(&self) -> f64 {
         (self.low_per_m * self.high_per_m).sqrt()
     }
@@ -126,12 +115,9 @@ impl Band {
     }
 }
 
-/// What a fit found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RoadFit {
-    /// Level and slope.
     pub law: PowerLaw,
-    /// The level's class.
     pub class: IsoClass,
     /// Limits of the fitted band in cycles per metre.
     pub band_per_m: (f64, f64),
@@ -163,7 +149,6 @@ fn averages_per_bin(psd: &Psd) -> f64 {
 
 /// The smoothed spectrum of ISO 8608 between two spatial frequencies (cycles per metre). Bins are taken with the
 /// share of their width that lies in a band; bands beyond the spectrum's ends are left out.
-#[must_use]
 pub fn iso_bands(psd: &Psd, low_per_m: f64, high_per_m: f64) -> Vec<Band> {
     let width = psd.resolution();
     // Bin 1 lost part of its power with the straight line.

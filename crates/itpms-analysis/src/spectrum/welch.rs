@@ -12,10 +12,8 @@ use thiserror::Error;
 /// Settings no spectrum can be computed with.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum WelchError {
-    /// Too short for a window with a 50 % overlap.
     #[error("segments of {0} samples, expected an even number, 8 or more")]
     Segment(usize),
-    /// Not a distance between samples.
     #[error("sample spacing {0}, expected a positive, finite number")]
     Spacing(f64),
 }
@@ -28,19 +26,16 @@ pub struct Psd {
     pub frequencies: Vec<f64>,
     /// Densities in squared units of the signal per unit of frequency.
     pub densities: Vec<f64>,
-    /// Number of overlapping segments averaged.
     pub segments: usize,
 }
 
 impl Psd {
     /// Distance between two frequencies.
-    #[must_use]
     pub fn resolution(&self) -> f64 {
         self.frequencies.first().copied().unwrap_or(f64::NAN)
     }
 
     /// Variance of the signal in a band of frequencies, both ends included.
-    #[must_use]
     pub fn variance_between(&self, low: f64, high: f64) -> f64 {
         let inside = self.frequencies.iter().zip(&self.densities).filter(|(f, _)| **f >= low && **f <= high);
         inside.map(|(_, density)| density).sum::<f64>() * self.resolution()
@@ -129,14 +124,11 @@ impl Welch {
         self.segments += 1;
     }
 
-    /// Number of segments taken so far.
-    #[must_use]
     pub fn segments(&self) -> usize {
         self.segments
     }
 
     /// The density so far; `None` before the first whole segment.
-    #[must_use]
     pub fn psd(&self) -> Option<Psd> {
         if self.segments == 0 {
             return None;

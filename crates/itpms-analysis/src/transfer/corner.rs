@@ -1,5 +1,4 @@
-//! A corner's response against its file's: what damper and spring it shows, and what to change. Called by the binary, read by
-//! `page`.
+//! A corner's response against its file's: what damper and spring it shows, and what to change. Called by the binary, read by `page`.
 
 use std::f64::consts::TAU;
 
@@ -22,17 +21,11 @@ const APART: f64 = 2.0;
 /// What the file says of a corner's suspension, with relative standard deviations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Suspension {
-    /// Sprung mass in kg.
     pub sprung_mass_kg: f64,
-    /// Damping in N s/m.
     pub damping_n_s_per_m: f64,
-    /// Spring in N/m.
     pub spring_n_per_m: f64,
-    /// Relative standard deviation of the sprung mass.
     pub sprung_mass_relative_sd: f64,
-    /// Relative standard deviation of the damping.
     pub damping_relative_sd: f64,
-    /// Relative standard deviation of the spring.
     pub spring_relative_sd: f64,
 }
 
@@ -73,7 +66,6 @@ pub(crate) fn no_suspension_allows(spectra: &CrossSpectra) -> bool {
     CornerCheck::of("", spectra, of_one).is_against()
 }
 
-/// What the comparison says.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Verdict {
     /// Less than half a minute of driving.
@@ -89,14 +81,11 @@ pub enum Verdict {
     },
 }
 
-/// One corner.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CornerCheck {
     /// `fl`, `fr`, `rl` or `rr`.
     pub label: String,
-    /// What the file says.
     pub suspension: Suspension,
-    /// What the comparison says.
     pub verdict: Verdict,
     /// Mean coherence between 4 and 16 Hz.
     pub coherence: f64,
@@ -109,7 +98,6 @@ pub struct CornerCheck {
 
 impl CornerCheck {
     /// Compares a measured response with the file's.
-    #[must_use]
     pub fn of(label: &str, spectra: &CrossSpectra, suspension: Suspension) -> Self {
         let bins = spectra.response(LOW_HZ, HIGH_HZ);
         let coherence = spectra.coherence();
@@ -129,8 +117,7 @@ impl CornerCheck {
         matches!(self.verdict, Verdict::Compared { damping: (mean, error), .. } if mean < -APART * error)
     }
 
-    /// What was found and what to change, in a sentence.
-    #[must_use]
+    /// The finding and the remedy, in a sentence.
     pub fn sentence(&self) -> String {
         match &self.verdict {
             Verdict::TooShort => {
@@ -145,14 +132,12 @@ impl CornerCheck {
 
     /// What does not fit beside damper and spring, in a sentence without its full stop. Where these are not judged, the sentence
     /// on them has named the reason.
-    #[must_use]
     pub fn misfit(&self) -> Option<String> {
         let misfit = self.fit.as_ref()?.1?;
         matches!(self.verdict, Verdict::Compared { .. }).then(|| misfit.to_string())
     }
 
     /// Whether something in the file should be changed, or nothing is judged.
-    #[must_use]
     pub fn asks_for_change(&self) -> bool {
         match &self.verdict {
             Verdict::TooShort | Verdict::Incoherent(_) => true,
@@ -194,20 +179,17 @@ impl CornerCheck {
     }
 
     /// (Hz, measured gain, its standard error), bin by bin.
-    #[must_use]
     pub fn measured(&self) -> Vec<(f64, f64, f64)> {
         let gain = |bin: &Bin| bin.response.norm();
         self.bins.iter().map(|bin| (bin.hz, gain(bin), bin.relative_error * gain(bin))).collect()
     }
 
     /// (Hz, coherence), bin by bin.
-    #[must_use]
     pub fn coherences(&self) -> Vec<(f64, f64)> {
         self.bins.iter().map(|bin| (bin.hz, bin.coherence)).collect()
     }
 
     /// (Hz, the file's gain, least, most).
-    #[must_use]
     pub fn of_file(&self) -> Vec<(f64, (f64, f64, f64))> {
         let hz = |i: i32| LOW_HZ * (HIGH_HZ / LOW_HZ).powf(f64::from(i) / 100.0);
         (0..=100).map(hz).map(|hz| (hz, self.suspension.gain(hz))).collect()

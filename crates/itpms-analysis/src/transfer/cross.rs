@@ -9,7 +9,6 @@ use itpms_fourier::RealToComplex;
 
 /// Length in s of a segment: bins of half a Hertz tell a hop from its neighbors, and a minute has a hundred segments.
 const SEGMENT_S: f64 = 2.0;
-/// Whose coherence counts, in Hz.
 const COHERENCE_HZ: (f64, f64) = (4.0, 16.0);
 /// Mean coherence below which the body does not follow this wheel.
 pub const INCOHERENT: f64 = 0.5;
@@ -29,11 +28,9 @@ pub struct CrossSpectra {
     segments: usize,
 }
 
-/// One frequency of the measured response.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Bin {
     pub(super) hz: f64,
-    /// Body over wheel.
     pub(super) response: Complex<f64>,
     /// Share of the body's power that the wheel explains.
     pub(super) coherence: f64,
@@ -44,11 +41,9 @@ pub(super) struct Bin {
 /// One frequency of the spectra of both signals.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Density {
-    /// Frequency in Hz.
     pub hz: f64,
     /// One-sided power spectral density of the wheel's acceleration in (m/s²)²/Hz.
     pub wheel: f64,
-    /// The same of the body's.
     pub body: f64,
     /// Share of the body's power that the wheel explains, 0 to 1; NaN where one of them has no power.
     pub coherence: f64,
@@ -62,7 +57,6 @@ impl fmt::Debug for CrossSpectra {
 
 impl CrossSpectra {
     /// Empty, for samples `step_s` apart.
-    #[must_use]
     pub fn new(step_s: f64) -> Self {
         let length = ((SEGMENT_S / step_s).round() as usize).max(8) & !1;
         let turn = std::f64::consts::TAU / length as f64;
@@ -102,8 +96,6 @@ impl CrossSpectra {
         self.body.clear();
     }
 
-    /// Segments taken.
-    #[must_use]
     pub fn segments(&self) -> usize {
         self.segments
     }
@@ -128,7 +120,6 @@ impl CrossSpectra {
     }
 
     /// Spectra of both signals, from the first bin to half the sampling rate; empty before the first segment.
-    #[must_use]
     pub fn densities(&self) -> Vec<Density> {
         if self.segments == 0 {
             return Vec::new();
@@ -152,7 +143,6 @@ impl CrossSpectra {
     }
 
     /// Mean coherence where the body answers the wheel, 4 to 16 Hz; 0 before the first segment.
-    #[must_use]
     pub fn coherence(&self) -> f64 {
         let bins = self.response(COHERENCE_HZ.0, COHERENCE_HZ.1);
         bins.iter().map(|bin| bin.coherence).sum::<f64>() / bins.len().max(1) as f64

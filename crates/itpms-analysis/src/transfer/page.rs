@@ -7,8 +7,6 @@ use crate::plot::{Axis, Figure, Ink, Panel, Stroke, escape};
 
 use crate::page::figures_page;
 
-/// The page about one drive of one vehicle.
-#[must_use]
 pub fn page(vehicle: &str, log: &str, corners: &[CornerCheck]) -> String {
     let cards: String = corners.iter().map(card).collect();
     let mut body = format!("<div class=\"corners\">{cards}</div>\n");
@@ -89,7 +87,6 @@ fn known(points: Vec<(f64, f64, f64)>) -> Vec<(f64, f64, f64)> {
     points.into_iter().filter(|(_, gain, error)| *error < 0.5 * gain).collect()
 }
 
-/// Gain and coherence of a corner.
 fn figure(check: &CornerCheck) -> Figure {
     let frequency = || Axis::logarithmic("Frequency", "Hz");
     let of_file = check.of_file();

@@ -21,7 +21,7 @@ pub(super) enum AscLine {
     Event(f64),
 }
 
-/// What the stamps of a file count from.
+/// The origin of a file's stamps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Stamps {
     /// The beginning of the measurement.
@@ -36,7 +36,7 @@ const EXPECTED_ID: &str = "an identifier, with x if it has 29 bits";
 const EXPECTED_DATA: &str = "d with a length and as many bytes, or r";
 const EXPECTED_FD: &str = "BRS, ESI, DLC, length and as many bytes after the identifier of CANFD";
 
-/// What is on a line, or what was expected instead.
+/// The content of a line, or the expected content.
 pub(super) fn parse(line: &[u8], base: Base) -> Result<AscLine, &'static str> {
     let text = line.trim_ascii();
     let mut words = Words::new(text);
@@ -74,7 +74,6 @@ fn unstamped(first: &[u8], words: &mut Words<'_>) -> Result<AscLine, &'static st
     }
 }
 
-/// What begins with a time.
 fn stamped(stamp_s: f64, words: &mut Words<'_>, base: Base) -> Result<AscLine, &'static str> {
     let bus = match words.next() {
         Some(b"CANFD") => return fd(stamp_s, words, base),

@@ -10,7 +10,6 @@ use crate::repairs::{FramePlace, FrameRepairs};
 /// Lines without any meaning after which a file is given up.
 const MOST_LINES_OF_NOTHING: u64 = 10_000;
 
-/// Reads frames from the lines of an ASC file.
 #[derive(Debug)]
 pub(crate) struct AscReader {
     lines: TextLines,

@@ -85,8 +85,7 @@ impl AscWriter {
             let _ = write!(text, " {byte:02X}");
         }
         if let FrameKind::Fd { bit_rate_switch, error_state_indicator } = frame.kind {
-            // Duration and length in bits are not known; the flags say FD, BRS, ESI; checksum and bit timing are not
-            // known.
+            // Duration and length in bits are not known; the flags say FD, BRS, ESI; checksum and bit timing are not known.
             let flags = 0x1000 | u32::from(bit_rate_switch) << 13 | u32::from(error_state_indicator) << 14;
             let _ =
                 write!(text, " {:>8} {:>4} {flags:>8X} {:>8} {:>8} {:>8} {:>8} {:>8}", 0, 0, 0, 0, 0, 0, 0);

@@ -13,10 +13,8 @@ pub(super) const LEAST: usize = 72;
 /// Bytes of the header that is written.
 pub(super) const SIZE: usize = 144;
 
-/// What matters of a header.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Header {
-    /// Its size in bytes as it says.
     pub(super) size: u32,
     /// Beginning of the measurement in s since 1970; 0 where the header does not say.
     pub(super) start_s: f64,

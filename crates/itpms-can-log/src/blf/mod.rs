@@ -28,7 +28,6 @@ mod writer;
 pub(super) use reader::BlfReader;
 pub(super) use writer::BlfWriter;
 
-/// Signature of every object.
 const SIGNATURE: &[u8; 4] = b"LOBJ";
 
 /// Bytes of the part of its header that every object has.

@@ -1,5 +1,4 @@
-//! One object of a BLF file to a frame, and back. Called by the reader and the writer beside it; knows nothing of
-//! containers.
+//! One object of a BLF file to a frame, and back. Called by the reader and the writer beside it; knows nothing of containers.
 //!
 //! After the base header (16 bytes) come flags u32 (1: stamps of 10 µs, 2: of 1 ns), 4 bytes, stamp u64; version 2 has 8
 //! bytes more. The bodies are described where they are read.
@@ -31,7 +30,6 @@ const EXTENDED: u32 = 0x8000_0000;
 /// Unit of the stamps in s.
 const TEN_MICROSECONDS: u32 = 1;
 
-/// Whether objects of this type hold frames.
 pub(super) fn is_frame(object_type: u32) -> bool {
     matches!(
         object_type,
@@ -45,7 +43,6 @@ pub(super) fn is_frame(object_type: u32) -> bool {
     )
 }
 
-/// What an object of a frame's type is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Object {
     /// A frame; its time is the time since the measurement's beginning.
@@ -101,8 +98,7 @@ fn classic(body: &[u8]) -> Option<Option<CanFrame>> {
     Some(Some(made(u16_at(body, 0)?, u32_at(body, 4)?, kind, direction, payload)))
 }
 
-/// Channel u16, flags u8, length code u8, identifier u32, frame length u32, bits u8, FD flags u8, valid bytes u8, 5, up to
-/// 64 bytes.
+/// Channel u16, flags u8, length code u8, identifier u32, frame length u32, bits u8, FD flags u8, valid bytes u8, 5, up to 64 bytes.
 fn fd(body: &[u8]) -> Option<Option<CanFrame>> {
     let (flags, code, fd_flags) = (u8_at(body, 2)?, u8_at(body, 3)?, u8_at(body, 13)?);
     let Some(direction) = direction_of(flags & 0x0F) else { return Some(None) };
@@ -129,8 +125,7 @@ fn fd64(body: &[u8], header: usize) -> Option<Option<CanFrame>> {
     Some(Some(made(u8_at(body, 0)?.into(), u32_at(body, 4)?, kind, direction, payload)))
 }
 
-/// Channel u16, length u16, flags u32, code u8, position u8, length code u8, 1, frame length u32, identifier u32, flags u16,
-/// 2, 8 bytes.
+/// Channel u16, length u16, flags u32, code u8, position u8, length code u8, 1, frame length u32, identifier u32, flags u16, 2, 8 bytes.
 fn error_ext(body: &[u8]) -> Option<Option<CanFrame>> {
     let length = usize::from(u8_at(body, 10)? & 0x0F).min(8);
     let bytes: [u8; 8] = array(body, 24)?;
@@ -250,7 +245,6 @@ fn push_body(out: &mut Vec<u8>, frame: &CanFrame) {
 mod tests {
     use super::*;
 
-    /// An object with these bytes after its header.
     fn object(object_type: u32, flags: u32, stamp: u64, body: &[u8]) -> Vec<u8> {
         let mut data = SIGNATURE.to_vec();
         data.extend_from_slice(&[32, 0, 1, 0]);

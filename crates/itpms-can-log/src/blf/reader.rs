@@ -1,5 +1,4 @@
-//! A BLF file as frames. Called by `FrameReader`; puts the pieces of the stream of objects together and takes them apart
-//! at the objects.
+//! A BLF file as frames. Called by `FrameReader`; puts the pieces of the stream of objects together and takes them apart at the objects.
 
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
@@ -18,7 +17,6 @@ use crate::repairs::{FramePlace, FrameRepairs};
 /// [`container::MOST_PADDING`] in memory.
 const MOST_PADDING: usize = container::MOST_PADDING as usize;
 
-/// Reads frames from a BLF file.
 #[derive(Debug)]
 pub(crate) struct BlfReader {
     containers: Containers,
@@ -173,7 +171,6 @@ impl BlfReader {
         Ok(true)
     }
 
-    /// What is left at the end of the file.
     fn end(&mut self, repairs: &mut FrameRepairs) -> Result<Option<CanFrame>, CanProblem> {
         let left = self.buffer.len() - self.at;
         if left > MOST_PADDING || self.skip > 0 {

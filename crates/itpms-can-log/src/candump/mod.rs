@@ -7,10 +7,9 @@
 //!
 //! Called by the readers beside it and by whoever reads frames from a pipe; a line knows nothing of the line before.
 //!
-//! Time stamps of the screen form come in four kinds: `-ta` (since 1970), `-tA` (a date of the logger's local time;
-//! taken as UTC), `-tz` (since the first frame) and `-td` (since the frame before). The last two look the same;
-//! [`parse_line`] hands out the number that is there, [`FrameReader`](super::FrameReader) finds out which it is and
-//! sums differences.
+//! Time stamps of the screen form come in four kinds: `-ta` (since 1970), `-tA` (a date of the logger's local time; taken as UTC), `-tz`
+//! (since the first frame) and `-td` (since the frame before). The last two look the same; [`parse_line`] hands out the number that is
+//! there, [`FrameReader`](super::FrameReader) finds out which it is and sums differences.
 
 mod format;
 mod parse;

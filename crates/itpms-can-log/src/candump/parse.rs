@@ -14,7 +14,7 @@ pub struct Line<'a> {
     pub frame: CanFrame,
     /// The interface's name.
     pub interface: &'a str,
-    /// What the time counts from.
+    /// The origin of the time.
     pub clock: Clock,
 }
 
@@ -33,13 +33,10 @@ pub enum Clock {
 #[non_exhaustive]
 #[allow(missing_docs, reason = "the messages say it")]
 pub enum LineProblem {
-    /// Nothing on it, a comment (`#`, `;`, `//`), or an explanation that `candump -e` puts under an error frame.
     #[error("the line is blank")]
     Blank,
-    /// A frame without a time.
     #[error("the frame has no time stamp; log with candump -L, or with candump -ta on the screen")]
     NoTimeStamp,
-    /// The logger says how many frames it has lost here (`candump -d`).
     #[error("{0} frames were lost by the logger")]
     Lost(u64),
     #[error("expected {0}")]
@@ -131,7 +128,6 @@ fn date_and_time(text: &[u8]) -> Option<f64> {
     Some(date.seconds()? as f64 + fraction_s)
 }
 
-/// The number at the end of an interface's name.
 fn bus_of(interface: &str) -> u16 {
     let start = interface.trim_end_matches(|c: char| c.is_ascii_digit()).len();
     interface[start..].parse().unwrap_or(0)
@@ -206,8 +202,7 @@ fn pairs(text: &[u8], most: usize) -> Result<Payload, LineProblem> {
     if rest.is_empty() { Ok(payload) } else { Err(wrong) }
 }
 
-/// Classic frames of 8 bytes may have been sent with a length code of 9 to 15; it follows as `_9` to `_F` and says
-/// nothing about the data.
+/// Classic frames of 8 bytes may have been sent with a length code of 9 to 15; it follows as `_9` to `_F` and says nothing about the data.
 fn without_raw_code(text: &[u8]) -> &[u8] {
     match text {
         [data @ .., b'_', code] if matches!(nibble(*code), Some(9..)) => data,

@@ -16,7 +16,6 @@ const MOST_LINES_OF_NOTHING: u64 = 10_000;
 /// Frames looked at to tell differences from times since the beginning.
 const SURVEY_FRAMES: usize = 512;
 
-/// Reads frames from candump's lines.
 #[derive(Debug)]
 pub(crate) struct CandumpReader {
     lines: TextLines,
@@ -162,7 +161,6 @@ fn is_whole(line: &[u8]) -> bool {
     matches!(line, [.., b' ', b'R' | b'T' | b'r' | b't']) || line.contains(&b'[') || line.contains(&b'{')
 }
 
-/// Fewer stamps than this are taken as times.
 const FEWEST_STAMPS: usize = 16;
 
 /// Whether stamps are differences from frame to frame. Times grow: the middle one of the later half lies beyond all of

@@ -105,7 +105,6 @@ impl Layout {
         u64::MAX >> (64 - u32::from(self.bits))
     }
 
-    /// A number of so many bits with its sign.
     pub(super) fn signed(&self, number: u64) -> i64 {
         let unused = 64 - u32::from(self.bits);
         ((number << unused) as i64) >> unused

@@ -2,7 +2,7 @@
 //!
 //! Called by the parser of statements; does not know their meaning.
 
-/// What was found, and what belongs there instead.
+/// Found and expected.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Astray {
     pub(super) found: String,
@@ -128,12 +128,10 @@ impl<'a> Cursor<'a> {
         Astray { found, expected }
     }
 
-    /// How far this is from an earlier place.
     pub(super) fn bytes_since(&self, earlier: &Self) -> usize {
         earlier.rest.len().saturating_sub(self.rest.len())
     }
 
-    /// The beginning of what comes, for a message.
     pub(super) fn beginning(&self) -> String {
         let line = self.rest.lines().next().unwrap_or_default();
         let clean: String = line.chars().filter(|c| !c.is_control()).take(31).collect();

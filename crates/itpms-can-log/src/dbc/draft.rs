@@ -16,7 +16,6 @@ const MOST_SIGNALS: usize = 2048;
 /// Pairs of signals of a file that are looked at for overlaps; the largest in use need some hundred thousand. Keeps a file
 /// made for it from taking minutes.
 pub(super) const MOST_COMPARISONS: usize = 20_000_000;
-/// So many overlaps of one message are named.
 const NAMED_OVERLAPS: usize = 20;
 
 /// A message whose signals do not know each other yet.
@@ -334,7 +333,6 @@ fn together(message: &Message, a: usize, b: usize) -> bool {
     })
 }
 
-/// The multiplexers before a signal, from the nearest on.
 fn chain(message: &Message, place: usize) -> impl Iterator<Item = &Selector> {
     let before = |selector: &&Selector| message.signals.get(selector.switch)?.selector.as_ref();
     // There is no circle; the bound is for the reader of this line.

@@ -1,9 +1,8 @@
 //! Which raw values of a signal say that it has none.
 //!
-//! Labels decide. On SAE J1939 the standard's ranges do (SAE J1939-71, transmitted signal ranges):
-//! above the largest value of a number follow indicators, reserved ones, "error" and "not available". Elsewhere senders take an end
-//! of the raw numbers for that. A stated range alone proves nothing, as many are wrong: an end counts where it lies beyond it, and
-//! no other value does.
+//! Labels decide. On SAE J1939 the standard's ranges do (SAE J1939-71, transmitted signal ranges): above the largest value of a number
+//! follow indicators, reserved ones, "error" and "not available". Elsewhere senders take an end of the raw numbers for that. A stated range
+//! alone proves nothing, as many are wrong: an end counts where it lies beyond it, and no other value does.
 
 use super::message::{Kind, Signal};
 use super::missing::Missing;

@@ -19,7 +19,7 @@ pub struct Message {
     pub name: String,
     /// Who sends it; empty where none is named.
     pub sender: String,
-    /// What the file says of it; may be empty.
+    /// The file's comment; may be empty.
     pub comment: String,
     /// Bytes of its data.
     pub length: usize,
@@ -45,11 +45,11 @@ pub struct Signal {
     pub name: String,
     /// Its unit; may be empty.
     pub unit: String,
-    /// What the file says of it; may be empty.
+    /// The file's comment; may be empty.
     pub comment: String,
     /// Where its bits are.
     pub layout: Layout,
-    /// What its bits mean.
+    /// Meaning of its bits.
     pub kind: Kind,
     /// Physical value per raw one.
     pub factor: f64,

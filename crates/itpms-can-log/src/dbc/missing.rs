@@ -9,7 +9,6 @@ pub enum NoValue {
     RawEnd,
 }
 
-/// See the [module](self).
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Missing {
     pub(super) labelled: Vec<u64>,
@@ -30,7 +29,7 @@ impl Missing {
         }
     }
 
-    /// What to send for no value.
+    /// The raw value of a missing one.
     pub(super) fn code(&self, mask: u64) -> Option<u64> {
         self.labelled.first().copied().or(self.from.map(|_| mask))
     }

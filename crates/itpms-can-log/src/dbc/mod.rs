@@ -1,8 +1,7 @@
 //! Descriptions of a bus (DBC files): which frame carries which signals.
 //!
-//! Files come
-//! from many programs and are seldom flawless: what cannot be used is named with its line ([`Dbc::problems`]) and left
-//! out, the rest is read. The public crates for the format read a file as a whole or not at all.
+//! Files come from many programs and are seldom flawless: what cannot be used is named with its line ([`Dbc::problems`]) and left out, the
+//! rest is read. The public crates for the format read a file as a whole or not at all.
 //!
 //! | module | idea |
 //! |---|---|

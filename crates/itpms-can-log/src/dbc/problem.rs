@@ -11,16 +11,10 @@ use thiserror::Error;
 #[non_exhaustive]
 #[allow(missing_docs, reason = "the messages say it")]
 pub enum DbcError {
-    /// Larger than any description of a bus.
     #[error("the file has {found} bytes, expected a DBC file of at most {most}")]
     TooLarge { found: u64, most: u64 },
-    /// Nothing that could be decoded.
     #[error("no message with a usable signal in {lines} lines, expected a DBC file (BO_ and SG_){}", first(.problem))]
-    NoMessage {
-        lines: u64,
-        /// The first thing that is wrong with it.
-        problem: Option<Box<DbcProblem>>,
-    },
+    NoMessage { lines: u64, problem: Option<Box<DbcProblem>> },
 }
 
 fn first(problem: &Option<Box<DbcProblem>>) -> String {
@@ -47,16 +41,12 @@ impl fmt::Display for DbcProblem {
 #[non_exhaustive]
 #[allow(missing_docs, reason = "the messages say it")]
 pub enum Fault {
-    /// A line that begins with nothing known.
     #[error("found {found:?}, expected a statement such as BO_ or SG_; passed over")]
     Stranger { found: String },
-    /// A statement that breaks off or goes astray.
     #[error("{statement}: found {found}, expected {expected}; left out")]
     Syntax { statement: &'static str, found: String, expected: &'static str },
-    /// A signal without a message.
     #[error("signal {signal} before any message (BO_); left out")]
     Homeless { signal: String },
-    /// An identifier that is neither of 11 nor, with bit 31, of 29 bits.
     #[error(
         "message {message} has identifier {id}, expected at most 2047, or with bit 31 set at most 29 bits more; \
          left out"
@@ -64,19 +54,14 @@ pub enum Fault {
     Identifier { message: String, id: u64 },
     #[error("message {message} has {bytes} bytes, expected at most 64; left out")]
     TooLong { message: String, bytes: u64 },
-    /// An identifier that is there twice.
     #[error("message {message} has the identifier of {first} (line {first_line}); left out")]
     MessageTwice { message: String, first: String, first_line: u64 },
-    /// A name that is there twice in a message.
     #[error("message {message} has a second signal {signal} (first in line {first_line}); left out")]
     SignalTwice { message: String, signal: String, first_line: u64 },
-    /// More signals than are looked at.
     #[error("message {message} has more than {most} signals; the rest is left out")]
     TooMany { message: String, most: usize },
-    /// A signal of no bits or of more than a number holds.
     #[error("message {message}, signal {signal}: {bits} bits, expected 1 to 64; left out")]
     Length { message: String, signal: String, bits: u64 },
-    /// A signal that its message has no room for.
     #[error(
         "message {message}, signal {signal}: {bits} bits from bit {start} on do not lie within the message's {bytes} \
          bytes; left out"
@@ -84,35 +69,22 @@ pub enum Fault {
     Outside { message: String, signal: String, start: u64, bits: u64, bytes: usize },
     #[error("message {message}, signal {signal}: the factor is 0, expected another number; left out")]
     Factor { message: String, signal: String },
-    /// A float that has not the length of one.
     #[error("message {message}, signal {signal}: a float of {bits} bits, expected {expected}; left out")]
     FloatLength { message: String, signal: String, bits: u16, expected: u16 },
-    /// A multiplexed signal whose multiplexer is not there.
     #[error("message {message}, signal {signal}: its multiplexer {} is not there; left out", or_unnamed(.switch))]
-    NoSwitch {
-        message: String,
-        signal: String,
-        /// The multiplexer's name, where one is given.
-        switch: Option<String>,
-    },
-    /// A multiplexed signal that could have several multiplexers.
+    NoSwitch { message: String, signal: String, switch: Option<String> },
     #[error(
         "message {message}, signal {signal}: {count} multiplexers and no SG_MUL_VAL_ that says which; left out"
     )]
     WhichSwitch { message: String, signal: String, count: usize },
-    /// Multiplexers that select each other.
     #[error("message {message}, signal {signal}: its multiplexers select each other; left out")]
     SwitchLoop { message: String, signal: String },
-    /// Two signals in the same bits at the same time.
     #[error("message {message}: signal {signal} overlaps {other} (line {other_line}); both are kept")]
     Overlap { message: String, signal: String, other: String, other_line: u64 },
-    /// So many signals in the file that not all are held against each other.
     #[error("message {message}: there are too many signals to look for overlaps; they are kept")]
     NotCompared { message: String },
-    /// A statement about a signal that is not there.
     #[error("{statement} speaks of signal {signal} of message {id}, which is not there; passed over")]
     NobodyThere { statement: &'static str, signal: String, id: u64 },
-    /// Too many more to be read.
     #[error("{0} more like these")]
     More(u64),
 }
@@ -138,7 +110,6 @@ impl Problems {
         }
     }
 
-    /// By their lines.
     pub(super) fn finish(self) -> Vec<DbcProblem> {
         let mut problems = self.0;
         problems.sort_by_key(|problem| (matches!(problem.fault, Fault::More(_)), problem.line));

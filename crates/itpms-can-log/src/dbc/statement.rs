@@ -56,7 +56,6 @@ pub(super) struct Multiplexing {
     pub(super) selected_by: Option<u64>,
 }
 
-/// Begins a statement that is read.
 const READ: [&str; 10] =
     ["BO_", "SG_", "SG_MUL_VAL_", "SIG_VALTYPE_", "VAL_", "CM_", "BA_DEF_", "BA_DEF_DEF_", "BA_", "VERSION"];
 /// Begins a statement that ends with a semicolon and does not matter here.

@@ -77,7 +77,6 @@ impl<T: Real> CarEstimator<T> {
         Some(self.concluded.corners[corner].as_ref()?.at(sample.time_s))
     }
 
-    /// Concludes what the sample's corners have in common.
     #[inline(never)]
     fn compare(&mut self, sample: &CarSample<T>, fused: Option<&FusedEstimate<T>>) {
         let of_sample = |corner: Corner| sample.corners[corner].and(self.concluded.corners[corner].as_ref());
@@ -147,8 +146,7 @@ impl<T: Real> CarEstimator<T> {
         fused.zip(considered)
     }
 
-    /// Correlation coefficients of the pressures' errors: of the fused estimate, or of what the corners have in common by the
-    /// vehicle file.
+    /// Correlation coefficients of the pressures' errors: of the fused estimate, or of what the corners have in common by the vehicle file.
     fn correlation(
         &self,
         corners: &[Option<&CornerConclusion<T>>; 4],
@@ -175,7 +173,6 @@ impl<T: Real> CarEstimator<T> {
     }
 }
 
-/// Correlation coefficients of errors with this covariance.
 fn coefficients<T: Real>(covariance: &SMatrix<T, 4, 4>) -> [[T; 4]; 4] {
     core::array::from_fn(|i| {
         core::array::from_fn(|j| {

@@ -146,7 +146,6 @@ impl<T: Real> CarEstimator<T> {
         self.radii.clear();
     }
 
-    /// Whether there is a corner to estimate.
     pub(crate) fn has_corners(&self) -> bool {
         self.corners.iter().any(|corner| corner.as_ref().is_some())
     }

@@ -103,7 +103,6 @@ impl<T: Real> ColdTires<T> {
         self.warm_up.advance(step_s, speed_m_s, self.ambient_c.get());
     }
 
-    /// Whether the temperature of the air is known.
     pub(crate) fn is_known(&self) -> bool {
         self.ambient_c.get().is_some()
     }
@@ -138,7 +137,6 @@ impl<T: Real> ColdTires<T> {
         Some((cold_kpa + self.home_kpa) * (ambient_k + excess_k) / ambient_k - barometric_kpa)
     }
 
-    /// The pressure of the air and its sd, in kPa.
     fn barometric(&self) -> [T; 2] {
         if let Some(kpa) = self.barometric_kpa.get() {
             return [kpa, T::lit(BAROMETER_SD_KPA)];
@@ -159,7 +157,6 @@ mod tests {
         Air { ambient_temperature_c, barometric_kpa, ..Air::unknown() }
     }
 
-    /// Tires after so many seconds at a speed in m/s.
     fn driven(air: &Air<f64>, seconds: u32, speed_m_s: f64) -> ColdTires<f64> {
         let mut tires = ColdTires::new(SEA_LEVEL_KPA);
         for _ in 0..10 * seconds {

@@ -11,7 +11,6 @@ const RISE_SD: f64 = 0.3;
 const ROLLING_S: f64 = 660.0;
 const STANDING_S: f64 = 1800.0;
 const LAG_SD: f64 = 0.3;
-/// Speed in m/s from which a wheel rolls.
 const ROLLS_M_S: f64 = 1.0;
 /// Standard deviation in K of a tire's temperature against the air's at the start: it may have been driven before, or have stood in a garage.
 const HISTORY_SD_K: f64 = 6.0;
@@ -20,7 +19,6 @@ const AMBIENT_SD_K: f64 = 1.5;
 /// What stands for a speed in m/s that is not known, as its standard deviation, too.
 const UNKNOWN_M_S: f64 = 14.0;
 
-/// See the [module](self). All in K but for the air.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct WarmUp<T> {
@@ -38,14 +36,7 @@ pub(super) struct WarmUp<T> {
 impl<T: Real> WarmUp<T> {
     /// A tire of which nothing is known but that it is hardly warmer than the air.
     pub(super) fn new() -> Self {
-        let zero = T::zero();
-        Self {
-            driven_k: zero,
-            soaked_c: T::lit(f64::NAN),
-            lag_k: zero,
-            history_k: T::lit(HISTORY_SD_K),
-            unknown_k: zero,
-        }
+        Self { soaked_c: T::lit(f64::NAN), history_k: T::lit(HISTORY_SD_K), ..Self::BLANK }
     }
 
     /// So many seconds at this speed in m/s (NaN: unknown), in air of this temperature in degrees Celsius. Exact for a speed and a

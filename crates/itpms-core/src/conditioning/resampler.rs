@@ -26,7 +26,7 @@ const FLAT_TOP: u32 = 3;
 /// Equal values in a row, at any magnitude, that are no signal: their steps are marked like saturated ones.
 const FLAT: u32 = 8;
 
-/// What was found in the raw samples so far.
+/// Counts of the raw samples so far.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SampleCounts {
@@ -115,7 +115,6 @@ impl<T: Real> FlatWatch<T> {
     }
 }
 
-/// Periods in s, and what follows from them.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Periods<T> {
@@ -208,7 +207,7 @@ impl<T: Real> Resampler<T> {
         self.periods.grid_s
     }
 
-    /// What was found so far.
+    /// The findings so far.
     #[must_use]
     pub fn counts(&self) -> SampleCounts {
         self.counts
@@ -281,7 +280,6 @@ impl<T: Real> Resampler<T> {
         self.emit(speed_m_s, &mut sink);
     }
 
-    /// Takes a sample so many s after the last one.
     fn append(&mut self, step_s: T, body: T, wheel: T, no_signal: bool) {
         if self.filled == 0 {
             (self.after_gap, self.before_s) = (true, [T::zero(); POINTS]);

@@ -6,7 +6,6 @@ use crate::memory::Blank;
 use crate::model::QuarterCar;
 use crate::real::Real;
 
-/// Gravity in m/s².
 const GRAVITY_M_S2: f64 = 9.81;
 /// Share of the corner's weight by which the force of the tire is less than at rest when the wheel has surely lifted, and
 /// when it may have: the body's mass, its pitch and roll and the load are not known to the percent.
@@ -34,7 +33,6 @@ pub(crate) struct Contact {
     pub(crate) hopping: bool,
 }
 
-/// The watch on one wheel.
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct ContactWatch<T> {
@@ -52,15 +50,7 @@ pub(crate) struct ContactWatch<T> {
 
 impl<T: Real> ContactWatch<T> {
     pub(crate) fn new(car: &QuarterCar<T>) -> Self {
-        Self {
-            sprung_mass_kg: car.sprung_mass_kg(),
-            unsprung_mass_kg: car.unsprung_mass_kg(),
-            means: [T::zero(); 2],
-            watched_s: T::zero(),
-            offsets: [T::zero(); 2],
-            hopping_s: T::zero(),
-            pulling_s: T::zero(),
-        }
+        Self { sprung_mass_kg: car.sprung_mass_kg(), unsprung_mass_kg: car.unsprung_mass_kg(), ..Self::BLANK }
     }
 
     /// Looks at a grid step: what accelerates both masses, beyond their weight, is the force of the tire.

@@ -43,8 +43,7 @@ const OTHER: f64 = -0.4;
 const OWN: f64 = 0.4;
 const SWAP: DebounceTimes = DebounceTimes { set_s: 4.0, clear_s: 4.0 };
 
-/// Warp of the body's plane, as a share of all power, that is none, and that is a sensor's fault. A healthy car has less
-/// than 0.01.
+/// Warp of the body's plane, as a share of all power, that is none, and that is a sensor's fault. A healthy car has less than 0.01.
 const FLAT: f64 = 0.01;
 const BENT: f64 = 0.04;
 /// Log of a body's gain that is wrong; and that is fine again.
@@ -52,7 +51,6 @@ const BODY_GAIN: f64 = 0.2;
 const BODY_GAIN_FINE: f64 = 0.12;
 const GAIN: DebounceTimes = DebounceTimes { set_s: 5.0, clear_s: 5.0 };
 
-/// The car's sensors against each other.
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct CrossSensorPlausibility<T: Real> {
@@ -97,8 +95,7 @@ impl<T: Real> CrossSensorPlausibility<T> {
         self.shifts = WheelGainShift::new();
     }
 
-    /// Drops what is only suspected, and suspected changes of gain: with a sensor out of order it cannot be
-    /// checked whether they hold.
+    /// Drops what is only suspected, and suspected changes of gain: with a sensor out of order it cannot be checked whether they hold.
     pub(crate) fn drop_suspicions(&mut self) {
         let latches = self.pairs.iter_mut().chain(&mut self.corners).chain(&mut self.reversed);
         latches.for_each(FaultLatch::drop_suspicion);
@@ -174,8 +171,7 @@ impl<T: Real> CrossSensorPlausibility<T> {
             self.ratio[corner] = if before.is_finite() { before + share * (ratio - before) } else { ratio };
             let ratio = self.ratio[corner];
             let sensor = |place| Sensor { corner, place };
-            // A wheel that reads little, or a body that reads much, is not a swap: then only one of the two
-            // differs from the other corners.
+            // A wheel that reads little, or a body that reads much, is not a swap: then only one of the two differs from the other corners.
             let body_is_wheel = !((b / others(&body, corner)).ln() < T::lit(LIKE_A_WHEEL));
             let wheel_is_body =
                 !((others(&|other| block.wheel_hop[other], corner) / w).ln() < T::lit(LIKE_A_WHEEL));
@@ -331,8 +327,7 @@ impl<T: Real> CrossSensorPlausibility<T> {
         Corner::ALL.into_iter().filter(|corner| self.shifts.is_pending_fault(*corner, now_s)).collect()
     }
 
-    /// The corners whose sensors may be swapped, or whose gain may have changed. That a gain was wrong all the time is
-    /// waited for.
+    /// The corners whose sensors may be swapped, or whose gain may have changed. That a gain was wrong all the time is waited for.
     pub(crate) fn suspects(&self) -> Wheels {
         // A body that moves like its wheel is suspect at once.
         let odd = |corner: &Corner| self.newest_ratio[*corner] < T::lit(ODD);

@@ -5,9 +5,7 @@ use crate::memory::Blank;
 /// How long a condition has to hold, in s.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct DebounceTimes {
-    /// Before the report is set.
     pub(crate) set_s: f64,
-    /// Before it is cleared.
     pub(crate) clear_s: f64,
 }
 
@@ -24,7 +22,6 @@ pub(crate) enum Evidence {
     NoData,
 }
 
-/// A report with the evidence for and against it.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Debouncer {

@@ -1,5 +1,4 @@
-//! A fault that it takes several sensors to tell, debounced, with what it would be called; and how a corner
-//! looks in the hop band.
+//! A fault that it takes several sensors to tell, debounced, with what it would be called; and how a corner looks in the hop band.
 
 use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
 use crate::diagnosis::{Fault, Malfunction};
@@ -19,7 +18,6 @@ pub(crate) enum SwapPattern {
     Crossed,
 }
 
-/// A debounced fault and what it is called.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct FaultLatch<T: Real> {

@@ -147,7 +147,6 @@ mod tests {
     use super::*;
     use std::vec::Vec;
 
-    /// Gain of the band at a frequency, measured.
     fn gain(hz: f64) -> f64 {
         let mut band = Band::<f64>::new([8.0, 20.0], 100.0);
         let mut power = 0.0;
@@ -162,8 +161,7 @@ mod tests {
 
     #[test]
     fn a_band_passes_what_is_in_it() {
-        // Butterworth: 1 in the middle, both edges at -3 dB, 24 dB an octave outside (the bilinear transform bends the
-        // upper edge to more).
+        // Butterworth: 1 in the middle, both edges at -3 dB, 24 dB an octave outside (the bilinear transform bends the upper edge to more).
         assert!((gain(12.6) - 1.0).abs() < 0.06, "{}", gain(12.6));
         assert!((gain(8.0) - 0.5f64.sqrt()).abs() < 0.03 && (gain(20.0) - 0.5f64.sqrt()).abs() < 0.03);
         assert!(gain(4.0) < 0.07 && gain(2.0) < 0.005 && gain(40.0) < 0.07);

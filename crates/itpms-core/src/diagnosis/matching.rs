@@ -10,8 +10,7 @@ pub(crate) const PAIRS: [[Corner; 2]; 6] = {
     let [fl, fr, rl, rr] = Corner::ALL;
     [[fl, fr], [fl, rl], [fl, rr], [fr, rl], [fr, rr], [rl, rr]]
 };
-/// What is added to the wheels' moments, as a share of their trace: roads that are alike must not blow up the
-/// regression.
+/// What is added to the wheels' moments, as a share of their trace: roads that are alike must not blow up the regression.
 const RIDGE: f64 = 1e-3;
 /// Share of the warp that one sensor's gain must explain; noise has its part in it, too.
 const EXPLAINED: f64 = 0.65;
@@ -63,8 +62,7 @@ pub(crate) struct Plane<T> {
 }
 
 impl<T: Real> Plane<T> {
-    /// Of the bodies' moments in the bounce band; `noise` is the sum of their noise powers there. `None` if there is too
-    /// little but noise.
+    /// Of the bodies' moments in the bounce band; `noise` is the sum of their noise powers there. `None` if there is too little but noise.
     pub(crate) fn of(bounce: &SMatrix<T, 4, 4>, noise: T) -> Option<Self> {
         let one = T::one();
         let all = bounce.trace();
@@ -95,8 +93,7 @@ impl<T: Real> Plane<T> {
         })
     }
 
-    /// The sensor whose gain makes bodies warp that otherwise are a plane. Bodies that are none to begin with
-    /// accuse no sensor.
+    /// The sensor whose gain makes bodies warp that otherwise are a plane. Bodies that are none to begin with accuse no sensor.
     pub(crate) fn wrong_gain(&self) -> Option<Corner> {
         let left = (T::one() - self.explained) * self.warp;
         (self.explained > T::lit(EXPLAINED) && left < T::lit(LEFT)).then_some(self.culprit)

@@ -214,10 +214,9 @@ impl<T: Real> Diagnosis<T> {
         if moving { Motion::Moving } else { Motion::Standing }
     }
 
-    /// Noise against that of the same sensors at the other corners; not where body and wheel may be swapped,
-    /// as each would then be compared with sensors of the other kind.
-    /// A sensor that reads more of everything has a wrong gain: noise is what is more than wheel hop is more. Where its
-    /// noise is all there is in the hop band, as on a smooth road, that band says nothing of either.
+    /// Noise against that of the same sensors at the other corners; not where body and wheel may be swapped, as each would then be compared
+    /// with sensors of the other kind. A sensor that reads more of everything has a wrong gain: noise is what is more than wheel hop is
+    /// more. Where its noise is all there is in the hop band, as on a smooth road, that band says nothing of either.
     fn judge_noise(
         &mut self,
         [time_s, step_s]: [f64; 2],

@@ -21,11 +21,9 @@ const PART_S: f64 = 0.1;
 /// Sum of squares of the fourth difference's weights 1, -4, 6, -4, 1.
 const FOURTH_DIFFERENCE: f64 = 70.0;
 
-/// What a sensor was like in a block.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct SensorBlock<T> {
-    /// Power in (m/s²)² per sample of white noise with the fourth differences of the block's quietest part; `None` when
-    /// no part was whole.
+    /// Power in (m/s²)² per sample of white noise with the fourth differences of the block's quietest part; `None` when no part was whole.
     pub(crate) floor: Option<T>,
     /// Share of missing values of late.
     pub(crate) missing: T,
@@ -33,11 +31,9 @@ pub(crate) struct SensorBlock<T> {
     pub(crate) spikes: u32,
     /// For how long the value has not changed, in s.
     pub(crate) unchanged_s: f64,
-    /// Whether every value of the block came.
     pub(crate) complete: bool,
 }
 
-/// Remembers a sensor's last values.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct SensorWatch<T> {
@@ -65,20 +61,11 @@ pub(crate) struct SensorWatch<T> {
 impl<T: Real> SensorWatch<T> {
     pub(crate) fn new(period_s: f64) -> Self {
         Self {
-            window: [T::zero(); WINDOW],
-            whole: 0,
-            usual: T::zero(),
-            deviations: [T::zero(); MIDDLE + 1],
-            missing: T::zero(),
             changed_s: f64::NAN,
-            spikes: 0,
-            lost: 0,
-            part: T::zero(),
-            in_part: 0,
             part_of: ((PART_S / period_s) as u32).max(5),
-            floor: None,
             usual_share: T::lit((period_s / USUAL_S).min(1.0)),
             missing_share: T::lit((period_s / MISSING_S).min(1.0)),
+            ..Self::BLANK
         }
     }
 
@@ -161,12 +148,10 @@ impl<T: Real> SensorWatch<T> {
     }
 }
 
-/// Sum of squared fourth differences.
 fn roughness<T: Real>(window: &[T; WINDOW]) -> T {
     window.windows(5).map(fourth_difference).fold(T::zero(), |sum, fourth| sum + fourth * fourth)
 }
 
-/// Of five values.
 fn fourth_difference<T: Real>(w: &[T]) -> T {
     w[0] + w[4] + T::lit(6.0) * w[2] - T::lit(4.0) * (w[1] + w[3])
 }

@@ -1,5 +1,4 @@
-//! The bands in which sensors are held against each other, and their moments, block by block
-//! (docs/math/monitor.md, section 3).
+//! The bands in which sensors are held against each other, and their moments, block by block (docs/math/monitor.md, section 3).
 //!
 //! | band | what is in it |
 //! |---|---|
@@ -15,7 +14,6 @@ use crate::memory::Blank;
 use crate::model::{CarConfig, HOP_BAND_HZ};
 use crate::real::Real;
 
-/// Width of the hop band in Hz.
 pub(crate) const HOP_WIDTH_HZ: f64 = HOP_BAND_HZ[1] - HOP_BAND_HZ[0];
 const BOUNCE_HZ: [f64; 2] = [1.0, 6.0];
 const SLOW_HZ: [f64; 2] = [0.4, 0.9];

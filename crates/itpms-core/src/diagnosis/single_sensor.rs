@@ -1,5 +1,4 @@
-//! What is wrong with one sensor, as far as it shows by itself and from the same sensors at the other
-//! corners.
+//! What is wrong with one sensor, as far as it shows by itself and from the same sensors at the other corners.
 
 use crate::conditioning::pauses::MISSING_S;
 use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
@@ -70,7 +69,6 @@ impl<T: Real> SingleSensorMonitor<T> {
         self.watch.interrupted();
     }
 
-    /// Whether its value has changed of late.
     pub(crate) fn changes(&self, time_s: f64) -> bool {
         self.watch.unchanged_s(time_s) < STUCK_DOUBT_S
     }
@@ -103,8 +101,7 @@ impl<T: Real> SingleSensorMonitor<T> {
         block
     }
 
-    /// Judges its noise against that of the same sensors at the other corners, both as powers; `None`: cannot
-    /// be compared now.
+    /// Judges its noise against that of the same sensors at the other corners, both as powers; `None`: cannot be compared now.
     pub(crate) fn compare_noise(&mut self, time_s: f64, step_s: f64, powers: Option<[T; 2]>) {
         let noise = powers.map_or(Evidence::NoData, |[own, alike]| {
             evidence(own > T::lit(TOO_NOISY) * alike, own < T::lit(NOT_NOISY) * alike)

@@ -10,14 +10,12 @@ use crate::real::Real;
 /// Speed in m/s, forwards or backwards, up to which a car counts as standing. On the worst road it shakes its wheels with
 /// 1 m/s² rms at 0.2 m/s.
 const STANDS_M_S: f64 = 0.1;
-/// Seconds that are looked at together.
 const LOOK_S: f64 = 1.0;
 /// Rms of a wheel's acceleration in m/s² that no car that stands has: engines, doors and sensors make a tenth to a third.
 /// And with how much it stands again. Between lies noise.
 const ROLLS_M_S2: f64 = 1.0;
 const CALM_M_S2: f64 = 0.5;
 
-/// Mean and sum of squares about it.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Spread<T> {

@@ -5,7 +5,6 @@ use crate::memory::Blank;
 use crate::model::{CornerEstimate, Diagnostics, Level, Loss, Validity, Warning};
 use crate::real::Real;
 
-/// See the [module](self).
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct CornerConclusion<T: Real> {

@@ -134,7 +134,6 @@ impl<T: Real> CornerEstimator<T> {
         (sd_n_per_m * sd_n_per_m + self.friction_variance).sqrt()
     }
 
-    /// The car as it seems to be now.
     pub(crate) fn quarter_car(&self) -> QuarterCar<T> {
         self.informed.quarter_car()
     }
@@ -175,8 +174,7 @@ impl<T: Real> CornerEstimator<T> {
         self.hold_calibration(time_s);
     }
 
-    /// What the last frames reported of the stiffness to one who believed in this one with that sd, in N/m, when there is
-    /// something new.
+    /// What the last frames reported of the stiffness to one who believed in this one with that sd, in N/m, when there is something new.
     pub(crate) fn pseudo_measurement(
         &mut self,
         believed: impl FnOnce() -> (T, T),
@@ -254,7 +252,6 @@ impl<T: Real> CornerEstimator<T> {
         }
     }
 
-    /// Time between grid steps in s.
     pub(crate) fn grid_period_s(&self) -> f64 {
         self.resampler.grid_period_s()
     }
@@ -318,13 +315,11 @@ impl<T: Real> CornerEstimator<T> {
         self.learned_before_s = T::zero();
     }
 
-    /// What was found in the samples so far.
     pub(crate) fn counts(&self) -> SampleCounts {
         self.resampler.counts()
     }
 
-    /// Standard deviation in N/m that the vehicle file leaves open: masses and stiffnesses of a wheel times one factor look the
-    /// same.
+    /// Standard deviation in N/m that the vehicle file leaves open: masses and stiffnesses of a wheel times one factor look the same.
     fn considered(&self, time_s: f64, reading: &Reading<T>, fused: Option<&FusedStiffness<T>>) -> (T, Level) {
         let calibrating = self.calibration_ends_s.is_some_and(|ends_s| time_s < ends_s);
         let (sd, level) = match fused {

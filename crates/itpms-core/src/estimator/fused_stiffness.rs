@@ -10,7 +10,6 @@ pub(crate) struct FusedStiffness<T> {
     /// Its standard deviation as far as the signals tell, and what the vehicle file leaves open.
     pub(crate) stiffness_sd_n_per_m: T,
     pub(crate) considered_sd_n_per_m: T,
-    /// What the level rests on.
     pub(crate) level: Level,
     /// Probability that the pressure is changing.
     pub(crate) changing: T,

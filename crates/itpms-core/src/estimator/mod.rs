@@ -134,9 +134,8 @@ impl<T: Real> Estimator<T> {
         self.pulses = PulseLevel::BLANK;
     }
 
-    /// What the frames since the last call tell of the stiffness by themselves, whatever was believed before: a measurement for a
-    /// filter outside. `None` until there are enough of them. These measurements are independent of each other, but not of the
-    /// estimates.
+    /// What the frames since the last call tell of the stiffness by themselves, whatever was believed before: a measurement for a filter
+    /// outside. `None` until there are enough of them. These measurements are independent of each other, but not of the estimates.
     pub fn take_pseudo_measurement(&mut self) -> Option<StiffnessPseudoMeasurement<T>> {
         self.corner.take_pseudo_measurement()
     }
@@ -146,7 +145,7 @@ impl<T: Real> Estimator<T> {
         self.corner.quarter_car()
     }
 
-    /// What was found in the samples so far.
+    /// Counts of the samples so far.
     pub fn counts(&self) -> SampleCounts {
         self.corner.counts()
     }

@@ -9,7 +9,6 @@ use crate::torsion::{OUTLIER, TorsionChange, level_variance_kpa2};
 /// Time in s over which the accelerations' reading is averaged: half a piece, so that both are of the same moment.
 const RECENT_S: f64 = 15.0;
 
-/// What is known of that.
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct PulseLevel<T: Real> {

@@ -67,7 +67,6 @@ fn validity<T: Real>(config: &CornerConfig<T>, learned_s: T, pressure_sd_kpa: T)
     }
 }
 
-/// Whether a pressure of this sd says anything.
 pub(super) fn is_known<T: Real>(config: &CornerConfig<T>, pressure_sd_kpa: T) -> bool {
     pressure_sd_kpa <= T::lit(WORTHLESS) * config.placard_kpa
 }

@@ -13,7 +13,6 @@ pub(crate) use self::blank::Blank;
 pub(crate) use self::placed::Placed;
 pub(crate) use itpms_derive::Blank;
 
-/// A value for a test to hold, configured.
 #[cfg(test)]
 pub(crate) fn configured<X: Blank>(configure: impl FnOnce(&mut X)) -> X {
     let mut value = X::BLANK;

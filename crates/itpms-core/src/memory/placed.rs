@@ -4,7 +4,6 @@ use core::fmt;
 
 use super::Blank;
 
-/// See the [module](self).
 #[derive(Clone, Copy)]
 pub(crate) struct Placed<X> {
     present: bool,

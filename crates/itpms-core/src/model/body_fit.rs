@@ -121,15 +121,7 @@ impl core::fmt::Display for Misfit {
 
 impl<T: Real> BodyFit<T> {
     pub(crate) fn unknown() -> Self {
-        Self {
-            incoherence: None,
-            unexplained: None,
-            hop_excess: None,
-            response_error: None,
-            is_apart: false,
-            averages: T::zero(),
-            friction_n: T::zero(),
-        }
+        Self { ..Self::BLANK }
     }
 
     /// Whether body and wheel surely go together well enough for a pressure, be it one of more doubt: also where the shares are as large as so few averages allow. Of `K` averages a coherence

@@ -1,5 +1,4 @@
-//! What goes out, for every estimator alike: pressure and stiffness with their standard deviations, whether to
-//! believe them, and a warning.
+//! What goes out, for every estimator alike: pressure and stiffness with their standard deviations, whether to believe them, and a warning.
 
 use crate::memory::Blank;
 use crate::model::{Confidence, ParameterError, ParameterUncertainty, PressureMap, QuarterCar, positive};
@@ -135,7 +134,7 @@ impl Level {
     }
 }
 
-/// What the driver should know about one tire.
+/// One tire's message to the driver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 // Begins at one, so that `None` of a wheel's report is zero, as is all memory that is not configured.
@@ -191,7 +190,7 @@ pub struct CornerEstimate<T> {
     pub road_sd_m: T,
     /// Whether to believe it.
     pub validity: Validity,
-    /// What to tell the driver.
+    /// The message to the driver.
     pub warning: Warning,
     /// The estimator's inner life, for reports and consistency checks.
     pub diagnostics: Diagnostics<T>,

@@ -14,9 +14,9 @@ use crate::real::Real;
 pub struct ParameterError {
     /// The parameter's name with its unit, as in the vehicle file.
     pub name: &'static str,
-    /// What was given.
+    /// The given value.
     pub value: f64,
-    /// What would be accepted.
+    /// Accepted values.
     pub expected: &'static str,
 }
 
@@ -46,8 +46,7 @@ pub struct QuarterCar<T> {
 }
 
 impl<T: Real> QuarterCar<T> {
-    /// A quarter car of sprung mass `m_b`, unsprung mass `m_w` (kg), damping `c_s` (N s/m) and suspension spring
-    /// `k_s` (N/m).
+    /// A quarter car of sprung mass `m_b`, unsprung mass `m_w` (kg), damping `c_s` (N s/m) and suspension spring `k_s` (N/m).
     ///
     /// # Errors
     /// Names the first parameter that is not a positive number below 1e9.

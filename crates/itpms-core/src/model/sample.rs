@@ -47,12 +47,10 @@ impl Corner {
         [Side::Left, Side::Right, Side::Left, Side::Right][self]
     }
 
-    /// The other corner of its side.
     pub(crate) fn same_side(self) -> Self {
         [Corner::RearLeft, Corner::RearRight, Corner::FrontLeft, Corner::FrontRight][self]
     }
 
-    /// The other corner of its axle.
     pub(crate) fn same_axle(self) -> Self {
         [Corner::FrontRight, Corner::FrontLeft, Corner::RearRight, Corner::RearLeft][self]
     }
@@ -67,7 +65,6 @@ impl Corner {
     }
 }
 
-/// A side of the car.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) enum Side {

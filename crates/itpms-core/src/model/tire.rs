@@ -11,18 +11,14 @@ use crate::real::Real;
 
 /// A table of tire tests that no pressure map can be drawn from.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[allow(missing_docs, reason = "the messages say it")]
 pub enum RegressionError {
     /// A line with a standard error needs three points.
     #[error("{0} points, expected at least 3")]
     TooFewPoints(usize),
     /// Pressures and stiffnesses come in pairs.
     #[error("{pressures} pressures but {stiffnesses} stiffnesses")]
-    LengthMismatch {
-        /// Number of pressures.
-        pressures: usize,
-        /// Number of stiffnesses.
-        stiffnesses: usize,
-    },
+    LengthMismatch { pressures: usize, stiffnesses: usize },
     /// NaN or infinite.
     #[error("row {0} is not finite")]
     NotFinite(usize),
@@ -59,18 +55,10 @@ impl<T: Real> PressureMap<T> {
                 expected: "a finite number, zero or more",
             });
         }
-        let zero = T::zero();
-        Ok(Self {
-            stiffness_per_kpa,
-            stiffness_at_zero,
-            variance_slope: zero,
-            variance_intercept: zero,
-            covariance: zero,
-        })
+        Ok(Self { stiffness_per_kpa, stiffness_at_zero, ..Self::BLANK })
     }
 
-    /// The same line with the standard deviations of its coefficients (N/m per kPa, N/m) and their
-    /// correlation, from -1 to 1.
+    /// The same line with the standard deviations of its coefficients (N/m per kPa, N/m) and their correlation, from -1 to 1.
     ///
     /// # Errors
     /// Names the value that is negative, not finite or outside its range.
@@ -109,14 +97,7 @@ impl<T: Real> PressureMap<T> {
     /// The paper's tire as printed in eq. (5).
     #[must_use]
     pub fn paper_eq_5() -> Self {
-        let zero = T::zero();
-        Self {
-            stiffness_per_kpa: T::lit(713.91),
-            stiffness_at_zero: T::lit(60_880.0),
-            variance_slope: zero,
-            variance_intercept: zero,
-            covariance: zero,
-        }
+        Self { stiffness_per_kpa: T::lit(713.91), stiffness_at_zero: T::lit(60_880.0), ..Self::BLANK }
     }
 
     /// Ordinary least squares through measured pairs, with the coefficients' covariance and R².
@@ -230,8 +211,7 @@ mod tests {
     #[test]
     fn regression_of_table_1_gives_the_papers_line() {
         let (map, r2) = PressureMap::regression(&P, &K).unwrap();
-        // An independent script's least squares: 713.668 and 60 973.57. The paper prints 713.91 and 60 880,
-        // 0.03 % and 0.15 % away.
+        // An independent script's least squares: 713.668 and 60 973.57. The paper prints 713.91 and 60 880, 0.03 % and 0.15 % away.
         assert!((map.stiffness_per_kpa() - 713.668_293).abs() < 1e-5, "{}", map.stiffness_per_kpa());
         assert!((map.stiffness_at_zero() - 60_973.567_5).abs() < 1e-3, "{}", map.stiffness_at_zero());
         assert!(r2 > 0.998);

@@ -7,31 +7,18 @@ use crate::real::Real;
 /// One-sided 95 % quantile of a normal distribution: a quantity counts as past a limit when this many sds still are.
 pub(crate) const ONE_SIDED_95: f64 = 1.64;
 
-/// Where the parameters of a vehicle come from, and so how far to trust them.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Confidence {
-    /// Weighed and measured on this car.
-    Measured,
-    /// A manufacturer's figures, or a car of the same model that was measured.
-    #[default]
-    Typical,
-    /// A guess.
-    Rough,
-}
-
-impl Confidence {
-    /// All, from the most to the least trusted.
-    pub const ALL: [Self; 3] = [Self::Measured, Self::Typical, Self::Rough];
-
-    /// The word in the vehicle file.
-    #[must_use]
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Measured => "measured",
-            Self::Typical => "typical",
-            Self::Rough => "rough",
-        }
+crate::labelled! {
+    /// Where the parameters of a vehicle come from, and so how far to trust them.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    pub enum Confidence {
+        /// Weighed and measured on this car.
+        Measured = "measured",
+        /// A manufacturer's figures, or a car of the same model that was measured.
+        #[default]
+        Typical = "typical",
+        /// A guess.
+        Rough = "rough",
     }
 }
 

@@ -9,7 +9,6 @@ use super::dynamics::{REACH, TAPS};
 use super::tables::CELLS;
 use crate::real::Real;
 
-/// A number per cell.
 pub(crate) type Cells<T> = SVector<T, CELLS>;
 
 /// `sum += cells`.

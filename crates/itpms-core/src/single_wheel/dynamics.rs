@@ -7,20 +7,17 @@ use crate::memory::Blank;
 use crate::real::Real;
 
 pub(crate) const LEAK_MODES: usize = 5;
-/// Level modes of the road.
 pub(crate) const LEVEL_MODES: usize = 3;
 /// Cells that a mode's kernel reaches on each side.
 pub(crate) const REACH: usize = 2;
 /// Taps of a mode's kernel.
 pub(crate) const TAPS: usize = 2 * REACH + 1;
 
-/// Index of the quiet leak mode.
 pub(crate) const QUIET: usize = 0;
 /// Index of the leak mode of a fast fall.
 pub(crate) const FALL: usize = 2;
 /// Index of the leak mode of re-inflation.
 pub(crate) const RISE: usize = 3;
-/// Index of the calm road level mode.
 pub(crate) const CALM: usize = 0;
 /// Index of the jumping road level mode.
 pub(crate) const JUMP: usize = 2;

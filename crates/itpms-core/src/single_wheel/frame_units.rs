@@ -78,7 +78,6 @@ pub(super) struct FrameWork<T: Real> {
 }
 
 impl<T: Real> FrameWork<T> {
-    /// There is nothing to do.
     pub(super) fn clear(&mut self) {
         let is_late = self.is_late;
         *self = Self::BLANK;

@@ -23,14 +23,12 @@ const SLOW: f64 = 0.006;
 /// Velocity power in (m/s)²/Hz beyond any road: ISO 8608 class H at 70 km/h reaches two at 10 Hz.
 const NO_ROAD: f64 = 3.0;
 
-/// Whether the speed is known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum SpeedKnowledge {
     Known,
     Unknown,
 }
 
-/// The gate's memory and its last verdict.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Gate<T> {
@@ -46,15 +44,8 @@ pub(crate) struct Gate<T> {
 
 impl<T: Real> Gate<T> {
     pub(crate) fn new() -> Self {
-        let (one, zero) = (T::one(), T::zero());
-        Self {
-            signal_to_noise: one,
-            quick_log_power: zero,
-            slow_log_power: zero,
-            running: false,
-            nis: one,
-            open: zero,
-        }
+        let one = T::one();
+        Self { signal_to_noise: one, nis: one, ..Self::BLANK }
     }
 
     /// Judges a frame from the most likely cell and the road believed there.

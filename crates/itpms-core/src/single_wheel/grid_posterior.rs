@@ -31,7 +31,6 @@ const LEAST_SAID: f64 = 1e-3;
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Summary<T> {
-    /// Mean cell, fractional.
     pub(crate) mean_cell: T,
     /// Variance in cells².
     pub(crate) variance_cells2: T,
@@ -365,7 +364,6 @@ impl<T: Real> Posterior<T> {
         (at.1, at.0.get(at.1))
     }
 
-    /// Probability per cell.
     pub(crate) fn cells(&self) -> Cells<T> {
         let mut mass = Cells::zeros();
         self.weight.iter().for_each(|modes| cells::add_all(&mut mass, modes));

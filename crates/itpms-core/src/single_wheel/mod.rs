@@ -349,9 +349,7 @@ impl<T: Real> Informed<T> {
 /// What the estimator believes after a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Belief<T> {
-    /// Posterior mean of the pressure in kPa.
     pub(crate) pressure_kpa: T,
-    /// Its standard deviation in kPa.
     pub(crate) pressure_sd_kpa: T,
     /// Probability that the pressure is changing.
     pub(crate) moving: T,

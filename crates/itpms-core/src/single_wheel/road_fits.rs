@@ -39,8 +39,7 @@ pub(crate) struct RoadFits<T: Real> {
 }
 
 impl<T: Real> RoadFits<T> {
-    /// Before the first fit, of which there are `times`; `nis` is the frame's mean power over what the most likely road had
-    /// expected.
+    /// Before the first fit, of which there are `times`; `nis` is the frame's mean power over what the most likely road had expected.
     pub(crate) fn begin(&mut self, posterior: &Posterior<T>, nis: T, times: u32) {
         (self.best, _) = posterior.most_likely();
         let (mass, best) = (posterior.cells(), self.best);
@@ -58,7 +57,6 @@ impl<T: Real> RoadFits<T> {
         self.covariance = posterior.road.each_ref().map(|roads| roads.covariance);
     }
 
-    /// Fits the next cells, as many each time.
     pub(crate) fn fit_some(&mut self, posterior: &mut Posterior<T>, frame: &Evidence<T>, tables: &Tables<T>) {
         self.owed += self.fitted.count_ones();
         while self.owed >= self.times {
@@ -107,7 +105,6 @@ impl<T: Real> RoadFits<T> {
         }
     }
 
-    /// The evidence of all cells, once it is complete.
     pub(crate) fn log_evidence(&self) -> &[Cells<T>; LEVEL_MODES] {
         &self.log_evidence
     }

@@ -39,7 +39,6 @@ pub(crate) struct Evidence<T> {
     pub(crate) c: [T; BINS],
     /// Log power lost per unit of [`ENVELOPE`] in each bin, at the speed of this frame.
     pub(crate) envelope: [T; BINS],
-    /// Bins in use.
     pub(crate) bins: usize,
     /// One-sided accelerometer noise density in (m/s²)²/Hz.
     pub(crate) noise_density: T,
@@ -84,7 +83,6 @@ impl<T: Real> Evidence<T> {
         core::array::from_fn(|bin| self.power(bin, theta))
     }
 
-    /// The frame as the stiffness of a cell reads it.
     pub(crate) fn read(&self, tables: &Tables<T>, cell: usize) -> Reading<T> {
         let mut of_cell = tables.of_cell(cell);
         of_cell.noise.iter_mut().for_each(|noise| *noise *= self.noise_density);
@@ -218,10 +216,8 @@ pub(crate) struct RoadPrior<T: Real> {
     log_determinant: T,
 }
 
-/// A road fitted to a frame.
 pub(crate) struct Fitted<T: Real> {
     pub(crate) road: Road<T>,
-    /// The frame's log evidence.
     pub(crate) log_evidence: T,
 }
 
@@ -304,7 +300,6 @@ impl<T: Real> RoadBelief<T> {
     }
 }
 
-/// Collects weighted means and gives their mean.
 pub(crate) struct MeanMatch<T: Real> {
     reference: Vector3<T>,
     weight: T,
@@ -331,7 +326,6 @@ impl<T: Real> MeanMatch<T> {
     }
 }
 
-/// The covariance of a mixture of Gaussians with these weights.
 pub(crate) fn matched_covariance<T: Real>(mixture: &[(T, Road<T>)]) -> Option<Matrix3<T>> {
     let reference = mixture.first()?.1.mean;
     let (mut weight, mut first, mut second) = (T::zero(), Vector3::zeros(), Matrix3::zeros());

@@ -31,17 +31,14 @@ const ANTI_ALIAS: f64 = 0.3;
 /// Points per bin, and on each side, at which the window's spectrum is averaged.
 const KERNEL_DENSITY: i32 = 8;
 const KERNEL_HALF: i32 = 20;
-/// Bins that are filled at once.
 const AT_ONCE: usize = 2;
 /// Points of one bin's window, and of those that are filled at once.
 const WINDOW: usize = 2 * KERNEL_HALF as usize + 1;
 const POINTS: usize = WINDOW + (AT_ONCE - 1) * KERNEL_DENSITY as usize;
-/// Lowest frequency in Hz of these averages.
 const LOWEST_HZ: f64 = 0.1;
 /// Exponents on each side of zero through which the power law's parabola is drawn.
 const SHAPE_REACH: f64 = 0.6;
 
-/// The pressure grid.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Grid<T> {

@@ -78,7 +78,6 @@ impl<T: Real, const BINS: usize, const SIGNALS: usize> FrameClock<T, BINS, SIGNA
         self.restart();
     }
 
-    /// Time between frames in s.
     pub(crate) fn hop_s(&self) -> f64 {
         f64::from(self.hop) * self.grid_period_s
     }
@@ -93,7 +92,6 @@ impl<T: Real, const BINS: usize, const SIGNALS: usize> FrameClock<T, BINS, SIGNA
         (self.hop * (hops_later + 1)).saturating_sub(self.step) as usize
     }
 
-    /// Drops the frames under way.
     #[inline(never)]
     pub(crate) fn restart(&mut self) {
         (self.step, self.is_under_way) = (0, false);
@@ -141,7 +139,6 @@ impl<T: Real, const BINS: usize, const SIGNALS: usize> FrameClock<T, BINS, SIGNA
         done
     }
 
-    /// The frame of the last two hops.
     fn frame(&self) -> Frame<T, BINS, SIGNALS> {
         let (before, now) = (&self.before, &self.now);
         let seen = T::one() - before.unseen[0] - now.unseen[1];

@@ -36,7 +36,6 @@ impl<T: Real> Signals<T> {
     }
 }
 
-/// See the [module](self).
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct FrontEnd<T> {

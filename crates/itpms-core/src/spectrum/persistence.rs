@@ -18,7 +18,6 @@ const MEAN_S: f64 = 2.0;
 /// Squared coherence from which on the road is a line. Of 33 independent frames it is exceeded once in 10^10 times; wheels out of balance on
 /// the smoothest road reach 0.4, a washboard at wheel hop has 0.75 while the speed changes.
 const LINE: f64 = 0.5;
-/// Frames from which on it is judged.
 const LEAST_FRAMES: u32 = 10;
 
 /// Running means of a few bins around wheel hop.

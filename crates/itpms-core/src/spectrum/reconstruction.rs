@@ -1,9 +1,8 @@
 //! Per sample: from the two accelerations to the signals that the road velocity is a linear combination of
 //! (docs/math/informed.md, eq. 1-4). Called on every grid step; knows nothing of stiffness or statistics.
 //!
-//! With `L = s/(s + ω_l)` the leak that keeps integrals from drifting, `L v_r = u_1 + θ u_2`, where
-//! `u_1 = L v_w` and `u_2 = m_w L ȧ_w + c_s L (a_w - a_b) + k_s L (v_w - v_b)`: the force through the suspension, so the
-//! sprung mass and the body sensor's noise stay out of it.
+//! With `L = s/(s + ω_l)` the leak that keeps integrals from drifting, `L v_r = u_1 + θ u_2`, where `u_1 = L v_w` and `u_2 = m_w L ȧ_w +
+//! c_s L (a_w - a_b) + k_s L (v_w - v_b)`: the force through the suspension, so the sprung mass and the body sensor's noise stay out of it.
 
 use crate::conditioning::GridSample;
 use crate::memory::Blank;

@@ -37,7 +37,6 @@ pub(crate) const FRICTION_SPACING_HZ: f64 = 2.5;
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct DescribingFunction<T> {
-    /// Real and imaginary part per bin.
     pub(crate) n_per_m: [[T; 2]; FRICTION_BINS],
 }
 

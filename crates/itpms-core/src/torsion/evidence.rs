@@ -22,11 +22,10 @@ pub(crate) struct TorsionEvidence<T> {
     pub change_kpa: [T; 4],
     /// Their information in 1/kPa², without what stays unknown however much is driven; zero where nothing was seen.
     pub information: [T; 4],
-    /// What the pressures should be, in kPa.
+    /// Reference pressures in kPa.
     pub reference_kpa: [T; 4],
 }
 
-/// A wheel under a hypothesis.
 struct Wheel<T> {
     /// Its information, by the variance that the hypothesis adds.
     information: T,

@@ -57,7 +57,6 @@ pub(super) struct Fitted<T> {
 }
 
 impl<T: Real> Fitted<T> {
-    /// Whether it says anything of the tire.
     pub(super) fn carries(&self) -> bool {
         let highest_hz = LOWEST_HZ + GRID_HZ * (GRID - 1) as f64;
         let inside = self.hz > T::lit(LOWEST_HZ + 1.0) && self.hz < T::lit(highest_hz - 2.0);

@@ -181,7 +181,7 @@ impl<T: Real> TorsionWheel<T> {
         self.drop_piece();
     }
 
-    /// What the last calibration taught; `None` before its end.
+    /// The result of the last calibration; `None` before its end.
     #[must_use]
     pub fn calibration(&self) -> Option<TorsionCalibration<T>> {
         (self.phase == Phase::Watching).then(|| self.reference.stored())

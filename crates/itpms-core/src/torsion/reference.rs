@@ -17,7 +17,6 @@ const SHAPE_PRIORS: [(Prior, f64); SHAPES] = [
     ([(0.0, 1.0), (0.0, 1.0), (0.0, 1.0)], 0.3),
     ([(-1.61, 0.4), (0.3, 0.3), (0.0, 0.3)], 0.1),
 ];
-/// Resonance over that of the configuration.
 const RESONANCE_PRIOR: Prior = [(0.0, 5.0), (1.0, 2.0), (0.6, 1.0)];
 
 /// A parabola of `x = (v - 20 m/s) / 10 m/s` as information.
@@ -52,7 +51,6 @@ impl<T: Real> Parabola<T> {
         self.vector += weighed * value;
     }
 
-    /// Value and variance.
     fn at(&self, x: &Vector3<T>) -> (T, T) {
         let covariance = self.information.try_inverse().unwrap_or_else(Matrix3::identity);
         let along = covariance * x;

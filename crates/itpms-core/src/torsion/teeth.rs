@@ -23,7 +23,6 @@ pub(super) enum Edge<T> {
     Lost,
 }
 
-/// A ring.
 #[derive(Debug, Clone, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Teeth<T> {
@@ -87,7 +86,6 @@ impl<T: Real> Teeth<T> {
             .at_least(T::lit(LEAST_EDGE_SD * LEAST_EDGE_SD))
     }
 
-    /// Takes in the time since the edge before.
     pub(super) fn push(&mut self, interval_s: T) -> Edge<T> {
         if !(interval_s > T::zero()) {
             self.configure(self.number as u32);

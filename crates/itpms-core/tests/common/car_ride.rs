@@ -22,7 +22,6 @@ const PER_M: f64 = 200.0;
 /// Seconds at the first speed before the first row.
 const WARM_UP_S: f64 = 3.0;
 
-/// What a drive is made of.
 #[derive(Clone, Copy)]
 pub struct CarRide {
     pub seed: u64,
@@ -153,7 +152,6 @@ pub fn calibrated<T: Real>(seconds: f64) -> CarEstimator<T> {
     car
 }
 
-/// What it says after each row.
 pub fn drive<T: Real>(car: &mut CarEstimator<T>, rows: &[CarSample<f64>]) -> Vec<CarEstimate<T>> {
     rows.iter().map(|row| car.update(&cast(row))).collect()
 }

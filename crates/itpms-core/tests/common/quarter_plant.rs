@@ -44,7 +44,6 @@ impl Random {
         ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64 + 0.5 / (1u64 << 53) as f64
     }
 
-    /// Standard normal.
     pub fn normal(&mut self) -> f64 {
         (-2.0 * self.uniform().ln()).sqrt() * (std::f64::consts::TAU * self.uniform()).cos()
     }
@@ -143,7 +142,6 @@ fn low_pass(edge: f64) -> Vec<f64> {
     taps.iter().map(|w| w / sum).collect()
 }
 
-/// Root mean square.
 pub fn rms(values: impl IntoIterator<Item = f64>) -> f64 {
     let (sum, count) = values.into_iter().fold((0.0, 0.0f64), |(s, n), v| (s + v * v, n + 1.0));
     (sum / count).sqrt()

@@ -22,7 +22,6 @@ pub struct Ride {
     /// `Gd(n0)` in m³.
     pub roughness_m3: f64,
     pub noise_m_s2: f64,
-    /// Added to both accelerations.
     pub offset_m_s2: f64,
     pub speed_m_s: fn(f64) -> f64,
     pub pressure_kpa: fn(f64) -> f64,
@@ -151,12 +150,10 @@ pub fn estimator<T: Real>(rate_hz: f64) -> Estimator<T> {
     Estimator::new(&CornerConfig::paper(), rate_hz).unwrap()
 }
 
-/// One row into an estimator.
 pub fn feed<T: Real>(estimator: &mut Estimator<T>, row: &Row) -> CornerEstimate<T> {
     estimator.update(row.time_s, T::lit(row.speed_m_s), T::lit(row.body), T::lit(row.wheel))
 }
 
-/// All rows into the default estimator.
 pub fn informed(rate_hz: f64, rows: &[Row]) -> Vec<CornerEstimate<f64>> {
     let mut estimator = estimator(rate_hz);
     rows.iter().map(|row| feed(&mut estimator, row)).collect()

@@ -23,7 +23,6 @@ pub(super) struct Reported {
     /// How far the errors of all tires go together, and at least those of an axle's two.
     pub(super) correlation: f64,
     pub(super) axle_correlation: f64,
-    /// A wheel whose sensors are silent.
     pub(super) silent: Option<Corner>,
     pub(super) level: Level,
     pub(super) loss: [Option<Loss<f64>>; 4],

@@ -95,7 +95,6 @@ fn what_a_reset_changes_is_no_leak() {
     assert_eq!(drive.until(60.0, &level, |report| report.alerts().next().is_some()), None);
 }
 
-/// What the air is like.
 fn air(ambient_temperature_c: f64) -> Air<f64> {
     Air { ambient_temperature_c, ..Air::unknown() }
 }

@@ -28,12 +28,9 @@ use crate::error::DataError;
 use crate::log::{LogFormat, LogOptions};
 use crate::out::{AtomicFile, Packing};
 
-/// What to convert into what.
 #[derive(Debug, Clone, Copy)]
 pub struct Request<'a> {
-    /// The log.
     pub input: &'a Path,
-    /// The file to be.
     pub output: &'a Path,
     /// How to read the log; the DBC file and the map are also for writing a CAN log.
     pub options: &'a LogOptions,
@@ -43,7 +40,6 @@ pub struct Request<'a> {
     pub position: bool,
 }
 
-/// A converted log.
 #[derive(Debug)]
 pub struct Converted {
     /// Complete but for its name: [`AtomicFile::commit`].
@@ -62,10 +58,7 @@ pub(crate) type Look<'a> = &'a mut dyn FnMut(f64) -> ControlFlow<()>;
 /// Frames, samples or rows between two looks.
 const LOOK: u64 = 4096;
 
-/// Converts a log; `None` when `look` broke it off.
-///
-/// # Errors
-/// The log cannot be read, the file not written, or an extension is not known.
+/// Converts a log; `None` when `look` broke it off. Errors: the log cannot be read, the file not written, or an extension is not known.
 pub fn convert(request: &Request<'_>, look: Look<'_>) -> Result<Option<Converted>, DataError> {
     match (
         LogFormat::of_log(request.input, request.options.dbc.as_deref())?,

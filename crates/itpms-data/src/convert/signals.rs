@@ -65,7 +65,6 @@ pub(super) fn convert(request: &Request<'_>, look: Look<'_>) -> Result<Option<Co
     Ok(Some(Converted { file: writer.finish()?, content, warnings, remarks: Vec::new() }))
 }
 
-/// What is in a log.
 #[derive(Debug, Default)]
 struct Content {
     /// Frames per bus and message of the description.
@@ -102,7 +101,6 @@ fn has_data(frame: &CanFrame) -> bool {
     matches!(frame.kind, FrameKind::Data | FrameKind::Fd { .. })
 }
 
-/// A channel group in the making.
 struct Group<'a> {
     bus: u16,
     message: &'a Message,

@@ -1,7 +1,6 @@
 //! Frames to readings: the signals that are columns, in the columns' units.
 //!
-//! Called for every frame of a log or a bus, so nothing is allocated here once it is made. Does not know the
-//! readings are for.
+//! Called for every frame of a log or a bus, so nothing is allocated here once it is made. Does not know the readings are for.
 
 use std::collections::HashMap;
 
@@ -11,12 +10,9 @@ use crate::error::DataError;
 use crate::log::Slot;
 use crate::signals::{Conversion, Reading, Resolved, SignalMap, resolve_among};
 
-/// What became of the frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct FrameCounts {
-    /// All that were handed in.
     pub frames: u64,
-    /// Data frames of messages with a column's signal.
     pub used: u64,
     /// Data frames of messages that the description has, without such a signal.
     pub other: u64,
@@ -28,7 +24,6 @@ pub struct FrameCounts {
     pub other_bus: u64,
     /// Used parameter groups of SAE J1939 that came from another source address than the first time; not decoded.
     pub other_sender: u64,
-    /// Remote and error frames.
     pub without_data: u64,
     /// Values sent as not available (`SNA`, SAE J1939), handed on as NaN.
     pub not_available: u64,
@@ -36,7 +31,6 @@ pub struct FrameCounts {
     pub raw_ends: u64,
 }
 
-/// Decodes what is wanted of a bus.
 #[derive(Debug, Clone)]
 pub struct Decoder {
     dbc: Dbc,
@@ -45,21 +39,18 @@ pub struct Decoder {
     counts: FrameCounts,
 }
 
-/// Of one message, the signals that are columns.
 #[derive(Debug, Clone)]
 struct Wanted {
     message: Message,
     signals: Vec<Carried>,
-    /// Where the message was seen first. The same identifier on another bus may be something else, or a gateway's
-    /// copy; in either case it is no second sensor. The same goes for a parameter group of SAE J1939 from a second sender, unless the
-    /// description names that one.
+    /// Where the message was seen first. The same identifier on another bus may be something else, or a gateway's copy; in either case it
+    /// is no second sensor. The same goes for a parameter group of SAE J1939 from a second sender, unless the description names that one.
     first: Option<(u16, CanId)>,
 }
 
 /// A signal that is a column.
 #[derive(Debug, Clone)]
 struct Carried {
-    /// Its place in the message.
     place: usize,
     slot: Slot,
     conversion: Conversion,
@@ -69,9 +60,7 @@ struct Carried {
 
 impl Decoder {
     /// Decides which signals are columns: those of the map, and those whose names say so.
-    ///
-    /// # Errors
-    /// The map does not fit the description; see [`resolve`](crate::signals::resolve).
+    /// Errors: the map does not fit the description; see [`resolve`](crate::signals::resolve).
     pub fn new(dbc: Dbc, map: Option<&SignalMap>) -> Result<Self, DataError> {
         Self::knowing(dbc, map, &[])
     }
@@ -100,37 +89,30 @@ impl Decoder {
     }
 
     /// The columns that can come, in the order of [`Slot::all`].
-    #[must_use]
     pub fn slots(&self) -> Vec<Slot> {
         self.resolved.slots()
     }
 
     /// Which signal is which column, and what is doubtful about it.
-    #[must_use]
     pub fn resolved(&self) -> &Resolved {
         &self.resolved
     }
 
     /// The description of the bus.
-    #[must_use]
     pub fn dbc(&self) -> &Dbc {
         &self.dbc
     }
 
     /// What is wrong with the description; see [`Dbc::problems`].
-    #[must_use]
     pub fn problems(&self) -> &[DbcProblem] {
         self.dbc.problems()
     }
 
-    /// What became of the frames so far.
-    #[must_use]
     pub fn counts(&self) -> &FrameCounts {
         &self.counts
     }
 
     /// Which signals came as an end of their raw numbers beyond the stated range, in words; `None` if there are none.
-    #[must_use]
     pub fn raw_ends(&self) -> Option<String> {
         let carried =
             self.wanted.values().flat_map(|wanted| wanted.signals.iter().map(move |of| (wanted, of)));

@@ -13,17 +13,14 @@ use crate::signals::{Conversion, SignalMap, resolve};
 /// What became of the rows.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct EncodeCounts {
-    /// Frames made.
     pub frames: u64,
     /// Frames not made because a value was missing and the description has no code for that.
     pub without_value: u64,
     /// Values beyond what their signal can say, which were sent as its nearest.
     pub saturated: u64,
-    /// The first signal with such a value.
     pub first_saturated: Option<String>,
 }
 
-/// Makes the frames.
 #[derive(Debug, Clone)]
 pub struct Encoder {
     outgoing: Vec<Outgoing>,
@@ -31,7 +28,6 @@ pub struct Encoder {
     counts: EncodeCounts,
 }
 
-/// A message with columns in it.
 #[derive(Debug, Clone)]
 struct Outgoing {
     message: Message,
@@ -41,9 +37,7 @@ struct Outgoing {
 
 impl Encoder {
     /// Decides which signals carry these columns, as a decoder would find them.
-    ///
-    /// # Errors
-    /// The map does not fit the description; see [`resolve`].
+    /// Errors: the map does not fit the description; see [`resolve`].
     pub fn new(dbc: &Dbc, map: Option<&SignalMap>, columns: &LogColumns) -> Result<Self, DataError> {
         let resolved = resolve(&candidates(dbc), map)?;
         let mut outgoing: Vec<Outgoing> = Vec::new();
@@ -68,19 +62,16 @@ impl Encoder {
     }
 
     /// Columns for which the description has no signal.
-    #[must_use]
     pub fn left_out(&self) -> &[Slot] {
         &self.left_out
     }
 
     /// Whether a corner's two accelerations, or anything at all, can be sent.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.outgoing.is_empty()
     }
 
     /// Signals that share a message with a column without being one, as `message.signal`: they are sent as zero.
-    #[must_use]
     pub fn zeros(&self) -> Vec<String> {
         let mut zeros = Vec::new();
         for Outgoing { message, columns } in &self.outgoing {
@@ -91,7 +82,6 @@ impl Encoder {
     }
 
     /// What became of the rows so far.
-    #[must_use]
     pub fn counts(&self) -> &EncodeCounts {
         &self.counts
     }

@@ -16,10 +16,7 @@ use crate::error::{DataError, Problem};
 use crate::log::of_description;
 use crate::signals::Candidate;
 
-/// The description in this file.
-///
-/// # Errors
-/// It cannot be read, or is a description of another format.
+/// The description in this file. Errors: it cannot be read, or is a description of another format.
 pub fn described(path: &Path) -> Result<Dbc, DataError> {
     match of_description(path) {
         Some(way_out) => Err(DataError::new(path, Problem::Elsewhere(way_out))),
@@ -28,7 +25,6 @@ pub fn described(path: &Path) -> Result<Dbc, DataError> {
 }
 
 /// All signals of all messages, as candidates for columns. A signal that a message has in several layouts is one.
-#[must_use]
 pub fn candidates(dbc: &Dbc) -> Vec<Candidate> {
     let signals =
         dbc.messages().iter().flat_map(|m| m.first_layouts().map(move |place| (m, &m.signals[place])));
@@ -41,7 +37,6 @@ pub fn candidates(dbc: &Dbc) -> Vec<Candidate> {
 }
 
 /// Message and place of the signal in it, in its first layout, of the candidate with this number.
-#[must_use]
 pub fn of_candidate(dbc: &Dbc, number: usize) -> Option<(&Message, usize)> {
     dbc.messages().iter().flat_map(|m| m.first_layouts().map(move |place| (m, place))).nth(number)
 }

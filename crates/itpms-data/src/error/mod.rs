@@ -20,9 +20,7 @@ pub use self::problem::Problem;
 #[derive(Debug, Error)]
 #[error("{}", message(path, problem))]
 pub struct DataError {
-    /// The file.
     pub path: PathBuf,
-    /// What is wrong with it.
     pub problem: Box<Problem>,
 }
 
@@ -40,7 +38,6 @@ impl DataError {
     }
 
     /// Whether nothing can be written where this could not be: the disk is full, or takes nothing.
-    #[must_use]
     pub fn is_of_a_full_disk(&self) -> bool {
         use io::ErrorKind::{FileTooLarge, QuotaExceeded, ReadOnlyFilesystem, StorageFull};
         let full = |kind| matches!(kind, StorageFull | QuotaExceeded | ReadOnlyFilesystem | FileTooLarge);

@@ -6,10 +6,8 @@ use thiserror::Error;
 use super::hints::{hint, one_by_one, other_unit};
 use crate::reference::problem::ReferenceProblem;
 
-/// One kind of problem with a file.
 #[derive(Debug, Error)]
 #[non_exhaustive]
-#[allow(missing_docs, reason = "the messages say it")]
 pub enum Problem {
     /// One that a file of any format may have.
     #[error(transparent)]
@@ -18,88 +16,51 @@ pub enum Problem {
     /// What no program acts on: found and expected, in a sentence that stands where it is found.
     #[error("{0}")]
     Refused(String),
-    /// A format that another program converts to a readable one.
     #[error("{0}")]
     Elsewhere(String),
 
     // --- drive logs: the table ---
-    /// Zero bytes or blank lines only.
     #[error("the file is empty, expected a header line with time_s and the accelerations of a corner")]
     Empty,
     #[error("there is a header but no row under it")]
     HeaderOnly,
     #[error("not a readable Parquet file: {0}")]
     Parquet(String),
-    /// A problem in one of several part files.
     #[error("{part}: {problem}")]
     InPart { part: String, problem: Box<Problem> },
-    /// A column that has to be there.
     #[error("column {column} is missing{}", hint(.nearest))]
     MissingColumn { column: String, nearest: Option<String> },
-    /// A Parquet column of another type.
     #[error("column {column} holds {found}, expected numbers{}", one_by_one(.found))]
     ColumnType { column: String, found: String },
-    /// Text where a number belongs.
     #[error(
         "{place}, column {column}: found {found:?}, expected a number, or NaN or nothing where it is missing{hint}"
     )]
-    NotANumber {
-        place: Place,
-        column: String,
-        /// The cell (its beginning, if long).
-        found: String,
-        /// What else could stand there, in parentheses, or nothing.
-        hint: &'static str,
-    },
-    /// A row that is longer or shorter than the header.
+    NotANumber { place: Place, column: String, found: String, hint: &'static str },
     #[error("{place}: found {found} cells, expected {expected} as in the header")]
     CellCount { place: Place, found: usize, expected: usize },
 
     // --- drive logs: the contents ---
-    /// A drive has more than one sample.
     #[error("found {0} sample with a time, expected at least 2")]
     TooFewSamples(u64),
-    /// The clock's resolution is too coarse.
     #[error(
         "time stands still in {repeated} of the {rows} rows read (first at {place}), expected it to increase from row to row"
     )]
-    TimeRepeats {
-        /// Rows with the time of the row before.
-        repeated: u64,
-        rows: u64,
-        place: Place,
-    },
-    /// The rows of two drives in turns.
+    TimeRepeats { repeated: u64, rows: u64, place: Place },
     #[error(
         "from {from_s} to {to_s} s rows differ from their neighbors {ratio:.0} times as much as from those before: two recordings in turns, or more, expected \
          one ({way_out})"
     )]
-    TwoRecordings {
-        /// Mean square between neighbors over that between the rows that go on from each other.
-        ratio: f64,
-        /// Where that is so: from here, in s.
-        from_s: f64,
-        to_s: f64,
-        way_out: String,
-    },
-    /// No wheel can be seen at this rate.
+    TwoRecordings { ratio: f64, from_s: f64, to_s: f64, way_out: String },
     #[error(
         "the sample period is {} s ({rate_hz:.3} Hz), expected 100 Hz to 2 kHz (wheel speeds alone: 10 Hz at least) with time_s in seconds{}",
         (*.period_s * 1e6).round() / 1e6,
         other_unit(clock, *.period_s)
     )]
-    SamplePeriod {
-        /// The name of the column of the time.
-        clock: String,
-        period_s: f64,
-        rate_hz: f64,
-    },
+    SamplePeriod { clock: String, period_s: f64, rate_hz: f64 },
 
-    /// The numbers cannot be in the units that they should be in: what they seem to be, what says so, what they should be.
     #[error("wrong units suspected {0}")]
     Units(String),
 
-    /// A table of accelerations where heights belong.
     #[error(
         "looks like a drive log (accelerations over time), expected a road profile with distance_m and heights"
     )]

@@ -3,7 +3,6 @@
 /// What a car says of the air around it; for cold pressures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum AirField {
-    /// Temperature in degrees Celsius.
     Temperature,
     /// Absolute pressure in kPa.
     Pressure,
@@ -23,7 +22,6 @@ impl AirField {
     }
 }
 
-/// Which columns of the air there are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct AirColumns {
     /// Whether `ambient_temperature_c` is there.
@@ -43,7 +41,6 @@ impl AirColumns {
         }
     }
 
-    /// Those among these columns.
     pub(super) fn of(has: impl Fn(AirField) -> bool) -> Self {
         Self {
             temperature: has(AirField::Temperature),
@@ -79,8 +76,6 @@ pub enum PositionColumns {
     /// It does not.
     #[default]
     Absent,
-    /// It does, and that is written nowhere.
     Private,
-    /// It does, and was asked for.
     Written,
 }

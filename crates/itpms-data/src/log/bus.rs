@@ -11,18 +11,13 @@ use crate::dbc::Dbc;
 use crate::error::DataError;
 
 /// Whether a log holds frames of a bus and is read by their description: a CAN log, or an MDF4 file with frames and no other signals. One that has
-/// both is read by its frames where a description is given.
-///
-/// # Errors
-/// The extension is unknown, or an MDF4 file cannot be read.
+/// both is read by its frames where a description is given. Errors: the extension is unknown, or an MDF4 file cannot be read.
 pub fn holds_frames(log: &Path, dbc: Option<&Path>) -> Result<bool, DataError> {
     Ok(LogFormat::of_log(log, dbc)? == LogFormat::Can)
 }
 
 /// What the frames of a log mean: the DBC file that is given, else the one that is attached inside the log.
-///
-/// # Errors
-/// There is none, or it cannot be read.
+/// Errors: there is none, or it cannot be read.
 pub fn frame_description(log: &Path, dbc: Option<&Path>) -> Result<Dbc, DataError> {
     let attached = || {
         attached(log)?.ok_or_else(|| {
@@ -34,10 +29,7 @@ pub fn frame_description(log: &Path, dbc: Option<&Path>) -> Result<Dbc, DataErro
     dbc.map_or_else(attached, crate::dbc::described)
 }
 
-/// The description that is attached inside a log, if there is one.
-///
-/// # Errors
-/// It is damaged, or no description.
+/// The description that is attached inside a log, if there is one. Errors: it is damaged, or no description.
 #[cfg(feature = "mdf4")]
 pub(crate) fn attached(log: &Path) -> Result<Option<Dbc>, DataError> {
     if LogFormat::of(log)? != LogFormat::Mdf4 {

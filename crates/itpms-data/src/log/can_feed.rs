@@ -14,14 +14,11 @@ pub(super) struct CanFeed {
     frames: Frames,
     decoder: Decoder,
     echoes: Echoes,
-    /// Each bus has its own clock.
     buses: Vec<(u16, Strays<Reading>)>,
 }
 
 /// What the frames of a log mean: of several signals for one column, that which has samples.
-///
-/// # Errors
-/// The log cannot be read, or the map does not fit the description.
+/// Errors: the log cannot be read, or the map does not fit the description.
 pub fn frame_decoder(path: &Path, dbc: Dbc, map: Option<&SignalMap>) -> Result<Decoder, DataError> {
     // What comes through a pipe comes once.
     if path.is_file() { decoder(&Frames::open(path)?, path, dbc, map) } else { Decoder::new(dbc, map) }

@@ -28,7 +28,6 @@ const PERIODS: [(f64, bool, &str); 6] = [
     (65.536, true, "is a counter of milliseconds that begins anew at 2^16"),
 ];
 
-/// See the [module](self).
 #[derive(Debug, Clone)]
 pub(crate) struct Clock {
     first_s: f64,
@@ -38,7 +37,6 @@ pub(crate) struct Clock {
     rows: u32,
     usual_s: f64,
     is_packed: bool,
-    /// Added to a stamp.
     offset_s: f64,
     /// How often each of [`PERIODS`] was passed, and an hour left out at the beginning of summer time.
     passed: [u32; PERIODS.len()],

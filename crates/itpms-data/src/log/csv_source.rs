@@ -80,7 +80,6 @@ impl CsvSource {
         (self.lines.position() as f64 / self.bytes.max(1) as f64).min(1.0)
     }
 
-    /// What was left out of the text.
     pub(super) fn repairs(&self) -> Vec<String> {
         let again = match self.headers_again {
             0 => None,
@@ -189,7 +188,6 @@ impl CsvSource {
         Ok(true)
     }
 
-    /// The values of the present line.
     fn cells(&mut self, row: &mut RawRow) -> Result<Option<Place>, Problem> {
         let place = Place::Line(self.lines.number());
         *row = [f64::NAN; SLOTS];

@@ -17,7 +17,6 @@ const TO_ONE: usize = 9;
 /// Of the steps of an identifier sorted by their lengths, the one that is its cycle: so up to four copies of each frame are no matter.
 const CYCLE_AT: f64 = 0.8;
 
-/// See the [module](self).
 #[derive(Debug, Default)]
 pub(super) struct Echoes {
     /// The identifiers of buses that have echoes.
@@ -39,7 +38,6 @@ struct Evidence {
 }
 
 impl Echoes {
-    /// Of a log that begins with these frames.
     pub(super) fn of<'a>(frames: impl Iterator<Item = &'a CanFrame>) -> Self {
         let mut by_id: HashMap<(u16, CanId), Vec<&CanFrame>> = HashMap::new();
         for frame in frames {
@@ -56,7 +54,6 @@ impl Echoes {
         Self { cycles, count: 0 }
     }
 
-    /// Whether this frame is the echo of one before.
     pub(super) fn takes(&mut self, frame: &CanFrame) -> bool {
         if self.cycles.is_empty() {
             return false;

@@ -37,7 +37,6 @@ impl Format {
     }
 }
 
-/// A format of drive logs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum LogFormat {
     Table(Format),

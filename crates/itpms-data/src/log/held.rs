@@ -1,5 +1,4 @@
-//! Samples that were written several times: a slow signal in the raster of a faster one, where each value stands until the next one
-//! comes.
+//! Samples that were written several times: a slow signal in the raster of a faster one, where each value stands until the next one comes.
 //!
 //! Called with the first rows of a table, and then with every row. A value that only stands there is taken out, so that the column has
 //! its sensor's rate, as one with empty cells between its samples has. So it is with a speed, which then lies on the line between its

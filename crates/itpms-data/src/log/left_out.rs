@@ -5,7 +5,6 @@ use std::path::Path;
 
 /// Folders within folders, as for the parts.
 const DEEPEST: usize = 8;
-/// Names that are said.
 const SAID: usize = 5;
 
 /// A sentence about the files of a folder that are no parts of its table; `None` of a file, or if there are none. What begins with `_` or `.` says

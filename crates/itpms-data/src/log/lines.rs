@@ -13,12 +13,10 @@ use super::packed::{GZIP, Packed};
 use super::wide::{Order, Wide};
 use crate::error::{FileProblem, Problem};
 
-/// Zeros that are passed over, at most.
 const MOST_ZEROS: u64 = 1 << 26;
 /// Bytes read at a time.
 const BUFFER: usize = 1 << 16;
 
-/// The lines that say something.
 pub(crate) struct Lines {
     input: Input,
     /// Another hold on the file, for where in it reading is.
@@ -99,7 +97,6 @@ impl Lines {
         }
     }
 
-    /// Number of the present line, from one.
     pub(crate) fn number(&self) -> u64 {
         self.number
     }
@@ -157,7 +154,6 @@ impl Lines {
         }
     }
 
-    /// The present line with its end, and its number.
     pub(crate) fn present(&self) -> (Vec<u8>, u64) {
         (self.line.clone(), self.number)
     }
@@ -178,7 +174,6 @@ impl Lines {
         self.line.trim_ascii()
     }
 
-    /// Whether the present line has its end.
     pub(crate) fn is_terminated(&self) -> bool {
         self.line.ends_with(b"\n")
     }

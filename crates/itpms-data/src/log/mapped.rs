@@ -97,7 +97,6 @@ fn in_units(mut header: Header, names: &[String], units: &[String]) -> Result<He
     Ok(header)
 }
 
-/// From a unit to a column's own.
 fn conversion(unit: &str, slot: Slot) -> Option<Conversion> {
     match slot {
         Slot::Time => column_unit::seconds(unit).map(|factor| Conversion { factor, offset: 0.0 }),

@@ -28,7 +28,6 @@ struct Wanted {
 }
 
 impl McapFeed {
-    /// Opens a file; also what its signals were taken for.
     pub(super) fn open(path: &Path, map: Option<&SignalMap>) -> Result<(Self, Resolved), DataError> {
         let mut lister = McapLister::open(path)?;
         while lister.step().map_err(|problem| DataError::new(path, problem))? {}

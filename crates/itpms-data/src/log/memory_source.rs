@@ -25,7 +25,6 @@ pub(super) struct MemorySource {
     selections: Vec<(usize, Selection)>,
     rows: usize,
     next: usize,
-    /// Rows of the pieces before this one.
     before: usize,
     /// Rows of all pieces, where that is known.
     total: Option<usize>,

@@ -30,7 +30,6 @@ const UNLIKE_COLUMN: f64 = 0.3;
 /// Slowest speed in m/s of a car that moves: slower ones show nothing of their tires.
 const MOVING_M_S: f64 = 2.8;
 
-/// See the [module](self).
 #[derive(Debug)]
 pub(super) struct Mixed {
     slots: Vec<Slot>,
@@ -43,7 +42,6 @@ pub(super) struct Mixed {
 }
 
 impl Mixed {
-    /// Of a log with these columns.
     pub(super) fn new(columns: &LogColumns) -> Self {
         let slots: Vec<Slot> =
             columns.slots().filter(|slot| slot.is_acceleration() || slot.is_wheel_speed()).collect();

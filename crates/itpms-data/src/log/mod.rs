@@ -18,10 +18,9 @@
 //! In a table the columns have these names, or a map says which is which. The signals of MDF4 and CAN logs are found by their names or by a map, and
 //! put into rows by the [aligner](crate::signals::align).
 //!
-//! An empty cell, `NaN`, `null` or a null is a missing sample, and rows keep their own times: rates, jitter and gaps are the estimator's business.
-//! Where some columns are hardly ever filled in the same row, a row is a message; where an acceleration is empty at even distances, it has a rate
-//! of its own. Such a table is aligned as a bus is. Memory is bounded: the
-//! first [`SURVEY_ROWS`] rows, some ten
+//! An empty cell, `NaN`, `null` or a null is a missing sample, and rows keep their own times: rates, jitter and gaps are the estimator's
+//! business. Where some columns are hardly ever filled in the same row, a row is a message; where an acceleration is empty at even
+//! distances, it has a rate of its own. Such a table is aligned as a bus is. Memory is bounded: the first [`SURVEY_ROWS`] rows, some ten
 //! seconds in which rows are put into the order of their times (`stamps`), and one batch, whatever the length.
 //!
 //! Called by the commands of the binary and by the live monitor; knows nothing of estimators and of simulation.

@@ -7,7 +7,6 @@ use super::units::UnitCheck;
 use crate::error::{DataError, Problem};
 use crate::signals::SignalMap;
 
-/// How to read a drive log.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct LogOptions {
     /// Whether the unit of the accelerations is doubted.
@@ -21,7 +20,6 @@ pub struct LogOptions {
 }
 
 impl LogOptions {
-    /// The map, if there is one.
     pub(crate) fn any_map(&self) -> Result<Option<SignalMap>, DataError> {
         self.signals.as_deref().map(SignalMap::read).transpose()
     }
@@ -39,14 +37,14 @@ impl LogOptions {
         }
     }
 
-    /// What only tables have.
+    /// Options of tables alone.
     #[cfg(any(feature = "can", feature = "mdf4"))]
     pub(super) fn refuse_for_signals(&self) -> Result<(), Problem> {
         let what = "rows are selected of tables (--where); this log holds signals, each on its own clock";
         if self.rows.is_empty() { Ok(()) } else { Err(what.into()) }
     }
 
-    /// What only other logs have.
+    /// Options of other logs alone.
     pub(super) fn refuse_for_tables(&self) -> Result<(), Problem> {
         let what = "a DBC file says what the frames of a CAN log mean; this is a table";
         self.dbc.as_ref().map_or(Ok(()), |_| Err(what.into()))

@@ -19,7 +19,6 @@ const BEGINS_AGAIN_S: f64 = 1.0;
 /// Rows that wait at most for earlier ones: some 12 MB.
 const MOST_ROWS: usize = 1 << 16;
 
-/// A row and its place in the file.
 #[derive(Debug, Clone, Copy)]
 struct Line {
     row: LogRow,
@@ -29,7 +28,6 @@ struct Line {
 }
 
 impl Line {
-    /// Where time goes back with this row.
     fn step_back(&self) -> Option<Step> {
         let Self { row, place, before_s } = *self;
         (row.time_s < before_s).then_some(Step { place, from_s: before_s, to_s: row.time_s })
@@ -71,7 +69,6 @@ pub(super) struct TimeOrder {
     last_s: f64,
     pub(super) rows: u64,
     pub(super) without_time: u64,
-    /// Rows left out because their time contradicts the others.
     pub(super) backwards: u64,
     /// Rows left out because another one has their time.
     pub(super) repeated: u64,
@@ -257,7 +254,6 @@ mod tests {
     use super::*;
     use crate::log::row::LogMotion;
 
-    /// Rows with values of their own at these times.
     fn sorted(times: impl IntoIterator<Item = f64>) -> (Vec<f64>, TimeOrder) {
         let mut order = TimeOrder::new();
         let mut out = VecDeque::new();

@@ -15,7 +15,6 @@ pub(super) const GZIP: &[u8] = &[0x1f, 0x8b];
 const FREE: u64 = 1 << 28;
 const PER_BYTE: u64 = 100;
 
-/// See the [module](self).
 #[derive(Debug)]
 pub(super) struct Packed {
     /// `None` behind the end.

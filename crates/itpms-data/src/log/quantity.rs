@@ -5,21 +5,13 @@ use super::slot::{Field, Motion, Slot};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Quantity {
-    /// In m/s².
     Acceleration,
-    /// In m/s.
     Speed,
-    /// In kPa.
     Pressure,
-    /// In m.
     Length,
-    /// In s.
     Time,
-    /// In rad/s.
     Rotation,
-    /// In degrees Celsius.
     Temperature,
-    /// In degrees.
     Angle,
     /// 0 or 1.
     Switch,
@@ -45,7 +37,6 @@ impl Quantity {
         }
     }
 
-    /// The unit a column has it in.
     pub(crate) fn unit(self) -> &'static str {
         match self {
             Quantity::Acceleration => "m/s^2",
@@ -92,8 +83,6 @@ impl Quantity {
 }
 
 impl Slot {
-    /// The unit its name stands for.
-    #[must_use]
     pub fn unit(self) -> &'static str {
         Quantity::of(self).unit()
     }

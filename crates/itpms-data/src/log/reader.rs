@@ -57,26 +57,19 @@ pub struct LogReader {
     report: RepairReport,
     regular: Regular,
     last_time_s: Option<f64>,
-    /// Whether each column has had a value.
     seen: [bool; SLOTS],
     /// Times of the first two rows as they are in the file.
     first_times_s: [f64; 2],
 }
 
 impl LogReader {
-    /// Opens a drive log, CSV or Parquet by extension, and looks at its first [`SURVEY_ROWS`] rows.
-    ///
-    /// # Errors
-    /// The file cannot be read, a column is missing or twice there, or the first rows show that the log is useless:
-    /// see [`Problem`].
+    /// Opens a drive log, CSV or Parquet by extension, and looks at its first [`SURVEY_ROWS`] rows. Errors: the file cannot be read, a
+    /// column is missing or twice there, or the first rows show that the log is useless: see [`Problem`].
     pub fn open(path: &Path) -> Result<Self, DataError> {
         Self::open_with(path, &LogOptions::default())
     }
 
     /// The same with what else there is to know.
-    ///
-    /// # Errors
-    /// As [`LogReader::open`].
     pub fn open_with(path: &Path, options: &LogOptions) -> Result<Self, DataError> {
         let source = Source::open(path, options)?;
         Self::of(path, source, options.units)
@@ -84,9 +77,6 @@ impl LogReader {
 
     /// A drive that another program has read already, in pieces of which one is held at a time: columns of these names, NaN where a
     /// value is missing, `rows` in all where that is known, in messages called `name`. It is judged and repaired as a file is.
-    ///
-    /// # Errors
-    /// As [`LogReader::open`], columns of different lengths, and what `pieces` gives.
     pub fn from_pieces(
         name: &Path,
         names: &[String],
@@ -127,57 +117,45 @@ impl LogReader {
         Ok(reader)
     }
 
-    /// The file's name.
-    #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
 
     /// When time 0 was, in ns since 1970, where the file says so beside its times; else 0: then they may count from 1970 themselves.
-    #[must_use]
     pub fn start_ns(&self) -> u64 {
         self.source.start_ns()
     }
 
-    /// Which columns the log has.
-    #[must_use]
     pub fn columns(&self) -> &LogColumns {
         &self.source.header().columns
     }
 
-    /// What the first rows say about the clock.
-    #[must_use]
+    /// Evidence of the first rows about the clock.
     pub fn survey(&self) -> &Survey {
         &self.survey
     }
 
     /// Time in s of the last row that was given; `None` before the first.
-    #[must_use]
     pub fn last_time_s(&self) -> Option<f64> {
         self.last_time_s
     }
 
-    /// What was repaired so far.
-    #[must_use]
     pub fn repairs(&self) -> &RepairReport {
         &self.report
     }
 
     /// Which signal was taken for which column where neither its name nor a map says so, and what was doubtful about it; empty
     /// for tables without a map.
-    #[must_use]
     pub fn mapping(&self) -> &[String] {
         self.source.mapping()
     }
 
     /// How the signals of an MDF4 or CAN log were put into rows; `None` for tables.
-    #[must_use]
     pub fn alignment(&self) -> Option<AlignmentReport> {
         self.source.alignment()
     }
 
     /// How the signals of an MDF4 or CAN log came into order and into rows, a sentence each; nothing for tables.
-    #[must_use]
     pub fn remarks(&self) -> Vec<String> {
         let speed = self.slow_speed.rate_hz().map(|rate_hz| {
             format!(
@@ -190,16 +168,12 @@ impl LogReader {
     }
 
     /// Share of the log that has been read, 0 to 1; of pieces of unknown number of rows, 0.
-    #[must_use]
     pub fn progress(&self) -> f64 {
         self.source.progress()
     }
 
     /// The next row, `None` after the last.
-    ///
-    /// # Errors
-    /// The file cannot be read on, a cell is no number, or so many rows are out of order that what is left would not
-    /// be this drive.
+    /// Errors: the file cannot be read on, a cell is no number, or so many rows are out of order that what is left would not be this drive.
     pub fn next_row(&mut self) -> Result<Option<LogRow>, DataError> {
         while self.ahead.is_empty() && !self.exhausted {
             self.pull()

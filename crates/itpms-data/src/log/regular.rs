@@ -17,7 +17,6 @@ const UNEVEN_SHARE: f64 = 0.1;
 /// Factor by which the step of a stretch may differ from the first ones'.
 const OTHER_RATE: f64 = 1.5;
 
-/// See the [module](self).
 #[derive(Debug)]
 pub(super) struct Regular {
     period_s: f64,
@@ -32,7 +31,6 @@ pub(super) struct Regular {
 }
 
 impl Regular {
-    /// Of a log that begins with this period.
     pub(super) fn new(period_s: f64) -> Self {
         Self {
             period_s,

@@ -3,9 +3,7 @@
 /// Counts over the rows read so far; complete once the reader has returned `None`.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RepairReport {
-    /// Rows in the file.
     pub rows_read: u64,
-    /// Rows handed out.
     pub rows_kept: u64,
     /// Acceleration cells without a value, over all corners.
     pub missing_accelerations: u64,
@@ -29,7 +27,7 @@ pub struct RepairReport {
     pub longest_gap: Option<(f64, f64)>,
     /// Lines cut off at the end of the file, left out: 0 or 1.
     pub cut_off_lines: u64,
-    /// What the reader of the log's format mended, left out or assumed, in words.
+    /// Repairs, omissions and assumptions of the format's reader, in words.
     pub format: Vec<String>,
     /// Accelerations whose values are the same in all rows that were looked at first: one column, twice.
     pub same_columns: Vec<(String, String)>,
@@ -39,13 +37,11 @@ pub struct RepairReport {
 
 impl RepairReport {
     /// Whether the log was flawless.
-    #[must_use]
     pub fn is_clean(&self) -> bool {
         self.warnings().is_empty()
     }
 
-    /// What was found how often, leaving out what was not found at all.
-    #[must_use]
+    /// Counts of the findings, zeros left out.
     pub fn counts(&self) -> Vec<(&'static str, u64)> {
         let all = [
             ("missing acceleration values", self.missing_accelerations),
@@ -62,7 +58,6 @@ impl RepairReport {
     }
 
     /// One sentence per kind of repair, without the file's name.
-    #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let mut out = self.format.clone();
         let mut say = |count: u64, one: &str, many: &str| {

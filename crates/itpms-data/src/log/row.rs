@@ -13,7 +13,6 @@ pub struct LogColumns {
     pub speed: bool,
     /// The corners with both accelerations, in the order of [`Corner::ALL`].
     pub corners: [Option<CornerColumns>; 4],
-    /// What there is for the wheel-speed methods.
     pub motion: MotionColumns,
 }
 
@@ -36,7 +35,7 @@ pub struct MotionColumns {
     pub tire_sensors: [bool; 4],
     /// Whether `{c}_tpms_c` is there.
     pub tire_temperatures: [bool; 4],
-    /// What there is of the air around the car.
+    /// Measurements of the air around the car.
     pub air: AirColumns,
     /// Whether `latitude_deg` and `longitude_deg` are there.
     pub position: PositionColumns,
@@ -64,8 +63,6 @@ impl MotionColumns {
         }
     }
 
-    /// Whether all four wheels have a speed.
-    #[must_use]
     pub fn wheel_speeds(&self) -> bool {
         self.wheel_speed || self.wheel_rotation
     }
@@ -92,7 +89,6 @@ pub struct CornerColumns {
 impl LogColumns {
     /// Of these columns, what a drive log can have: a corner has both its accelerations or is not there, wheel speeds are those of all
     /// four wheels.
-    #[must_use]
     pub fn of(slots: &[Slot]) -> Self {
         let has = |slot| slots.contains(&slot);
         let corners = Corner::ALL.map(|corner| {
@@ -104,13 +100,10 @@ impl LogColumns {
     }
 
     /// Whether anything can be estimated: a corner with both accelerations, or the speeds of all four wheels.
-    #[must_use]
     pub fn are_enough(&self) -> bool {
         self.motion.wheel_speeds() || self.corners.iter().any(Option::is_some)
     }
 
-    /// The corners that are there.
-    #[must_use]
     pub fn present(&self) -> Vec<Corner> {
         Corner::ALL.into_iter().filter(|corner| self.corners[corner.index()].is_some()).collect()
     }
@@ -142,7 +135,6 @@ impl LogColumns {
     }
 
     /// The same, where the car was being written, too.
-    #[must_use]
     pub fn with_position(mut self) -> Self {
         if self.motion.position == PositionColumns::Private {
             self.motion.position = PositionColumns::Written;
@@ -154,7 +146,6 @@ impl LogColumns {
 /// One corner's part of a row. NaN is missing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LogCorner {
-    /// Sprung mass acceleration in m/s², up.
     pub body_accel_m_s2: f64,
     /// Unsprung mass acceleration in m/s², up.
     pub wheel_accel_m_s2: f64,
@@ -166,16 +157,13 @@ pub struct LogCorner {
 
 impl LogCorner {
     /// The accelerations, without the truth.
-    #[must_use]
     pub fn sample(&self) -> CornerSample<f64> {
         CornerSample { body_accel_m_s2: self.body_accel_m_s2, wheel_accel_m_s2: self.wheel_accel_m_s2 }
     }
 }
 
-/// One row of a drive log.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LogRow {
-    /// Time in s.
     pub time_s: f64,
     /// Vehicle speed in m/s; NaN is missing.
     pub speed_m_s: f64,
@@ -190,19 +178,16 @@ pub struct LogRow {
 pub struct LogMotion {
     /// Speeds of the wheels in m/s, in the order of [`Corner::ALL`].
     pub wheel_speed_m_s: [f64; 4],
-    /// The same as speeds of rotation in rad/s.
     pub wheel_speed_rad_s: [f64; 4],
     /// Yaw rate in rad/s, positive to the left.
     pub yaw_rate_rad_s: f64,
     /// Acceleration forward in m/s², gravity along a grade included.
     pub accel_x_m_s2: f64,
-    /// Acceleration to the left in m/s².
     pub accel_y_m_s2: f64,
     /// Whether the driver brakes: 0 or 1.
     pub brake: f64,
     /// Gauge pressures in kPa by the sensors in the tires, in the order of [`Corner::ALL`]; in a row where one has sent, or held.
     pub tire_sensor_kpa: [f64; 4],
-    /// Their temperatures in degrees Celsius.
     pub tire_sensor_c: [f64; 4],
     /// The air around the car, in a row where it was sent, or held.
     pub air: Air<f64>,
@@ -211,7 +196,6 @@ pub struct LogMotion {
 }
 
 impl LogMotion {
-    /// Nothing is known.
     pub const UNKNOWN: Self = Self {
         wheel_speed_m_s: [f64::NAN; 4],
         wheel_speed_rad_s: [f64::NAN; 4],
@@ -226,7 +210,6 @@ impl LogMotion {
     };
 
     /// The row at `time_s` for radius analysis; speeds of rotation are those of wheels with this rolling radius in m.
-    #[must_use]
     pub fn sample(&self, time_s: f64, rolling_radius_m: f64) -> WheelSpeedSample<f64> {
         let wheel_speed_m_s = Corner::ALL.map(|corner| {
             let [speed, rotation] =
@@ -254,8 +237,7 @@ impl LogMotion {
 }
 
 impl LogRow {
-    /// What the estimators see of this row: everything but the truth.
-    #[must_use]
+    /// The estimators' input: everything but the truth.
     pub fn sample(&self) -> CarSample<f64> {
         Sample {
             time_s: self.time_s,
@@ -265,7 +247,6 @@ impl LogRow {
     }
 
     /// The row of these columns with these values, by [`Slot::index`]; NaN is missing.
-    #[must_use]
     pub fn from_values(raw: &[f64; SLOTS], columns: &LogColumns) -> Self {
         let corners = Corner::ALL.map(|corner| {
             let value = |field| raw[Slot::Corner(corner, field).index()];
@@ -304,7 +285,6 @@ impl LogRow {
     }
 
     /// One value of this row, NaN where it has none.
-    #[must_use]
     pub fn value(&self, slot: Slot) -> f64 {
         match slot {
             Slot::Time => self.time_s,

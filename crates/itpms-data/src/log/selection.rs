@@ -15,7 +15,6 @@ pub struct Selection {
     value: String,
 }
 
-/// What stands for any value.
 const ANY: &str = "*";
 
 impl Selection {
@@ -29,12 +28,10 @@ impl Selection {
         self.value == ANY || cell == self.value || cell.parse().is_ok_and(|value| self.takes_number(value))
     }
 
-    /// The same of a number.
     pub(crate) fn takes_number(&self, value: f64) -> bool {
         self.value == ANY || self.value.parse::<f64>().is_ok_and(|wanted| wanted == value)
     }
 
-    /// The place of the column among these names.
     pub(crate) fn place(&self, names: &[String]) -> Result<usize, Problem> {
         names.iter().position(|name| *name == self.column).ok_or_else(|| {
             let near = itpms_files::nearest(&self.column, names.iter().map(String::as_str));

@@ -29,7 +29,6 @@ impl Stamped for Reading {
     }
 }
 
-/// See the [module](self).
 #[derive(Debug)]
 pub(super) struct SignalOrder {
     series: [Series<Reading>; SLOTS],
@@ -116,7 +115,6 @@ impl SignalOrder {
         Ok(())
     }
 
-    /// What was left out, a sentence each.
     pub(super) fn warnings(&self) -> Vec<String> {
         let LeftOut { signals, repeated, rows, .. } = &self.left_out;
         let strays: u64 = signals.iter().map(|signal| signal.left_out).sum();

@@ -1,7 +1,6 @@
 //! Rows from logs that hold signal after signal, each on its own clock: MDF4 and CAN logs, tables with a message in each row or with sensors of several rates.
 //!
-//! Between the reader of drive logs, which wants rows, and a feed, which has readings; the aligner makes the ones of the
-//! others.
+//! Between the reader of drive logs, which wants rows, and a feed, which has readings; the aligner makes the ones of the others.
 
 #[cfg(any(feature = "can", feature = "mcap", feature = "mdf4"))]
 use std::path::Path;
@@ -74,7 +73,7 @@ impl Feed {
         }
     }
 
-    /// What the format's reader repaired, left out or assumed so far.
+    /// Repairs, omissions and assumptions of the format's reader so far.
     fn repairs(&self) -> Vec<String> {
         match self {
             #[cfg(feature = "mdf4")]
@@ -88,7 +87,6 @@ impl Feed {
     }
 }
 
-/// A feed, and the rows that are made of it.
 #[derive(Debug)]
 pub(super) struct SignalSource {
     feed: Feed,
@@ -176,7 +174,7 @@ impl SignalSource {
         self.feed.progress()
     }
 
-    /// What was repaired, left out or assumed so far.
+    /// Repairs, omissions and assumptions so far.
     pub(super) fn repairs(&self) -> Vec<String> {
         let aligned = self.aligner.report().map(|report| report.warnings()).unwrap_or_default();
         self.feed.repairs().into_iter().chain(self.order.warnings()).chain(aligned).collect()
@@ -193,7 +191,6 @@ impl SignalSource {
         self.aligner.report()
     }
 
-    /// The table that it is made of, if it is one.
     pub(super) fn of_table(&self) -> Option<&TableSource> {
         match &self.feed {
             Feed::Table(table) => Some(table),

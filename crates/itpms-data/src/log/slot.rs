@@ -7,7 +7,6 @@ use super::around::{AirField, PositionField};
 /// One quantity of one corner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Field {
-    /// Sprung mass acceleration in m/s², up.
     BodyAccel,
     /// Unsprung mass acceleration in m/s², up.
     WheelAccel,
@@ -114,7 +113,6 @@ impl Slot {
     }
 
     /// Its place in [`Slot::all`].
-    #[must_use]
     pub fn index(self) -> usize {
         match self {
             Slot::Time => 0,
@@ -126,8 +124,6 @@ impl Slot {
         }
     }
 
-    /// The column's name.
-    #[must_use]
     pub fn name(self) -> String {
         match self {
             Slot::Time => "time_s".to_owned(),
@@ -139,7 +135,6 @@ impl Slot {
         }
     }
 
-    /// Whether it is the acceleration of a body or a wheel.
     pub(crate) fn is_acceleration(self) -> bool {
         matches!(self, Slot::Corner(_, Field::BodyAccel | Field::WheelAccel))
     }
@@ -150,7 +145,6 @@ impl Slot {
         self.is_tire_sensor() || matches!(self, Slot::Air(_) | Slot::Position(_))
     }
 
-    /// Whether it is of a sensor in a tire.
     pub(crate) fn is_tire_sensor(self) -> bool {
         matches!(self, Slot::Corner(_, Field::TireSensor | Field::TireTemperature))
     }

@@ -21,7 +21,6 @@ const MOST_CHANCE: f64 = 0.01;
 /// Rows that wait for a reading at most.
 const MOST_ROWS: usize = 1 << 15;
 
-/// See the [module](self).
 #[derive(Debug, Default)]
 pub(super) struct SlowSpeed {
     /// Of the speed, where it is longer than that of the rows.

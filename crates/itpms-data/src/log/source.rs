@@ -109,7 +109,7 @@ impl Source {
         }
     }
 
-    /// What the format's own reader mended, left out or assumed so far.
+    /// Repairs, omissions and assumptions of the format's own reader so far.
     pub(super) fn repairs(&self) -> Vec<String> {
         match self {
             Source::Table(source) => source.repairs(),

@@ -11,7 +11,6 @@ const FAR: f64 = 10.0;
 const FAR_SI: f64 = 50.0;
 /// Share of an acceleration's values that it is at most.
 const RARE: f64 = 0.01;
-/// Such numbers that a column has at most.
 const MOST: usize = 3;
 
 /// The numbers of a table that are no values, and how often they came. See the [module](self).
@@ -19,7 +18,6 @@ const MOST: usize = 3;
 pub(super) struct StandIns(Vec<(Slot, f64, u64)>);
 
 impl StandIns {
-    /// Of a table that begins with these rows.
     pub(super) fn of<'a>(rows: impl Iterator<Item = &'a RawRow> + Clone) -> Self {
         let mut found = Vec::new();
         for slot in Slot::all().filter(|slot| slot.is_acceleration() || *slot == Slot::Speed) {
@@ -49,7 +47,6 @@ impl StandIns {
         }
     }
 
-    /// What was taken out, a sentence each.
     pub(super) fn sentences(&self) -> impl Iterator<Item = String> {
         self.0.iter().map(|(slot, value, count)| {
             format!(

@@ -19,14 +19,12 @@ pub(super) const POSSIBLE_RATES_HZ: std::ops::RangeInclusive<f64> = 20.0..=50_00
 /// Of wheel speeds alone, which come with every tenth of a second or more often.
 const POSSIBLE_WHEEL_SPEED_RATES_HZ: std::ops::RangeInclusive<f64> = 9.5..=50_000.0;
 
-/// What the first rows say about the clock.
+/// Evidence of the first rows about the clock.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Survey {
-    /// Rows looked at.
     pub rows: usize,
     /// Median step of the time in s.
     pub sample_period_s: f64,
-    /// Standard deviation of the step in s, gaps left out.
     pub jitter_s: f64,
     /// Samples per second: the inverse of the mean step, gaps left out (the median step of a clock that counts whole
     /// milliseconds can be far off), rounded to a whole number where it is within 0.1 % of one.
@@ -36,7 +34,6 @@ pub struct Survey {
 impl Survey {
     /// The rate for which an estimator is made, in Hz: the fastest it is for where samples come faster, and where every tenth or so is
     /// lost that of the others.
-    #[must_use]
     pub fn estimator_rate_hz(&self) -> f64 {
         let median_hz = 1.0 / self.sample_period_s;
         let lossy = self.sample_rate_hz < *SAMPLE_RATES_HZ.start() && median_hz >= *SAMPLE_RATES_HZ.start();
@@ -45,9 +42,7 @@ impl Survey {
     }
 
     /// What these rows say, in the order of their times.
-    ///
-    /// # Errors
-    /// There are fewer than two rows, or the rate is none of a car's accelerometers.
+    /// Errors: there are fewer than two rows, or the rate is none of a car's accelerometers.
     pub fn of<'a>(rows: impl IntoIterator<Item = &'a LogRow>) -> Result<Self, Problem> {
         let mut accelerations = false;
         let time_s = |row: &LogRow| {

@@ -35,10 +35,8 @@ const REGULAR: f64 = 0.95;
 /// A longer step, in typical ones, is a gap.
 const GAP_STEPS: usize = 3;
 
-/// What the rows of a table are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Rows {
-    /// Samples of all sensors.
     Samples,
     /// Messages: two of the columns are hardly ever filled in the same row.
     Messages,
@@ -97,13 +95,11 @@ impl Table {
     }
 }
 
-/// A table whose first rows have been looked at.
 #[derive(Debug)]
 pub(super) struct TableSource {
     table: Table,
     /// The rows that were looked at, and why there are no more.
     ahead: VecDeque<Result<(RawRow, Place), Problem>>,
-    /// Messages that were left out.
     without_time: u64,
     rows: Rows,
     clock: Clock,
@@ -149,7 +145,6 @@ impl TableSource {
         source
     }
 
-    /// The next row of the file, at its time.
     fn read(&mut self, row: &mut RawRow) -> Result<Option<Place>, Problem> {
         let place = self.table.next_row(row)?;
         if place.is_some() {
@@ -195,7 +190,6 @@ impl TableSource {
         self.clock.remarks().into_iter().chain(held).chain(self.rows.remark().map(str::to_owned)).collect()
     }
 
-    /// What the first rows say that all are.
     pub(super) fn rows(&self) -> Rows {
         self.rows
     }
@@ -300,7 +294,7 @@ impl TableSource {
         matches!(&self.table, Table::Csv(source) if source.cut_off())
     }
 
-    /// What the format's own reader mended or left out so far.
+    /// Repairs and omissions of the format's own reader so far.
     pub(super) fn repairs(&self) -> Vec<String> {
         let of_format = match &self.table {
             Table::Csv(source) => source.repairs(),

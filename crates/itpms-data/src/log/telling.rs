@@ -14,7 +14,6 @@ use super::text_head::TextHead;
 use crate::error::Problem;
 use crate::signals::names::meaning;
 
-/// Values that such a column has at most.
 const MOST: usize = 8;
 /// Share of the rows in which it is another one than in the row before.
 const CHANGES: f64 = 0.25;

@@ -14,14 +14,13 @@ const MOST_BEFORE: usize = 100;
 /// Lines between the names and the first row: units, and what else is stated of each column.
 const MOST_BETWEEN: usize = 2;
 
-/// What stands before the first row.
+/// Content before the first row.
 #[derive(Debug, Clone)]
 pub(crate) struct TextHead {
     pub(crate) dialect: Dialect,
     pub(crate) names: Vec<String>,
     /// The unit of each column, empty where none is stated; without elements where the table has no such row.
     pub(crate) units: Vec<String>,
-    /// The line of the names.
     pub(super) line: Vec<u8>,
     /// Lines before the names that belong to no table.
     pub(super) before: usize,

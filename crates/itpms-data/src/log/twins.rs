@@ -11,7 +11,6 @@ use super::slot::Slot;
 /// Different values that a column has at least, to be more than a sensor that stands still.
 const DIFFERENT: usize = 10;
 
-/// Pairs of columns with the same value in every row.
 pub(super) fn of(rows: &VecDeque<LogRow>, columns: &LogColumns) -> Vec<(String, String)> {
     let slots: Vec<Slot> =
         columns.slots().filter(|slot| slot.is_acceleration()).filter(|slot| changes(rows, *slot)).collect();

@@ -4,7 +4,6 @@
 
 use std::io::{self, BufRead, Read};
 
-/// Bytes that are taken at a time.
 const CHUNK: usize = 1 << 13;
 const HIGH: std::ops::Range<u16> = 0xd800..0xdc00;
 
@@ -28,7 +27,6 @@ impl Order {
     }
 }
 
-/// See the [module](self).
 #[derive(Debug)]
 pub(super) struct Wide<R> {
     input: R,

@@ -19,7 +19,6 @@ impl<'a> Fields<'a> {
         Self { path: String::with_capacity(64), depth: 0, found }
     }
 
-    /// The number at this place.
     pub(super) fn number(&mut self, value: f64) {
         (self.found)(&self.path, value);
     }

@@ -20,24 +20,20 @@ const LONGEST_MESSAGE: usize = 1 << 20;
 /// Schemas and channels of a file, of 16 bits each.
 const PIECE: usize = 1 << 16;
 
-/// What a file says on the way.
 pub(crate) enum Message<'a> {
     Schema { id: u16, name: String, encoding: String, text: Vec<u8> },
     Channel(records::Channel),
     Data { channel: u16, log_ns: u64, published_ns: u64, bytes: &'a [u8] },
 }
 
-/// What is next in a file.
 enum Next {
     Over,
     /// So many more bytes are needed.
     Wants(usize),
-    /// A record with this code.
     Record(u8),
     Fails(McapError),
 }
 
-/// A file that is read.
 pub(crate) struct Messages {
     file: File,
     reader: LinearReader,
@@ -75,10 +71,7 @@ impl Messages {
     }
 
     /// Hands the next schema, channel or message to `take`; false at the end. A file that is cut off or damaged ends there, and
-    /// [`Messages::repairs`] says so.
-    ///
-    /// # Errors
-    /// The file cannot be read, or its beginning is not that of MCAP.
+    /// [`Messages::repairs`] says so. Errors: the file cannot be read, or its beginning is not that of MCAP.
     pub(crate) fn step(&mut self, take: impl FnOnce(Message<'_>)) -> Result<bool, Problem> {
         while !self.is_over {
             let wanted = match self.next() {
@@ -147,7 +140,6 @@ impl Messages {
         (self.read as f64 / self.bytes.max(1) as f64).min(1.0)
     }
 
-    /// What was left out so far.
     pub(crate) fn repairs(&self) -> Vec<String> {
         self.ended.iter().cloned().collect()
     }
@@ -203,7 +195,6 @@ fn names_fit(opcode: u8, data: &[u8]) -> bool {
     after_names().is_some_and(|rest| !is_channel || metadata_fits(rest).is_some())
 }
 
-/// What comes after a name that begins with its length.
 fn after_name(bytes: &[u8]) -> Option<&[u8]> {
     let (length, rest) = bytes.split_first_chunk::<4>()?;
     rest.get(u32::from_le_bytes(*length) as usize..)

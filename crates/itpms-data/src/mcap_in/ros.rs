@@ -6,7 +6,6 @@ use std::collections::HashMap;
 
 use super::fields::{Fields, MOST_ELEMENTS};
 
-/// Messages inside messages.
 const DEEPEST: usize = 16;
 /// Messages inside one message, all in all: those without a byte have no other end.
 const MOST_INSIDE: usize = 1 << 14;
@@ -20,7 +19,6 @@ pub(super) enum Wire {
     Ros1,
 }
 
-/// A message of which every field is known.
 #[derive(Debug)]
 pub(super) struct Definition {
     wire: Wire,
@@ -43,7 +41,6 @@ enum List {
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Kind {
-    /// Bytes, and how they are a number.
     Unsigned(usize),
     Signed(usize),
     Float(usize),

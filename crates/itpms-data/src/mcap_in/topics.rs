@@ -37,7 +37,6 @@ pub(crate) struct Topic {
     pub(crate) name: String,
     codec: Result<Codec, String>,
     is_ros: bool,
-    /// The paths of its numbers, and their places by path.
     pub(crate) paths: Vec<String>,
     places: HashMap<String, usize>,
     /// Whether its own stamps agreed with the recorder's clock so far.
@@ -46,7 +45,6 @@ pub(crate) struct Topic {
     pub(crate) not_understood: u64,
 }
 
-/// All topics of a file.
 #[derive(Debug, Default)]
 pub(crate) struct Topics {
     schemas: HashMap<u16, (String, String, Vec<u8>)>,
@@ -168,7 +166,6 @@ impl Topic {
         })
     }
 
-    /// The number at this path as a signal.
     pub(crate) fn signal(&self, place: usize) -> Candidate {
         let path = self.paths.get(place).map_or("", String::as_str);
         let group = self.name.clone();

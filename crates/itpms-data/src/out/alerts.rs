@@ -10,7 +10,6 @@ use serde_json::{Map, Value, json};
 use crate::log::{Field, Slot};
 
 /// An alert that began or ended, as a line of `events.jsonl`: `time_s`, `event` (`begun` or `ended`) and the alert.
-#[must_use]
 pub fn transition_object(time_s: f64, change: &Change<f64>) -> Map<String, Value> {
     let (event, alert) = match change {
         Change::Begun(alert) => ("begun", alert),
@@ -24,7 +23,6 @@ pub fn transition_object(time_s: f64, change: &Change<f64>) -> Map<String, Value
 }
 
 /// An alert: `kind`, `wheels`, `since_s`, `reported_s`, numbers that depend on the kind, and `text` for a person.
-#[must_use]
 pub fn alert_object(alert: &Alert<f64>) -> Map<String, Value> {
     let mut object = Map::new();
     let mut put = |key: &str, value: Value| {
@@ -100,7 +98,6 @@ fn put_malfunction(put: &mut impl FnMut(&str, Value), malfunction: &Malfunction<
     }
 }
 
-/// The sensor's column in a drive log.
 fn column(sensor: &Sensor) -> String {
     let field = match sensor.place {
         Place::Body => Field::BodyAccel,

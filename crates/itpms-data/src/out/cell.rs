@@ -1,13 +1,10 @@
 //! What a table's columns and cells hold, whatever file the table goes to.
 
-/// What a column holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// A number that may be missing.
     Number,
-    /// True or false.
     Flag,
-    /// Text.
     Label,
 }
 
@@ -16,8 +13,6 @@ pub enum Kind {
 pub enum Cell<'a> {
     /// A number; NaN where missing.
     Number(f64),
-    /// True or false.
     Flag(bool),
-    /// Text.
     Label(&'a str),
 }

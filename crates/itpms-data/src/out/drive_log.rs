@@ -18,7 +18,6 @@ use crate::log::{LogColumns, LogFormat, LogOptions, LogRow};
 #[cfg(feature = "mdf4")]
 use crate::mdf4::{ChannelSpec, Compression, GroupSpec, Mdf4Writer, SampleFormat};
 
-/// Writes the rows of a drive.
 #[derive(Debug)]
 pub struct LogWriter {
     sink: Sink,
@@ -45,7 +44,6 @@ enum Sink {
 /// Whether a format that can be compressed is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Packing {
-    /// Small.
     #[default]
     Packed,
     /// For programs that cannot read it otherwise.
@@ -64,17 +62,12 @@ impl From<Packing> for Compression {
 
 impl LogWriter {
     /// Starts the file with these columns, in the format that its extension asks for.
-    ///
-    /// # Errors
-    /// The file cannot be created, or its extension is not known; a CAN log needs [`LogWriter::create_with`].
+    /// Errors: the file cannot be created, or its extension is not known; a CAN log needs [`LogWriter::create_with`].
     pub fn create(path: &Path, columns: LogColumns) -> Result<Self, DataError> {
         Self::create_with(path, columns, &LogOptions::default(), Packing::default())
     }
 
     /// The same for a CAN log, too: the DBC file and the map say which signals carry the columns.
-    ///
-    /// # Errors
-    /// As [`LogWriter::create`]; the DBC file is missing, unusable, or has no signal for any column.
     #[cfg_attr(
         not(all(feature = "can", feature = "mdf4")),
         allow(unused_variables, reason = "tables take no start")
@@ -111,9 +104,6 @@ impl LogWriter {
     }
 
     /// Adds a row. What the columns do not ask for is left out, what the row lacks is missing.
-    ///
-    /// # Errors
-    /// The file cannot be written.
     pub fn write(&mut self, row: &LogRow) -> Result<(), DataError> {
         match &mut self.sink {
             Sink::Table { table, cells } => {
@@ -135,7 +125,6 @@ impl LogWriter {
     }
 
     /// What of the rows did not get into the file so far, a sentence each.
-    #[must_use]
     pub fn losses(&self) -> Vec<String> {
         match &self.sink {
             #[cfg(feature = "can")]
@@ -145,9 +134,6 @@ impl LogWriter {
     }
 
     /// Everything onto the disk; [`AtomicFile::commit`] then gives the file its name.
-    ///
-    /// # Errors
-    /// The file cannot be written.
     pub fn finish(self) -> Result<AtomicFile, DataError> {
         match self.sink {
             Sink::Table { table, .. } => table.finish(),
@@ -166,7 +152,6 @@ pub(super) fn table_columns(columns: &LogColumns) -> Vec<(String, Kind)> {
     columns.slots().map(|slot| (slot.name(), Kind::Number)).collect()
 }
 
-/// The columns besides the time.
 #[cfg(feature = "mdf4")]
 fn measured(columns: &LogColumns) -> impl Iterator<Item = Slot> {
     columns.slots().filter(|slot| *slot != Slot::Time)

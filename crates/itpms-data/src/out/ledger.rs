@@ -18,9 +18,7 @@ pub struct Ledger {
 
 impl Ledger {
     /// Opens or begins the file; gives its complete lines, and cuts off what is left of an unfinished one.
-    ///
-    /// # Errors
-    /// It cannot be read or written, or another program has it open.
+    /// Errors: it cannot be read or written, or another program has it open.
     pub fn open(path: &Path) -> Result<(Self, Vec<String>), DataError> {
         let fail = |error| DataError::new(path, FileProblem::Write(error));
         let options = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path);
@@ -46,9 +44,6 @@ impl Ledger {
     }
 
     /// Appends a line; when this returns, it is on the disk.
-    ///
-    /// # Errors
-    /// The disk is full, or the like; or the text has a line break in it.
     pub fn append(&mut self, line: &str) -> Result<(), DataError> {
         let fail = |error| DataError::new(&self.path, FileProblem::Write(error));
         if line.contains('\n') {

@@ -9,7 +9,6 @@ const EARLY: f64 = 1e-6;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RateGate {
     rate_hz: f64,
-    /// Time of the first row in s.
     pub start_s: Option<f64>,
     /// Periods after the start that are due next.
     pub due: f64,
@@ -17,7 +16,6 @@ pub struct RateGate {
 
 impl RateGate {
     /// A gate that lets this many rows a second through.
-    #[must_use]
     pub fn new(rate_hz: f64) -> Self {
         Self { rate_hz, start_s: None, due: 0.0 }
     }

@@ -110,16 +110,13 @@ impl EstimateColumns {
 pub const COLD_COLUMNS: [&str; 2] = ["cold_pressure_kpa", "cold_pressure_sd_kpa"];
 
 /// What is in them, in kPa; NaN where it is not known.
-#[must_use]
 pub fn cold_values(estimate: &CornerEstimate<f64>) -> [f64; 2] {
     estimate.cold.map_or([f64::NAN; 2], |cold| [cold.pressure_kpa, cold.sd_kpa])
 }
 
 impl EstimateWriter {
     /// Starts the file with the columns of these corners, of wheel speeds ([`WheelSpeedUse::columns`]), and of the air's columns in the log.
-    ///
-    /// # Errors
-    /// The file cannot be created, or its extension is not known.
+    /// Errors: the file cannot be created, or its extension is not known.
     pub fn create(
         path: &Path,
         corners: &[Corner],
@@ -132,9 +129,6 @@ impl EstimateWriter {
 
     /// Adds a row; `estimates` and `states` in the order of [`Corner::ALL`]. A corner without an estimate has empty cells, is
     /// not valid and warns of nothing.
-    ///
-    /// # Errors
-    /// The file cannot be written.
     pub fn write(
         &mut self,
         time_s: f64,
@@ -147,9 +141,6 @@ impl EstimateWriter {
     }
 
     /// Everything onto the disk; [`AtomicFile::commit`] then gives the file its name.
-    ///
-    /// # Errors
-    /// The file cannot be written.
     pub fn finish(self) -> Result<AtomicFile, DataError> {
         self.table.finish()
     }
@@ -160,16 +151,13 @@ impl EstimateWriter {
 pub struct RoadPoint {
     /// Height in m, within the wavelengths the sensors can see: no hill, no drift, no pebble.
     pub road_m: f64,
-    /// Its standard deviation in m.
     pub road_sd_m: f64,
 }
 
-/// Writes `time_s, distance_m`, then `{c}_road_m` for every corner, then `{c}_road_sd_m` for every corner, at the
-/// log's rate.
+/// Writes `time_s, distance_m`, then `{c}_road_m` for every corner, then `{c}_road_sd_m` for every corner, at the log's rate.
 ///
-/// The height is band-limited: what is slower than about 0.5 Hz in time is drift of the accelerometers and taken
-/// out, what is shorter than the tire's contact patch was never felt. At 20 km/h that leaves wavelengths of about
-/// 0.5 to 10 m.
+/// The height is band-limited: what is slower than about 0.5 Hz in time is drift of the accelerometers and taken out, what is shorter than
+/// the tire's contact patch was never felt. At 20 km/h that leaves wavelengths of about 0.5 to 10 m.
 #[derive(Debug)]
 pub struct RoadWriter {
     table: Table,
@@ -213,10 +201,7 @@ impl RoadColumns {
 }
 
 impl RoadWriter {
-    /// Starts the file with the columns of these corners.
-    ///
-    /// # Errors
-    /// The file cannot be created, or its extension is not known.
+    /// Starts the file with the columns of these corners. Errors: the file cannot be created, or its extension is not known.
     pub fn create(path: &Path, corners: &[Corner]) -> Result<Self, DataError> {
         let columns = RoadColumns::new(corners);
         Ok(Self { table: Table::create(path, &columns.table())?, columns, cells: Vec::new() })
@@ -224,9 +209,6 @@ impl RoadWriter {
 
     /// Adds a row; `points` in the order of [`Corner::ALL`], an absent one leaves its cells empty. The distance is
     /// NaN where the speed is unknown.
-    ///
-    /// # Errors
-    /// The file cannot be written.
     pub fn write(
         &mut self,
         time_s: f64,
@@ -238,9 +220,6 @@ impl RoadWriter {
     }
 
     /// Everything onto the disk; [`AtomicFile::commit`] then gives the file its name.
-    ///
-    /// # Errors
-    /// The file cannot be written.
     pub fn finish(self) -> Result<AtomicFile, DataError> {
         self.table.finish()
     }

@@ -6,7 +6,6 @@ use itpms_core::warning::WheelState;
 pub type States = [Option<WheelState>; 4];
 
 /// `fine`, `low`, `over`, `malfunction`, `uncertain` where there is a pressure that could be low as well as not, or else `unknown`.
-#[must_use]
 pub fn state_label(state: Option<WheelState>) -> &'static str {
     state.map_or("unknown", WheelState::label)
 }

@@ -26,9 +26,7 @@ enum Open {
 
 impl Table {
     /// Starts the file and writes the header. A device or pipe without an extension receives CSV.
-    ///
-    /// # Errors
-    /// The file cannot be created, or its extension is not known.
+    /// Errors: the file cannot be created, or its extension is not known.
     pub fn create(path: &Path, columns: &[(String, Kind)]) -> Result<Self, DataError> {
         let format = Format::of(path);
         let file = AtomicFile::create(path)?;
@@ -44,9 +42,6 @@ impl Table {
     }
 
     /// Adds a row, its cells in the order of the columns.
-    ///
-    /// # Errors
-    /// The file cannot be written.
     pub fn write(&mut self, cells: &[Cell<'_>]) -> Result<(), DataError> {
         match &mut self.0 {
             Open::Csv(table) => table.write(cells),
@@ -56,9 +51,6 @@ impl Table {
     }
 
     /// Everything onto the disk; the file still needs its name.
-    ///
-    /// # Errors
-    /// The file cannot be written.
     pub fn finish(self) -> Result<AtomicFile, DataError> {
         match self.0 {
             Open::Csv(table) => table.finish(),

@@ -10,21 +10,17 @@ use super::state::{States, state_label};
 /// What wheel speeds say after a row.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RadiusRow {
-    /// Radii and losses.
     pub radii: RadiusReport<f64>,
-    /// What follows for each wheel.
     pub states: States,
     /// What the days since the calibration say of a slow leak.
     pub slow_leak: SlowLeak<f64>,
 }
 
-/// Whether a drive has wheel speeds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum WheelSpeedUse {
     /// It has none, or they are not used.
     #[default]
     None,
-    /// Beside accelerations.
     Beside,
     /// It has nothing else.
     Alone,
@@ -35,7 +31,6 @@ impl WheelSpeedUse {
     /// {c}_low_probability, {c}_detectable_loss` (the smallest loss that would have shown, as a share of the pressure), and `{c}_wheel_speed_state`, or `{c}_valid, {c}_warning, {c}_level, {c}_state` where there is nothing else;
     /// then `front_radius_difference` (left over right), `rear_radius_difference` and `axles_radius_difference` (front over rear), each
     /// with its `_sd`. All are relative changes since the calibration; empty where nothing is known.
-    #[must_use]
     pub fn columns(self) -> Vec<(String, Kind)> {
         if self == Self::None {
             return Vec::new();

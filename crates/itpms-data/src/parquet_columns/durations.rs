@@ -9,7 +9,6 @@ use std::collections::HashMap;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
-/// The key of the metadata.
 pub(super) const KEY: &str = "ARROW:schema";
 
 /// Places of fields in their tables, and tags, from Arrow's `Message.fbs` and `Schema.fbs`.
@@ -95,7 +94,6 @@ impl Buffer<'_> {
         String::from_utf8(bytes.to_vec()).ok()
     }
 
-    /// The tables of a vector.
     fn tables(&self, table: usize, number: usize) -> Option<impl Iterator<Item = usize>> {
         let at = self.table(table, number)?;
         // No more than the bytes have room for.

@@ -23,10 +23,8 @@ pub(super) struct Part {
     keys: Vec<(String, String)>,
 }
 
-/// The parts of a file or folder that are asked for, in the order of their names, and the selections that no key has answered.
-///
-/// # Errors
-/// The folder cannot be read or has another format's log; a key has several values, of which none is asked for, or not the one that is.
+/// The parts of a file or folder that are asked for, in the order of their names, and the selections that no key has answered. Errors: the
+/// folder cannot be read or has another format's log; a key has several values, of which none is asked for, or not the one that is.
 pub(super) fn parts(path: &Path, selections: &[Selection]) -> Result<(Vec<Part>, Vec<Selection>), Problem> {
     if !path.is_dir() {
         return Ok((vec![Part { path: path.to_owned(), keys: Vec::new() }], selections.to_vec()));

@@ -33,7 +33,6 @@ pub(crate) enum Quantity {
 /// How a cell is laid down.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Stored {
-    /// As the physical type has it.
     Plain,
     /// An integer without a sign.
     Unsigned,
@@ -41,7 +40,6 @@ enum Stored {
     BigEndian,
     /// Two bytes, IEEE 754, least significant first.
     HalfPrecision,
-    /// Whole days.
     Days,
     /// Months, days and milliseconds, least significant first.
     Interval,
@@ -53,9 +51,7 @@ enum Stored {
 
 impl Meaning {
     /// That of a column; `duration_per_s`: of how many units a second has, where the writer stored a duration as integers.
-    ///
-    /// # Errors
-    /// It holds no numbers: what instead, in words.
+    /// Errors: it holds no numbers: what instead, in words.
     pub(super) fn of(leaf: &ColumnDescriptor, duration_per_s: Option<f64>) -> Result<Self, String> {
         if leaf.max_rep_level() > 0 {
             return Err("lists of values".to_owned());
@@ -94,19 +90,13 @@ impl Meaning {
     }
 
     /// That of a column given as the clock, which may hold text.
-    ///
-    /// # Errors
-    /// As [`Meaning::of`].
     pub(super) fn of_clock(leaf: &ColumnDescriptor, duration_per_s: Option<f64>) -> Result<Self, String> {
         let is_text = Self::of_words(leaf, &[]).is_ok();
         let text = Self { quantity: Quantity::Time, divisor: 1.0, stored: Stored::ClockText };
         if is_text { Ok(text) } else { Self::of(leaf, duration_per_s) }
     }
 
-    /// That of a column of words, in any case.
-    ///
-    /// # Errors
-    /// It holds no text: what instead, in words.
+    /// That of a column of words, in any case. Errors: it holds no text: what instead, in words.
     pub(super) fn of_words(leaf: &ColumnDescriptor, words: &'static [&'static str]) -> Result<Self, String> {
         let bytes = leaf.physical_type() == PhysicalType::BYTE_ARRAY && leaf.max_rep_level() == 0;
         let meant = match Annotation::of(leaf) {

@@ -39,7 +39,6 @@ pub(crate) struct ParquetColumns {
     names: Vec<String>,
     /// Of those that are durations, units per s.
     durations: HashMap<String, f64>,
-    /// Those that were chosen.
     columns: Vec<Column>,
     next_group: usize,
     /// Rows of the current row group that are not decoded yet.
@@ -70,7 +69,6 @@ struct Column {
     present: i16,
     /// Index of the leaf in the schema.
     leaf: usize,
-    /// The reader of the current row group.
     reader: Option<ColumnReader>,
     /// The current batch, NaN where null.
     values: Vec<f64>,
@@ -107,18 +105,12 @@ impl ParquetColumns {
         &self.names
     }
 
-    /// What a column holds.
-    ///
-    /// # Errors
-    /// No numbers and no times.
+    /// What a column holds. Errors: no numbers and no times.
     pub(crate) fn meaning(&self, leaf: usize) -> Result<Meaning, Problem> {
         self.meant(leaf, Meaning::of)
     }
 
     /// What a column holds that is given as the clock: numbers, times or text of times.
-    ///
-    /// # Errors
-    /// None of them.
     pub(crate) fn clock_meaning(&self, leaf: usize) -> Result<Meaning, Problem> {
         self.meant(leaf, Meaning::of_clock)
     }
@@ -134,10 +126,7 @@ impl ParquetColumns {
             .map_err(|found| Problem::ColumnType { column: column.clone(), found })
     }
 
-    /// Reads one more column, of numbers; to be given before the first row.
-    ///
-    /// # Errors
-    /// It holds something else.
+    /// Reads one more column, of numbers; to be given before the first row. Errors: it holds something else.
     pub(crate) fn choose(&mut self, leaf: usize) -> Result<(), Problem> {
         let meaning = self.meaning(leaf)?;
         if meaning.quantity == Quantity::Time {
@@ -148,10 +137,7 @@ impl ParquetColumns {
         Ok(())
     }
 
-    /// The same for a column of numbers, times or text of times, which come in s.
-    ///
-    /// # Errors
-    /// It holds none of them.
+    /// The same for a column of numbers, times or text of times, which come in s. Errors: it holds none of them.
     pub(crate) fn choose_clock(&mut self, leaf: usize) -> Result<(), Problem> {
         let meaning = self.clock_meaning(leaf)?;
         self.take(leaf, meaning);
@@ -159,9 +145,7 @@ impl ParquetColumns {
     }
 
     /// Reads one more column, of one of these words a row: its place among them comes, and minus one for any other.
-    ///
-    /// # Errors
-    /// It holds no text.
+    /// Errors: it holds no text.
     pub(crate) fn choose_words(
         &mut self,
         leaf: usize,
@@ -176,10 +160,7 @@ impl ParquetColumns {
         Ok(())
     }
 
-    /// Of the rows, only those that have this in a column of numbers or text.
-    ///
-    /// # Errors
-    /// It holds something else.
+    /// Of the rows, only those that have this in a column of numbers or text. Errors: it holds something else.
     pub(crate) fn choose_rows(&mut self, leaf: usize, selection: &Selection) -> Result<(), Problem> {
         let described = &self.reader.metadata().file_metadata().schema_descr().columns()[leaf];
         let meaning = Meaning::of_words(described, &[]).or_else(|_| Meaning::of(described, None));
@@ -205,7 +186,6 @@ impl ParquetColumns {
         self.columns.push(Column { name, meaning, selection: None, present, leaf, reader, values, levels });
     }
 
-    /// Rows of the whole file.
     pub(crate) fn rows(&self) -> u64 {
         self.rows
     }
@@ -242,7 +222,6 @@ impl ParquetColumns {
         self.columns.iter().map(|column| column.values[self.now])
     }
 
-    /// The same of one of them.
     pub(crate) fn value(&self, place: usize) -> f64 {
         self.columns[place].values[self.now]
     }

@@ -18,8 +18,8 @@ const DAY_S: f64 = 86_400.0;
 const MIDNIGHT_S: f64 = 60.0;
 
 /// A file or a folder of files.
+#[derive(Default)]
 pub(crate) struct ParquetParts {
-    /// The names of all columns of all parts.
     names: Vec<String>,
     /// The parts that have some first, for what these are, and for each name the part among them.
     first: Vec<ParquetColumns>,
@@ -39,19 +39,15 @@ pub(crate) struct ParquetParts {
     rows_read: u64,
 }
 
-/// What is read of every part.
 #[derive(Debug, Default)]
 struct Wanted {
-    /// Names of the chosen columns.
     columns: Vec<String>,
     /// Which of the chosen ones is the clock.
     clock: Option<usize>,
     rows: Vec<Selection>,
 }
 
-/// A part that is read.
 struct Open {
-    /// Within a folder, its name.
     name: Option<String>,
     columns: ParquetColumns,
     /// Where each of the wanted columns is among those of this part, if it has it.
@@ -74,29 +70,13 @@ pub(crate) fn is_folder_of_parts(path: &Path) -> bool {
 }
 
 impl ParquetParts {
-    /// Opens a file or a folder.
-    ///
-    /// # Errors
-    /// It cannot be read, is no Parquet, or holds several recordings of which none is asked for.
+    /// Opens a file or a folder. Errors: it cannot be read, is no Parquet, or holds several recordings of which none is asked for.
     pub(crate) fn open(path: &Path, selections: &[Selection]) -> Result<Self, Problem> {
         let (parts, rows) = folder::parts(path, selections)?;
         if parts.is_empty() {
             return Err(FileProblem::IsDirectory.into());
         }
-        let mut of_all = Self {
-            names: Vec::new(),
-            first: Vec::new(),
-            first_with: Vec::new(),
-            wanted: Wanted { rows, ..Wanted::default() },
-            lacking: Vec::new(),
-            overlap: None,
-            waiting: Vec::new(),
-            open: Vec::new(),
-            goes_over_midnight: false,
-            now: 0,
-            rows: 0,
-            rows_read: 0,
-        };
+        let mut of_all = Self { wanted: Wanted { rows, ..Wanted::default() }, ..Self::default() };
         let is_folder = parts.len() > 1;
         for Part { path, .. } in parts {
             let columns =
@@ -118,24 +98,17 @@ impl ParquetParts {
         }
     }
 
-    /// The names of all columns.
     pub(crate) fn names(&self) -> &[String] {
         &self.names
     }
 
-    /// What a column holds.
-    ///
-    /// # Errors
-    /// No numbers and no times.
+    /// What a column holds. Errors: no numbers and no times.
     pub(crate) fn meaning(&self, leaf: usize) -> Result<Meaning, Problem> {
         let (part, leaf) = self.first_part_with(leaf)?;
         part.meaning(leaf)
     }
 
-    /// What a column holds that is given as the clock.
-    ///
-    /// # Errors
-    /// No numbers, no times and no text of times.
+    /// What a column holds that is given as the clock. Errors: no numbers, no times and no text of times.
     pub(crate) fn clock_meaning(&self, leaf: usize) -> Result<Meaning, Problem> {
         let (part, leaf) = self.first_part_with(leaf)?;
         part.clock_meaning(leaf)
@@ -153,9 +126,7 @@ impl ParquetParts {
     }
 
     /// Reads these columns of numbers, and if it is among them `clock`, whose times come in s.
-    ///
-    /// # Errors
-    /// One holds something else, a part has no clock, or the rows that are asked for are not there.
+    /// Errors: one holds something else, a part has no clock, or the rows that are asked for are not there.
     pub(crate) fn choose(&mut self, leaves: &[usize], clock: Option<usize>) -> Result<(), Problem> {
         self.wanted.columns = leaves.iter().map(|leaf| self.names[*leaf].clone()).collect();
         self.wanted.clock = leaves.iter().position(|leaf| Some(*leaf) == clock);
@@ -223,10 +194,7 @@ impl ParquetParts {
         (self.rows_read as f64 / self.rows.max(1) as f64).min(1.0)
     }
 
-    /// Goes to the next row, by the clock; `None` after the last.
-    ///
-    /// # Errors
-    /// A part cannot be read on.
+    /// Goes to the next row, by the clock; `None` after the last. Errors: a part cannot be read on.
     pub(crate) fn advance(&mut self) -> Result<Option<Place>, Problem> {
         if let Some(part) = self.open.get_mut(self.now)
             && !part.advance()?

@@ -36,7 +36,6 @@ const MOST_WAITING: usize = 1 << 18;
 pub struct Pulse {
     /// When it passed, in s, by the clock of the drive's log.
     pub time_s: f64,
-    /// Whose.
     pub wheel: Corner,
 }
 
@@ -77,10 +76,7 @@ pub struct PulseReader {
 }
 
 impl PulseReader {
-    /// Opens a table, by its extension.
-    ///
-    /// # Errors
-    /// It cannot be read, or has no column `time_s` or `wheel`.
+    /// Opens a table, by its extension. Errors: it cannot be read, or has no column `time_s` or `wheel`.
     pub fn open(path: &Path) -> Result<Self, DataError> {
         let source = Source::open(path)?;
         Ok(Self {
@@ -96,24 +92,16 @@ impl PulseReader {
         })
     }
 
-    /// The file.
-    #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// The next pulse; `None` after the last.
-    ///
-    /// # Errors
-    /// A row that is none, or one that lies further back than rows may.
+    /// The next pulse; `None` after the last. Errors: a row that is none, or one that lies further back than rows may.
     pub fn next_pulse(&mut self) -> Result<Option<Pulse>, DataError> {
         self.next_until(f64::INFINITY)
     }
 
     /// The next pulse if it passed by then, in s.
-    ///
-    /// # Errors
-    /// As [`next_pulse`](Self::next_pulse).
     pub fn next_until(&mut self, time_s: f64) -> Result<Option<Pulse>, DataError> {
         loop {
             self.read_ahead().map_err(|problem| DataError::new(&self.path, problem))?;
@@ -133,8 +121,6 @@ impl PulseReader {
         }
     }
 
-    /// What was repaired, a sentence each.
-    #[must_use]
     pub fn repairs(&self) -> Vec<String> {
         let counted = |count: u64, what: &str| (count > 0).then(|| format!("{count} {what}"));
         [
@@ -187,33 +173,23 @@ impl PulseReader {
     }
 }
 
-/// Writes a table of pulses.
 #[derive(Debug)]
 pub struct PulseWriter(Table);
 
 impl PulseWriter {
-    /// Starts the file, in the format that its extension asks for.
-    ///
-    /// # Errors
-    /// The file cannot be created, or its extension is not known.
+    /// Starts the file, in the format that its extension asks for. Errors: the file cannot be created, or its extension is not known.
     pub fn create(path: &Path) -> Result<Self, DataError> {
         let columns = [("time_s".to_owned(), Kind::Number), ("wheel".to_owned(), Kind::Label)];
         Ok(Self(Table::create(path, &columns)?))
     }
 
     /// Adds a pulse, its time to a nanosecond.
-    ///
-    /// # Errors
-    /// The file cannot be written.
     pub fn write(&mut self, pulse: &Pulse) -> Result<(), DataError> {
         let time_s = (pulse.time_s * 1e9).round() / 1e9;
         self.0.write(&[Cell::Number(time_s), Cell::Label(pulse.wheel.label())])
     }
 
     /// Everything onto the disk; the file still needs its name.
-    ///
-    /// # Errors
-    /// The file cannot be written.
     pub fn finish(self) -> Result<AtomicFile, DataError> {
         self.0.finish()
     }

@@ -79,7 +79,6 @@ fn no_wheel(place: Place, found: &str) -> Problem {
     Problem::Refused(format!("{place}, column wheel: found {found}, expected fl, fr, rl or rr"))
 }
 
-/// Where the two columns are.
 fn places(names: &[String]) -> Result<[usize; 2], Problem> {
     let place = |column: &'static str| {
         let mut of = names.iter().enumerate().filter(|(_, name)| name.trim().eq_ignore_ascii_case(column));

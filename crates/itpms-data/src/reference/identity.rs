@@ -12,9 +12,7 @@ use crate::vehicle::{Vehicle, VehicleDetails};
 /// What tells one car from another.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct VehicleIdentity {
-    /// The vehicle's name.
     pub name: String,
-    /// Its id, where its file has one.
     pub id: Option<String>,
     /// Fingerprint of masses, dampers, springs, tires, placard pressures and wheelbase, as 16 hexadecimal digits. Sensor
     /// noise and the pressure an estimate starts from may change without a new calibration.
@@ -22,17 +20,12 @@ pub struct VehicleIdentity {
 }
 
 impl VehicleIdentity {
-    /// The identity of a vehicle.
-    #[must_use]
     pub fn of(vehicle: &Vehicle) -> Self {
         let parameters = fingerprint(vehicle);
         Self { name: vehicle.name.clone(), id: vehicle.id.clone(), parameters }
     }
 
-    /// Refuses the first thing that tells this car from `wanted`.
-    ///
-    /// # Errors
-    /// [`ReferenceProblem::OtherVehicle`].
+    /// Refuses the first thing that tells this car from `wanted`. Errors: [`ReferenceProblem::OtherVehicle`].
     pub fn expect(&self, wanted: &Self) -> Result<(), ReferenceProblem> {
         let quoted =
             |text: &Option<String>| text.as_ref().map_or("not given".to_owned(), |id| format!("{id:?}"));

@@ -82,10 +82,8 @@ fn implausible(error: CalibrationError, vehicle: &Vehicle, found_m: Option<f64>)
     }
 }
 
-/// A learned reference with its car and its date.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StoredReference {
-    /// The car it was learned on.
     pub vehicle: VehicleIdentity,
     /// When the calibration was over, in s since 1970-01-01 UTC, as the caller's clock had it.
     pub learned_unix_s: u64,
@@ -93,7 +91,6 @@ pub struct StoredReference {
     pub wheelbase_m: Option<f64>,
     /// What was learned of corners with accelerations; of no corner where there were none.
     pub reference: VehicleCalibration<f64>,
-    /// What was learned of the wheel speeds.
     pub wheel_speeds: Option<RadiusCalibration<f64>>,
     /// What was learned of tooth pulses, in the order of [`Corner::ALL`](itpms_core::model::Corner::ALL); never without wheel speeds.
     pub torsion: LearnedTorsion,
@@ -105,9 +102,7 @@ pub struct StoredReference {
 
 impl StoredReference {
     /// What `vehicle` was found to be at the given time.
-    ///
-    /// # Errors
-    /// The reference is not plausible, or of no corner: a bad one is never stored.
+    /// Errors: the reference is not plausible, or of no corner: a bad one is never stored.
     pub fn new(
         vehicle: &Vehicle,
         mut reference: VehicleCalibration<f64>,
@@ -130,7 +125,6 @@ impl StoredReference {
     }
 
     /// What the wheel speeds of `vehicle` were found to be at the given time, its accelerations not being known.
-    #[must_use]
     pub fn of_wheel_speeds(vehicle: &Vehicle, learned: RadiusCalibration<f64>, learned_unix_s: u64) -> Self {
         Self {
             vehicle: VehicleIdentity::of(vehicle),
@@ -144,42 +138,34 @@ impl StoredReference {
         }
     }
 
-    /// The same with what was learned of the wheel speeds.
-    #[must_use]
     pub fn with_wheel_speeds(self, wheel_speeds: Option<RadiusCalibration<f64>>) -> Self {
         Self { wheel_speeds, ..self }
     }
 
     /// The same with what was learned of struts and body.
-    #[must_use]
     pub fn with_suspension(self, suspension: Option<SuspensionReference>) -> Self {
         Self { suspension, ..self }
     }
 
     /// The same with what was learned of tooth pulses.
-    #[must_use]
     pub fn with_torsion(self, torsion: LearnedTorsion) -> Self {
         Self { torsion, ..self }
     }
 
     /// The same after another day.
-    #[must_use]
     pub fn with_days(self, days: &RadiusDays<f64>) -> Self {
         let calibrated_unix_s = self.days.calibrated_unix_s;
         Self { days: RadiusDays { calibrated_unix_s, ..*days }, ..self }
     }
 
     /// Whether anything was learned of corners with accelerations.
-    #[must_use]
     pub fn has_corners(&self) -> bool {
         self.reference.corners.iter().any(Option::is_some)
     }
 
     /// What `vehicle` is to be given, if this was learned on it, and the vehicle from whose parameters that counts: itself, but for a
     /// wheelbase that was assumed.
-    ///
-    /// # Errors
-    /// Another name, another id, or other parameters: deviations from one set of parameters say nothing of another.
+    /// Errors: another name, another id, or other parameters: deviations from one set of parameters say nothing of another.
     pub fn for_vehicle(&self, vehicle: &Vehicle) -> Result<(Vehicle, &VehicleCalibration<f64>), Problem> {
         self.vehicle.expect(&VehicleIdentity::of(vehicle))?;
         let wheelbase_m = self.wheelbase_m.or(vehicle.wheelbase_m);
@@ -187,16 +173,12 @@ impl StoredReference {
     }
 
     /// The bytes of its file.
-    #[must_use]
     pub fn to_text(&self) -> String {
         text::sealed(self)
     }
 
     /// The reference in the bytes of a file. Checks everything but the vehicle, for which see
-    /// [`StoredReference::for_vehicle`].
-    ///
-    /// # Errors
-    /// Another file, a damaged one, a newer format, or numbers that no car has.
+    /// [`StoredReference::for_vehicle`]. Errors: another file, a damaged one, a newer format, or numbers that no car has.
     pub fn parse(bytes: &[u8]) -> Result<Self, Problem> {
         let stored = text::opened(bytes)?;
         check(&stored.reference).map_err(ReferenceProblem::Implausible)?;
@@ -216,19 +198,13 @@ impl StoredReference {
 
     /// Writes the file. Killed or without power at any moment, `path` holds what it held before or this, whole; what
     /// is left beside it does not disturb and goes with the next save.
-    ///
-    /// # Errors
-    /// The file cannot be written.
     pub fn save(&self, path: &Path) -> Result<(), DataError> {
         let mut file = AtomicFile::create(path)?;
         file.append(self.to_text().as_bytes())?;
         Ok(file.commit()?)
     }
 
-    /// Reads a file.
-    ///
-    /// # Errors
-    /// It cannot be read; and as [`StoredReference::parse`].
+    /// Reads a file. Errors: it cannot be read; and as [`StoredReference::parse`].
     pub fn read(path: &Path) -> Result<Self, DataError> {
         let read = || {
             let mut bytes = Vec::new();
@@ -249,7 +225,6 @@ impl StoredReference {
     }
 
     /// The day it was learned, `2026-03-01`, UTC.
-    #[must_use]
     pub fn day(&self) -> String {
         text::day(self.learned_unix_s)
     }

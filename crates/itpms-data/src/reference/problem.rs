@@ -6,27 +6,21 @@ use thiserror::Error;
 /// Why a reference is not used.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
-#[allow(missing_docs, reason = "the messages say it")]
 pub enum ReferenceProblem {
     #[error("is no learned reference: its beginning is {found:?}, expected \"itpms-reference\"")]
     Foreign { found: String },
-    /// Cut short, or changed since it was written.
     #[error("the learned reference is damaged: its checksum says {found}, expected {expected}")]
     Damaged { found: String, expected: String },
-    /// From a program of the future.
     #[error("the learned reference has format {found}, expected at most {newest}: a newer itpms wrote it")]
     Newer { found: u32, newest: u32 },
     #[error("the reference was learned on a vehicle whose {what} is {found}, expected {expected}")]
     OtherVehicle { what: &'static str, found: String, expected: String },
-    /// A value that no car has.
     #[error("the learned reference is not plausible: {0}")]
     Implausible(CalibrationError),
-    /// A wheelbase that the vehicle file says is known is not the car's.
     #[error(
         "the calibration shows a wheelbase of {found_m:.2} m, the vehicle file has {file_m} m: measure it, or write wheelbase_sd_m = 0.15 beside wheelbase_m to have it learned"
     )]
     Wheelbase { found_m: f64, file_m: f64 },
-    /// Whole, but without something that belongs there.
     #[error("the learned reference does not have {0}")]
     Lacks(&'static str),
 }

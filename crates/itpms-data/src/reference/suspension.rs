@@ -6,16 +6,13 @@ use super::ReferenceProblem;
 use crate::error::Problem;
 use crate::toml_table::Table;
 
-/// Elements of the friction model of a strut.
 pub const FRICTION_ELEMENTS: usize = 3;
 
 /// Struts and body of a healthy car, in the kilograms of its vehicle file (docs/math/dampers.md). Corners in the order of
 /// [`Corner::ALL`](itpms_core::model::Corner::ALL), axles front and rear.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SuspensionReference {
-    /// Sprung mass of the whole car in kg.
     pub sprung_mass_kg: f64,
-    /// Share of it that the rear axle carries.
     pub rear_share: f64,
     /// Distance of the center of gravity from the middle to the left, over half of the track.
     pub left_offset: f64,
@@ -31,11 +28,8 @@ pub struct SuspensionReference {
     pub asymmetry_n_s_per_m: [f64; 4],
     /// Force over the square of the speed in N s²/m²: negative where dampers are digressive.
     pub knee_n_s2_per_m2: [f64; 4],
-    /// Springs in N/m.
     pub spring_n_per_m: [f64; 4],
-    /// Anti-roll bars at a wheel, in N/m.
     pub bar_n_per_m: [f64; 2],
-    /// Slip forces in N of the friction's elements.
     pub friction_n: [[f64; FRICTION_ELEMENTS]; 4],
     /// Time in s by which each wheel's sensor is later than the body's.
     pub lateness_s: [f64; 4],
@@ -43,7 +37,6 @@ pub struct SuspensionReference {
     pub hydraulic_n_s_per_m: [f64; 4],
     /// Share of dry friction in what the struts damped meanwhile, the largest of the four.
     pub friction_share: f64,
-    /// Seconds of driving that it was learned from.
     pub driving_s: f64,
 }
 
@@ -106,7 +99,6 @@ impl SuspensionReference {
     }
 
     /// Whether a car may be so.
-    #[must_use]
     pub fn is_sane(&self) -> bool {
         let mut copy = *self;
         let is_finite = copy.numbers().iter().all(|(_, value)| value.is_finite());

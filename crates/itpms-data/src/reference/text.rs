@@ -81,7 +81,6 @@ fn body(stored: &StoredReference) -> String {
     out
 }
 
-/// What accelerations have taught.
 fn corners(out: &mut String, stored: &StoredReference) {
     let reference = &stored.reference;
     let _ = writeln!(out, "driving_s = {:?}", reference.learned_s);
@@ -198,7 +197,6 @@ fn read_corners(corners: &Table<'_>, format: u32) -> Result<[Option<CornerCalibr
     Ok(read)
 }
 
-/// Gain and skew of a side.
 fn read_side(learned: &Table<'_>, side: &'static str) -> Result<[Learned<f64>; 2], Problem> {
     let table = needed_table(learned, side)?;
     let [gain, skew] = SIDE_QUANTITIES;

@@ -1,5 +1,4 @@
-//! The unit in the name of a table's column: `Speed [km/h]`, `AccZ_FL (g)`, `v_kmh`, `body_acc_fl_m_s2`; and whether a
-//! column is the clock.
+//! The unit in the name of a table's column: `Speed [km/h]`, `AccZ_FL (g)`, `v_kmh`, `body_acc_fl_m_s2`; and whether a column is the clock.
 //!
 //! Called where a table's columns are taken for signals.
 
@@ -33,7 +32,6 @@ pub(crate) fn conversion_to(unit: &str, slot: Slot) -> Option<Conversion> {
     Unit::of(unit).conversion_to(slot)
 }
 
-/// Seconds per unit, of a unit of time.
 pub(crate) fn seconds(unit: &str) -> Option<f64> {
     match Unit::of(unit) {
         Unit::Known(Quantity::Time, conversion) => Some(conversion.factor),
@@ -41,8 +39,7 @@ pub(crate) fn seconds(unit: &str) -> Option<f64> {
     }
 }
 
-/// Seconds per unit of the column, if it is a clock: `time_s`, `Time`, `t [ms]`, `timestamps`. One that does not say its
-/// unit has seconds.
+/// Seconds per unit of the column, if it is a clock: `time_s`, `Time`, `t [ms]`, `timestamps`. One that does not say its unit has seconds.
 pub(crate) fn clock(name: &str) -> Option<f64> {
     let (bare, unit) = split(name);
     let letters: String = bare.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect();
@@ -123,7 +120,6 @@ fn split(name: &str) -> (&str, String) {
     (name, String::new())
 }
 
-/// Whether this is the spelling of a unit.
 pub(crate) fn is_unit(text: &str) -> bool {
     matches!(Unit::of(text), Unit::Known(..))
 }

@@ -31,7 +31,6 @@ pub struct SignalMap {
     time: Option<Entry>,
 }
 
-/// One line of the map.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Entry {
     pub(super) slot: Slot,
@@ -44,18 +43,13 @@ pub(super) struct Entry {
 /// How to get to the column's unit.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Scale {
-    /// From the unit that the file states.
     AsStated,
     Unit(String, Conversion),
-    /// By these numbers.
     Numbers(Conversion),
 }
 
 impl SignalMap {
-    /// Reads a map.
-    ///
-    /// # Errors
-    /// The file cannot be read, is not TOML, has an unknown key, or a unit that is not one of the column's quantity.
+    /// Reads a map. Errors: the file cannot be read, is not TOML, has an unknown key, or a unit that is not one of the column's quantity.
     pub fn read(path: &Path) -> Result<Self, DataError> {
         let read = || parse(&input::read_text(path, "a map of signals (TOML)")?);
         let (entries, time) = read().map_err(|problem| DataError::new(path, problem))?;
@@ -63,15 +57,11 @@ impl SignalMap {
     }
 
     /// The map in this text; `path` is what messages call it.
-    ///
-    /// # Errors
-    /// As [`SignalMap::read`].
     pub fn parse(text: &str, path: &Path) -> Result<Self, DataError> {
         let (entries, time) = parse(text).map_err(|problem| DataError::new(path, problem))?;
         Ok(Self { path: path.to_owned(), entries, time })
     }
 
-    /// What messages call it.
     pub(crate) fn path(&self) -> &Path {
         &self.path
     }

@@ -1,5 +1,4 @@
-//! What comes signal by signal instead of row by row: bus logs and measurement files whose signals have their own
-//! clocks.
+//! What comes signal by signal instead of row by row: bus logs and measurement files whose signals have their own clocks.
 //!
 //! | module | idea |
 //! |---|---|
@@ -42,12 +41,9 @@ pub(crate) use resolve::contested;
 pub use resolve::{Chosen, Resolved, resolve, resolve_among, resolve_knowing};
 pub(crate) use sentences::not_there;
 
-/// One value of one signal at its own time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reading {
-    /// Time in s on the log's clock.
     pub time_s: f64,
-    /// What it is.
     pub slot: Slot,
     /// The value in the unit of [`Slot::name`]; NaN is a value that was sent as invalid.
     pub value: f64,
@@ -58,7 +54,6 @@ pub struct Reading {
 pub struct Candidate {
     /// The message or channel group it is in; may be empty.
     pub group: String,
-    /// Its name.
     pub name: String,
     /// Its unit as the file has it; empty where it says nothing.
     pub unit: String,
@@ -66,7 +61,6 @@ pub struct Candidate {
 
 impl Candidate {
     /// Group, dot, name: what a map calls it.
-    #[must_use]
     pub fn full_name(&self) -> String {
         if self.group.is_empty() { self.name.clone() } else { format!("{}.{}", self.group, self.name) }
     }
@@ -98,7 +92,6 @@ pub(crate) fn element_name(group: &str, array: &str, unit: &str, number: usize, 
 /// Something in a log that could be a signal but cannot be read.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Unread {
-    /// What it is called.
     pub candidate: Candidate,
     /// Why it is not read, as the end of "it is".
     pub why: String,
@@ -107,18 +100,15 @@ pub struct Unread {
 /// From one unit to another: times the factor, plus the offset.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Conversion {
-    /// Multiplied first.
     pub factor: f64,
     /// Added then, in the new unit.
     pub offset: f64,
 }
 
 impl Conversion {
-    /// Leaves a value as it is.
     pub const IDENTITY: Self = Self { factor: 1.0, offset: 0.0 };
 
     /// The value in the new unit.
-    #[must_use]
     pub fn apply(self, value: f64) -> f64 {
         value * self.factor + self.offset
     }

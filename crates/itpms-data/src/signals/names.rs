@@ -8,7 +8,6 @@ use itpms_core::model::Corner;
 
 use crate::log::{AirField, Field, Motion, PositionField, Slot};
 
-/// How sure the words are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Fit {
     /// Every word of the name is understood, an acceleration says that it is vertical.
@@ -17,7 +16,6 @@ pub(crate) enum Fit {
     SomeWords,
 }
 
-/// One word that means something.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Word {
     Corner(Corner),
@@ -45,7 +43,6 @@ enum Word {
     Air,
     Barometer,
     Altitude,
-    /// Of where the car is.
     Gps,
     Latitude,
     Longitude,
@@ -252,7 +249,6 @@ fn mass(words: &[Word]) -> Option<Field> {
     }
 }
 
-/// The one corner that is named.
 fn corner(words: &[Word]) -> Option<Corner> {
     let has = |word| words.contains(&word);
     let side = match (has(Word::Front), has(Word::Rear), has(Word::Left), has(Word::Right)) {

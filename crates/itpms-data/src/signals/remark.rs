@@ -5,18 +5,13 @@ use std::fmt;
 use super::sentences::{stated, suggested};
 use crate::log::Slot;
 
-/// By what a signal is a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Source {
-    /// The map.
     Map,
-    /// The signal has the column's name.
     Name,
     /// The signal has the column's name in other letters.
     Letters,
-    /// All words of its name say so.
     Words,
-    /// Some words of its name say so.
     SomeWords,
 }
 
@@ -37,46 +32,15 @@ impl fmt::Display for Source {
 #[non_exhaustive]
 pub enum Remark {
     /// Several signals could be it; none is taken.
-    Ambiguous {
-        /// The column.
-        slot: Slot,
-        /// Some of the signals.
-        signals: String,
-        /// The first of them.
-        first: String,
-    },
+    Ambiguous { slot: Slot, signals: String, first: String },
     /// A signal could be it, but its unit is not stated or not known; it is not taken.
-    Unit {
-        /// The column.
-        slot: Slot,
-        /// The signal.
-        signal: String,
-        /// Its unit as stated.
-        unit: String,
-    },
+    Unit { slot: Slot, signal: String, unit: String },
     /// A signal could be it, but cannot be read.
-    Unread {
-        /// The column.
-        slot: Slot,
-        /// The signal.
-        signal: String,
-        /// What it is.
-        why: String,
-    },
+    Unread { slot: Slot, signal: String, why: String },
     /// A signal could be it, but has no samples in this log; it is not taken.
-    NoSamples {
-        /// The column.
-        slot: Slot,
-        /// The signal.
-        signal: String,
-    },
+    NoSamples { slot: Slot, signal: String },
     /// The map has one signal for two columns.
-    UsedTwice {
-        /// The signal.
-        signal: String,
-        /// The columns.
-        slots: [Slot; 2],
-    },
+    UsedTwice { signal: String, slots: [Slot; 2] },
 }
 
 impl Remark {

@@ -13,13 +13,11 @@ use crate::toml_table::escaped;
 
 impl Resolved {
     /// What is doubtful, in the order of the columns.
-    #[must_use]
     pub fn remarks(&self) -> &[Remark] {
         &self.remarks
     }
 
     /// A line per column that has a signal: which, how converted, and by what.
-    #[must_use]
     pub fn lines(&self) -> Vec<String> {
         let line = |chosen: &super::Chosen| {
             let conversion = words(chosen.conversion, &chosen.unit);
@@ -30,7 +28,6 @@ impl Resolved {
 
     /// What someone should know who wrote no map of it: which signal was taken for which column where neither its name nor a
     /// map says so, what was doubtful, and which corner is left out.
-    #[must_use]
     pub fn assumptions(&self) -> Vec<String> {
         let lines = self.iter().zip(self.lines());
         let guessed = lines
@@ -44,8 +41,6 @@ impl Resolved {
         guessed.chain(doubts).chain(lone).chain(self.lacking_wheels()).collect()
     }
 
-    /// Whether all four wheels have a speed.
-    #[must_use]
     pub fn has_wheel_speeds(&self) -> bool {
         LogColumns::of(&self.slots()).motion.wheel_speeds()
     }
@@ -65,7 +60,6 @@ impl Resolved {
     }
 
     /// The corners that have both accelerations, in the order of [`Corner::ALL`].
-    #[must_use]
     pub fn corners(&self) -> Vec<Corner> {
         let has = |corner, field| self.get(Slot::Corner(corner, field)).is_some();
         let complete = |corner: &Corner| has(*corner, Field::BodyAccel) && has(*corner, Field::WheelAccel);
@@ -73,7 +67,6 @@ impl Resolved {
     }
 
     /// Why nothing can be estimated from these signals, if no corner has both accelerations and not all four wheels have a speed; else `None`.
-    #[must_use]
     pub fn unusable(&self) -> Option<String> {
         if !self.corners().is_empty() || self.has_wheel_speeds() {
             return None;
@@ -110,7 +103,6 @@ impl Resolved {
     }
 
     /// The columns of corners that have one acceleration and lack the other.
-    #[must_use]
     pub fn lone(&self) -> Vec<Slot> {
         let pair = |corner| [Field::BodyAccel, Field::WheelAccel].map(|field| Slot::Corner(corner, field));
         let lacking = |[body, wheel]: [Slot; 2]| match (self.get(body), self.get(wheel)) {
@@ -123,13 +115,11 @@ impl Resolved {
 
     /// The text of a map that says all this, with what is doubtful or missing as comments. `clock`: the column of a table that is
     /// its clock.
-    #[must_use]
     pub fn to_toml(&self, clock: Option<&str>) -> String {
         self.to_toml_in(clock, None)
     }
 
     /// The same with the clock's unit, where it does not say it itself.
-    #[must_use]
     pub fn to_toml_in(&self, clock: Option<&str>, unit: Option<&str>) -> String {
         let mut out = String::from("[signals]\n");
         if let Some(name) = clock.map(escaped) {
@@ -168,7 +158,6 @@ impl Resolved {
 }
 
 /// What was doubtful about a corner's accelerations, of what is reported of a log's signals: more than that it has none.
-#[must_use]
 pub fn doubt_of(corner: Corner, reported: &[String]) -> Option<&str> {
     let columns = [Field::BodyAccel, Field::WheelAccel].map(|field| Slot::Corner(corner, field).name());
     let is_of_it = |text: &&String| columns.iter().any(|column| text.contains(column.as_str()));

@@ -14,20 +14,14 @@ use super::{Candidate, Conversion, Entry, Scale, SignalMap, Unread, not_there, s
 use crate::error::DataError;
 use crate::log::{Field, Quantity, SLOTS, Slot};
 
-/// One column's signal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chosen {
-    /// The column.
     pub slot: Slot,
-    /// Its place among the candidates.
     pub candidate: usize,
-    /// From the signal's value to the column's unit.
     pub conversion: Conversion,
-    /// Group, dot, name.
     pub signal: String,
     /// The unit as stated by the log.
     pub unit: String,
-    /// By what.
     pub source: Source,
 }
 
@@ -44,8 +38,6 @@ pub struct Resolved {
 }
 
 impl Resolved {
-    /// What this column gets.
-    #[must_use]
     pub fn get(&self, slot: Slot) -> Option<&Chosen> {
         self.chosen[slot.index()].as_ref()
     }
@@ -56,31 +48,24 @@ impl Resolved {
     }
 
     /// The columns that would get something if it had samples.
-    #[must_use]
     pub fn without_samples(&self) -> &[Slot] {
         &self.without_samples
     }
 
     /// The columns that get something, in the order of [`Slot::all`].
-    #[must_use]
     pub fn slots(&self) -> Vec<Slot> {
         self.iter().map(|chosen| chosen.slot).collect()
     }
 }
 
 /// Finds each column's signal. `time_s` is never among them: a log has its own clock.
-///
-/// # Errors
-/// The map asks for a signal that is not there or not the only one of its name, or for one whose unit is of no use and
-/// not given in the map. That names match nowhere is no error; see [`Resolved::unusable`].
+/// Errors: the map asks for a signal that is not there or not the only one of its name, or for one whose unit is of no use and not given in
+/// the map. That names match nowhere is no error; see [`Resolved::unusable`].
 pub fn resolve(candidates: &[Candidate], map: Option<&SignalMap>) -> Result<Resolved, DataError> {
     resolve_knowing(candidates, &[], map)
 }
 
 /// The same, knowing what else there is that cannot be read, so that the reason can be reported.
-///
-/// # Errors
-/// As [`resolve`].
 pub fn resolve_knowing(
     candidates: &[Candidate],
     unread: &[Unread],
@@ -91,9 +76,6 @@ pub fn resolve_knowing(
 
 /// The same where it is known which candidates have samples in this log; beyond the end of `has_samples` all have. One without is no column
 /// unless the map names it and no other.
-///
-/// # Errors
-/// As [`resolve`].
 pub fn resolve_among(
     candidates: &[Candidate],
     has_samples: &[bool],
@@ -158,7 +140,6 @@ impl Unread {
 
 /// The candidates of which only one can be taken, in the order of their places: several fit one column, or are what the map calls one.
 #[cfg(any(feature = "can", feature = "mdf4"))]
-#[must_use]
 pub(crate) fn contested(candidates: &[Candidate], map: Option<&SignalMap>) -> Vec<usize> {
     let mut contested = Vec::new();
     let mut several = |places: Vec<usize>| {
@@ -265,7 +246,6 @@ fn letters(name: &str) -> String {
     name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
 }
 
-/// A few full names, for a message.
 fn some_names(candidates: &[Candidate], places: &[usize]) -> String {
     const MOST: usize = 4;
     let mut names: Vec<String> =

@@ -14,11 +14,9 @@ pub(crate) enum Unit {
     Silent,
     /// A unit of this quantity, and how it becomes the quantity's own.
     Known(Quantity, Conversion),
-    /// Some word.
     Unknown,
 }
 
-/// Standard gravity in m/s².
 const STANDARD_GRAVITY_M_S2: f64 = 9.806_65;
 
 impl Unit {
@@ -70,8 +68,7 @@ const FAHRENHEIT: f64 = 5.0 / 9.0;
 const TURN: f64 = std::f64::consts::TAU;
 const DEGREE: f64 = TURN / 360.0;
 
-/// Without blanks, brackets and signs of multiplication and power: `m / s ^ 2`, `m·s⁻²` and `[m/s²]` are written in
-/// many ways.
+/// Without blanks, brackets and signs of multiplication and power: `m / s ^ 2`, `m·s⁻²` and `[m/s²]` are written in many ways.
 fn plain(text: &str) -> String {
     let mut plain = String::new();
     for c in text.chars() {

@@ -22,8 +22,6 @@ pub struct CornerFigures {
 }
 
 impl CornerFigures {
-    /// The figures of a corner whose tire has this damping in N s/m.
-    #[must_use]
     pub fn of(config: &CornerConfig<f64>, tire_damping_n_s_per_m: f64) -> Self {
         let car = &config.quarter_car;
         let (m_b, m_w) = (car.sprung_mass_kg(), car.unsprung_mass_kg());

@@ -14,29 +14,12 @@ impl From<Driven> for DrivenAxle {
     }
 }
 
-/// Which wheels are driven.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Driven {
-    /// The front wheels.
-    Front,
-    /// The rear wheels.
-    Rear,
-    /// All four.
-    All,
-}
-
-impl Driven {
-    /// All, as the file's message lists them.
-    pub const ALL: [Self; 3] = [Self::Front, Self::Rear, Self::All];
-
-    /// The word in the vehicle file.
-    #[must_use]
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Front => "front",
-            Self::Rear => "rear",
-            Self::All => "all",
-        }
+itpms_core::labelled! {
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+    pub enum Driven {
+        Front = "front",
+        Rear = "rear",
+        All = "all",
     }
 }
 
@@ -47,11 +30,9 @@ pub struct VehicleDetails {
     pub confidence: Confidence,
     /// Standard deviation of the wheelbase in m; see [`Vehicle::assumes_wheelbase`](super::Vehicle::assumes_wheelbase).
     pub wheelbase_sd_m: Option<f64>,
-    /// Distance between the front wheels' contact centers in m.
     pub track_front_m: Option<f64>,
     /// Distance between the rear wheels' contact centers in m.
     pub track_rear_m: Option<f64>,
-    /// Which wheels are driven.
     pub driven: Option<Driven>,
     /// Whether a driven axle's wheels are coupled: a limited-slip or locked differential.
     pub limited_slip: bool,
@@ -76,29 +57,19 @@ impl VehicleDetails {
     }
 }
 
-/// The optional keys of a corner and of its tire. All standard deviations are relative ones (0.05 is 5 %) unless
-/// their name has a unit.
+/// The optional keys of a corner and of its tire. All standard deviations are relative ones (0.05 is 5 %) unless their name has a unit.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct CornerDetails {
-    /// Of the sprung mass.
     pub sprung_mass_relative_sd: Option<f64>,
-    /// Of the unsprung mass.
     pub unsprung_mass_relative_sd: Option<f64>,
-    /// Of the suspension spring.
     pub spring_relative_sd: Option<f64>,
-    /// Of the damping.
     pub damping_relative_sd: Option<f64>,
-    /// Coulomb friction of the strut in N.
     pub friction_n: Option<f64>,
-    /// Its standard deviation in N.
     pub friction_sd_n: Option<f64>,
-    /// Vertical damping of the tire in N s/m.
     pub tire_damping_n_s_per_m: Option<f64>,
-    /// Its standard deviation in N s/m.
     pub tire_damping_sd_n_s_per_m: Option<f64>,
     /// Placard pressure in kPa of a corner of which nothing else is known: wheel speeds need no more.
     pub placard_kpa: Option<f64>,
-    /// The tire's optional keys.
     pub tire: TireDetails,
 }
 
@@ -109,15 +80,12 @@ pub struct TireDetails {
     pub stiffness_relative_sd: Option<f64>,
     /// Relative standard deviation of the tire's stiffness over the unsprung mass, where that is known better than the two.
     pub stiffness_over_mass_relative_sd: Option<f64>,
-    /// Effective rolling radius in m at placard pressure.
     pub rolling_radius_m: Option<f64>,
     /// Relative change of the rolling radius per unit of ln(pressure): `d ln R / d ln p`.
     pub radius_per_ln_pressure: Option<f64>,
-    /// Its standard deviation.
     pub radius_per_ln_pressure_sd: Option<f64>,
     /// Torsional resonance of belt against rim in Hz at placard pressure.
     pub torsion_hz: Option<f64>,
-    /// Its change in Hz per kPa.
     pub torsion_hz_per_kpa: Option<f64>,
     /// Teeth of the wheel-speed sensor's ring.
     pub teeth: Option<u32>,

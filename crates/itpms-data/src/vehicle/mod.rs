@@ -63,10 +63,8 @@ pub use derived::CornerFigures;
 pub use details::{CornerDetails, Driven, TireDetails, VehicleDetails};
 pub use itpms_core::model::{Confidence, ParameterUncertainty};
 
-/// A vehicle as its file describes it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Vehicle {
-    /// What people call it.
     pub name: String,
     /// Which of the cars of that name it is, where that matters: a VIN, a fleet number.
     pub id: Option<String>,
@@ -76,7 +74,6 @@ pub struct Vehicle {
     pub wheelbase_m: Option<f64>,
     /// The corners, in the order of [`Corner::ALL`].
     pub corners: [Option<CornerConfig<f64>>; 4],
-    /// What the file says beyond that.
     pub details: VehicleDetails,
 }
 
@@ -138,14 +135,12 @@ const CORNER_KEYS: [&str; 16] = [
 ];
 
 /// The `[tire]` table of a vehicle file for this map, with the uncertainty of its coefficients where it has one.
-#[must_use]
 pub fn tire_table(map: &PressureMap<f64>) -> String {
     write::tire_table(map)
 }
 
 impl Vehicle {
     /// The paper's simulated vehicle: Table 2 at all four corners, eq. (5), wheelbase 2.7 m.
-    #[must_use]
     pub fn paper() -> Self {
         Self {
             name: "paper, Table 2".to_owned(),
@@ -158,26 +153,22 @@ impl Vehicle {
     }
 
     /// The corner's parameters, if the vehicle has that corner.
-    #[must_use]
     pub fn corner(&self, corner: Corner) -> Option<&CornerConfig<f64>> {
         self.corners[corner.index()].as_ref()
     }
 
     /// Pressure of the air in kPa where the tires are filled.
-    #[must_use]
     pub fn home_kpa(&self) -> f64 {
         standard_atmosphere_kpa(self.details.home_altitude_m.unwrap_or(0.0))
     }
 
     /// What an estimator of these corners is given; corners that the vehicle does not have are left out.
-    #[must_use]
     pub fn car_config(&self, corners: &[Corner]) -> CarConfig<f64> {
         let chosen = |corner: Corner| self.corner(corner).copied().filter(|_| corners.contains(&corner));
         CarConfig { corners: Corner::ALL.map(chosen), wheelbase_m: self.wheelbase_m }
     }
 
     /// The same with other details, and with what they say of how well its parameters are known.
-    #[must_use]
     pub fn with_details(mut self, details: VehicleDetails) -> Self {
         self.details = details;
         for (corner, stated) in self.corners.iter_mut().zip(&details.corners) {
@@ -189,22 +180,17 @@ impl Vehicle {
     }
 
     /// Pressure on the placard of this corner's tire in kPa, where the file has it.
-    #[must_use]
     pub fn placard_kpa(&self, corner: Corner) -> Option<f64> {
         let alone = self.details.corners[corner.index()].placard_kpa;
         self.corner(corner).map(|config| config.placard_kpa).or(alone)
     }
 
     /// Rolling radius in m of the tires, where the file has one.
-    #[must_use]
     pub fn rolling_radius_m(&self) -> Option<f64> {
         self.details.corners.iter().find_map(|corner| corner.tire.rolling_radius_m)
     }
 
-    /// What the analysis of wheel speeds is given.
-    ///
-    /// # Errors
-    /// The key that the file lacks for that.
+    /// What the analysis of wheel speeds is given. Errors: the key that the file lacks for that.
     pub fn wheel_speed_config(&self) -> Result<WheelSpeedConfig<f64>, &'static str> {
         let VehicleDetails { track_front_m, track_rear_m, driven, limited_slip, .. } = self.details;
         let mut config = WheelSpeedConfig::new(
@@ -229,10 +215,7 @@ impl Vehicle {
     }
 
     /// What torsional analysis is given of each wheel, and the pressures that they should have in kPa: of a sensor and a tire nothing is known
-    /// of, where the file has nothing. Teeth and resonance are checked by the analysis.
-    ///
-    /// # Errors
-    /// The key that the file lacks for that.
+    /// of, where the file has nothing. Teeth and resonance are checked by the analysis. Errors: the key that the file lacks for that.
     pub fn torsion_config(&self) -> Result<([TorsionConfig<f64>; 4], [f64; 4]), &'static str> {
         let (mut wheels, mut placard_kpa) = ([TorsionConfig::new(); 4], [0.0; 4]);
         for (corner, (wheel, kpa)) in Corner::ALL.into_iter().zip(wheels.iter_mut().zip(&mut placard_kpa)) {
@@ -249,21 +232,18 @@ impl Vehicle {
 
     /// Whether the wheelbase is that of other cars: its standard deviation says that it was not measured. `itpms vehicle learn` and a
     /// calibration find it then.
-    #[must_use]
     pub fn assumes_wheelbase(&self) -> bool {
         self.wheelbase_m.is_some()
             && self.details.wheelbase_sd_m.is_some_and(|sd_m| sd_m > MEASURED_WHEELBASE_SD_M)
     }
 
     /// How well the parameters of this corner are known; those of the file's confidence for a corner that it does not have.
-    #[must_use]
     pub fn uncertainty(&self, corner: Corner) -> ParameterUncertainty<f64> {
         let usual = || ParameterUncertainty::of(self.details.confidence);
         self.corner(corner).map_or_else(usual, |corner| corner.uncertainty)
     }
 
     /// Standard deviation in kPa that the file leaves in the level of a pressure before a calibration, the largest of these corners.
-    #[must_use]
     pub fn level_sd_kpa(&self, corners: &[Corner]) -> f64 {
         let of = |config: &CornerConfig<f64>| {
             let stiffness = config.tire.stiffness_n_per_m(config.placard_kpa);
@@ -273,18 +253,13 @@ impl Vehicle {
     }
 
     /// Reads a vehicle file.
-    ///
-    /// # Errors
-    /// The file cannot be read, is not TOML, has an unknown or lacks a needed key, or a value is out of its range.
+    /// Errors: the file cannot be read, is not TOML, has an unknown or lacks a needed key, or a value is out of its range.
     pub fn read(path: &Path) -> Result<Self, DataError> {
         let read = || Self::parse(&input::read_text(path, "a vehicle file (TOML)")?);
         read().map_err(|problem| DataError::new(path, problem))
     }
 
     /// The vehicle described by the text of a vehicle file.
-    ///
-    /// # Errors
-    /// As [`Vehicle::read`], without the name of a file.
     pub fn parse(text: &str) -> Result<Self, Problem> {
         let document = DeTable::parse(text).map_err(|error| syntax_problem(text, &error))?;
         let root = Table::root(text, document.get_ref());
@@ -333,13 +308,11 @@ impl Vehicle {
     }
 
     /// The text of a vehicle file that reads back as this vehicle.
-    #[must_use]
     pub fn to_toml(&self) -> String {
         write::vehicle(self)
     }
 
     /// The same with these lines of comment at its head, and beside each value what `comment` says of it by its table and key.
-    #[must_use]
     pub fn to_commented_toml(
         &self,
         head: &[String],
@@ -349,9 +322,6 @@ impl Vehicle {
     }
 
     /// Writes a vehicle file, completely or not at all.
-    ///
-    /// # Errors
-    /// The file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), DataError> {
         let mut file = AtomicFile::create(path)?;
         file.append(self.to_toml().as_bytes())?;

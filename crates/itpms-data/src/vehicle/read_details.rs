@@ -84,7 +84,6 @@ pub(super) fn corner(table: &Table<'_>, tire: TireDetails) -> Result<CornerDetai
     })
 }
 
-/// What a table of a tire says beyond its stiffness.
 pub(super) fn tire(table: &Table<'_>) -> Result<TireDetails, Problem> {
     Ok(TireDetails {
         stiffness_relative_sd: relative_sd(table, "stiffness_relative_sd")?,
@@ -143,7 +142,6 @@ fn teeth(table: &Table<'_>) -> Result<Option<u32>, Problem> {
     }
 }
 
-/// One of several words.
 fn word<T: Copy>(
     table: &Table<'_>,
     key: &'static str,

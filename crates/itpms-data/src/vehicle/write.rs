@@ -209,7 +209,6 @@ fn number(out: &mut String, key: &str, value: f64) {
     let _ = writeln!(out, "{key} = {value:?}");
 }
 
-/// Those that are there.
 fn numbers<const N: usize>(out: &mut String, keys: [(&str, Option<f64>); N]) {
     for (key, value) in keys {
         if let Some(value) = value {

@@ -35,14 +35,12 @@ const ALIVE: f64 = 3.0;
 /// Difference in kPa between a gauge and a tire's own sensor that should be looked at: sensors are right to some 10 kPa, and tires warm up.
 const SENSOR_KPA: f64 = 35.0;
 
-/// What was found, each a sentence.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(super) struct Findings {
-    /// What the log has.
     pub(super) facts: Vec<String>,
     /// Why it is not good enough.
     pub(super) faults: Vec<String>,
-    /// What would be better, or should be known.
+    /// Advice and caveats.
     pub(super) notes: Vec<String>,
 }
 

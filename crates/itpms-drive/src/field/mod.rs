@@ -26,7 +26,6 @@ use pack::Pack;
 pub use pressures::{KnownFrom, KnownStretch};
 use watch::LogWatch;
 
-/// Format of the manifest.
 const FORMAT: u32 = 1;
 
 /// What an owner tells beside log and vehicle file.
@@ -40,7 +39,6 @@ pub struct FieldNotes {
     pub program: String,
 }
 
-/// What came out.
 #[derive(Debug, Clone)]
 pub struct FieldCheck {
     findings: Findings,
@@ -50,9 +48,7 @@ pub struct FieldCheck {
 }
 
 /// Reads a log to its end, judges it, and packs it if `packs` and it is good enough. `watch` receives the share that is done.
-///
-/// # Errors
-/// The log cannot be read on; [`DriveError::Stopped`].
+/// Errors: the log cannot be read on; [`DriveError::Stopped`].
 pub fn check_field(
     vehicle: &Vehicle,
     log: &mut LogReader,
@@ -122,37 +118,31 @@ fn manifest(
 
 impl FieldCheck {
     /// Whether the log is good enough.
-    #[must_use]
     pub fn is_good(&self) -> bool {
         self.findings.faults.is_empty()
     }
 
-    /// What the log has, a sentence each.
-    #[must_use]
+    /// The log's content, a sentence each.
     pub fn facts(&self) -> &[String] {
         &self.findings.facts
     }
 
     /// Why the log is not good enough, each with the way out; empty: it is.
-    #[must_use]
     pub fn faults(&self) -> &[String] {
         &self.findings.faults
     }
 
-    /// What would be better, or should be known.
-    #[must_use]
+    /// Advice and caveats.
     pub fn notes(&self) -> &[String] {
         &self.findings.notes
     }
 
     /// What of log and vehicle file is not in the archive.
-    #[must_use]
     pub fn left_out(&self) -> &[String] {
         &self.left_out
     }
 
     /// What `itpms vehicle check --field --json` prints.
-    #[must_use]
     pub fn document(&self) -> Value {
         json!({
             "good": self.is_good(),

@@ -13,7 +13,6 @@ use zip::{CompressionMethod, ZipWriter};
 
 use crate::error::DriveError;
 
-/// Names in the archive.
 pub(super) const LOG: &str = "drive.csv";
 pub(super) const VEHICLE: &str = "vehicle.toml";
 pub(super) const MANIFEST: &str = "manifest.json";
@@ -30,7 +29,6 @@ pub(super) struct Pack {
 }
 
 impl Pack {
-    /// Begins the log with these columns, but those of places.
     pub(super) fn begin(columns: &LogColumns) -> Result<Self, DriveError> {
         let columns = without_places(*columns);
         let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
@@ -40,7 +38,6 @@ impl Pack {
         Ok(Self { archive, columns, line: String::new() })
     }
 
-    /// The names of the columns that are written.
     pub(super) fn columns(&self) -> Vec<String> {
         self.columns.slots().map(Slot::name).collect()
     }
@@ -62,7 +59,6 @@ impl Pack {
         self.archive.write_all(self.line.as_bytes()).map_err(|error| failed(error.into()))
     }
 
-    /// Adds vehicle and manifest, and closes the archive.
     pub(super) fn finish(mut self, vehicle: &Vehicle, manifest: &Value) -> Result<Vec<u8>, DriveError> {
         for (name, text) in [(VEHICLE, anonymous(vehicle).to_toml()), (MANIFEST, format!("{manifest:#}\n"))] {
             self.archive.start_file(name, options()).map_err(failed)?;

@@ -13,7 +13,6 @@ use crate::learn::no_pressure;
 pub struct KnownFrom {
     /// Time in s since the log's first row.
     pub from_s: f64,
-    /// The pressures in kPa.
     pub kpa: [Option<f64>; 4],
 }
 
@@ -74,9 +73,7 @@ impl KnownStretch {
 }
 
 /// The stretches of a log, each with all four pressures: what is not given for a tire is what it was before.
-///
-/// # Errors
-/// None is given; the first is not of the log's beginning or lacks a tire; times that do not ascend. A sentence with the way out.
+/// Errors: none is given; the first is not of the log's beginning or lacks a tire; times that do not ascend. A sentence with the way out.
 pub(super) fn stretches(known: &[KnownFrom]) -> Result<Vec<KnownStretch>, String> {
     let Some(first) = known.first() else {
         return Err("no pressure is given: read every tire with a gauge, cold, at the start and after each change, and give them with --pressure-kpa 240 --pressure-kpa 480:fl=200 --pressure-kpa 900:fl=160 (seconds since the start, then kPa)".to_owned());

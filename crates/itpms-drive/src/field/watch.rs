@@ -23,7 +23,6 @@ pub(super) struct Stop {
     pub(super) to_s: f64,
 }
 
-/// Number, sum and sum of squares.
 #[derive(Debug, Clone, Copy, Default)]
 struct Sums([f64; 3]);
 
@@ -40,14 +39,12 @@ impl Sums {
         (count > 0.0).then(|| sum / count)
     }
 
-    /// About the mean.
     fn rms(&self) -> Option<f64> {
         let [count, sum, squares] = self.0;
         (count > 1.0).then(|| ((squares - sum * sum / count) / count).max(0.0).sqrt())
     }
 }
 
-/// One accelerometer.
 #[derive(Debug, Clone, Copy, Default)]
 struct Sensor {
     driving: Sums,
@@ -59,19 +56,15 @@ struct Sensor {
 /// What an accelerometer reads, in m/s².
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Reading {
-    /// Mean while the car stands.
     pub(super) rest_mean: f64,
     /// Rms in the quietest two seconds of standing.
     pub(super) rest_rms: f64,
-    /// Rms while it drives.
     pub(super) driving_rms: f64,
 }
 
-/// See the [module](self).
 #[derive(Debug)]
 pub(super) struct LogWatch {
     stretches: Vec<KnownStretch>,
-    /// Seconds driven in each stretch.
     driven_s: Vec<f64>,
     /// Speed in m/s where each stretch begins.
     speed_at: Vec<f64>,
@@ -108,7 +101,6 @@ impl LogWatch {
         }
     }
 
-    /// Time in s of a row since the first one.
     pub(super) fn since_start_s(&mut self, row: &LogRow) -> f64 {
         row.time_s - *self.first_s.get_or_insert(row.time_s)
     }

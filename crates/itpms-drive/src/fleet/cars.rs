@@ -13,33 +13,25 @@ use itpms_data::reference::crc64;
 use super::found::natural;
 use crate::error::DriveError;
 
-/// A car.
 #[derive(Debug)]
 pub struct Car {
-    /// What it is called.
     pub id: String,
     /// Its parameters, or why they cannot be used.
     pub vehicle: Result<Vehicle, String>,
-    /// A checksum of its file.
     pub fingerprint: String,
     /// What an earlier calibration drive taught of it.
     pub reference: Option<PathBuf>,
 }
 
-/// All cars.
 #[derive(Debug)]
 pub enum Cars {
-    /// All drives are of this one.
     One(Box<Car>),
     /// A car per vehicle file, in natural order.
     Many(Vec<Car>),
 }
 
 impl Cars {
-    /// The car that one vehicle file describes; it is called by its id, or else its name.
-    ///
-    /// # Errors
-    /// The file cannot be used.
+    /// The car that one vehicle file describes; it is called by its id, or else its name. Errors: the file cannot be used.
     pub fn one(path: &Path) -> Result<Self, DriveError> {
         let vehicle = Vehicle::read(path)?;
         let id = vehicle.id.clone().unwrap_or_else(|| vehicle.name.clone());
@@ -52,9 +44,7 @@ impl Cars {
     }
 
     /// The cars whose vehicle files lie in a folder. A file that cannot be used is no error: its car's drives fail.
-    ///
-    /// # Errors
-    /// The folder cannot be read, or holds no vehicle file.
+    /// Errors: the folder cannot be read, or holds no vehicle file.
     pub fn folder(path: &Path) -> Result<Self, DriveError> {
         let unreadable = |error| DriveError::Mismatch(format!("{}: cannot be read: {error}", path.display()));
         let mut cars = Vec::new();
@@ -82,10 +72,7 @@ impl Cars {
         Ok(Self::Many(cars))
     }
 
-    /// The car of a drive.
-    ///
-    /// # Errors
-    /// A sentence about the drive: no car, or more than one.
+    /// The car of a drive. Errors: a sentence about the drive: no car, or more than one.
     pub fn of(&self, drive: &Path) -> Result<&Car, String> {
         let cars = match self {
             Self::One(car) => return Ok(car),

@@ -38,7 +38,6 @@ impl<'a> Progress<'a> {
         let _ = self.moved(bytes);
     }
 
-    /// So many bytes more.
     fn moved(&self, bytes: u64) -> ControlFlow<()> {
         let read = self.read.fetch_add(bytes, Ordering::Relaxed) + bytes;
         let share = read as f64 / self.bytes as f64;

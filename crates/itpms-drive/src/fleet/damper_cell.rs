@@ -8,10 +8,8 @@ use std::fmt::Write as _;
 use super::record::{DamperRecord, DriveRecord};
 
 const WHEELS: [&str; 4] = ["fl", "fr", "rl", "rr"];
-/// Drives of a line.
 const LINE: usize = 60;
 
-/// Whether any drive says anything of a damper.
 pub(super) fn any(drives: &[DriveRecord]) -> bool {
     drives.iter().any(is_judged)
 }
@@ -28,7 +26,6 @@ fn of<'a>(drive: &'a DriveRecord, name: &str) -> Option<&'a DamperRecord> {
     drive.wheels.iter().find(|wheel| wheel.wheel == name)?.damper.as_ref().filter(|damper| judged(damper))
 }
 
-/// A car's cell.
 pub(super) fn cell(drives: &[&DriveRecord]) -> String {
     let known: Vec<&DriveRecord> = drives.iter().copied().filter(|drive| is_judged(drive)).collect();
     let Some(last) = known.last() else {

@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 
 use super::record::DriveRecord;
 
-/// Drives in a row.
 const ROW: u32 = 3;
 
 /// The way in which a damper is not as it was.

@@ -8,12 +8,10 @@ use std::time::UNIX_EPOCH;
 
 use crate::error::DriveError;
 
-/// A file that was found.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Found {
     /// As it was named, or as the pattern gave it.
     pub path: PathBuf,
-    /// Its length.
     pub bytes: u64,
     /// When it was last changed: s and ns since 1970, as text.
     pub modified: String,
@@ -26,7 +24,6 @@ pub struct Found {
 /// The table of tooth pulses of a drive `NAME.*`: `NAME.pulses.csv` or `NAME.pulses.parquet` in the same folder.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Beside {
-    /// The file.
     pub path: PathBuf,
     /// Its length and when it was last changed, as text.
     pub version: String,
@@ -75,19 +72,14 @@ impl Found {
         }
     }
 
-    /// The name by which it is known.
-    #[must_use]
     pub fn name(&self) -> String {
         self.path.to_string_lossy().into_owned()
     }
 }
 
-/// The files that these names and patterns mean, each once, in natural order (`drive2` before `drive10`). What lies in
-/// `out`, where the results go, is left out, by whatever links it is reached; folders are, too. What else is no file is among them,
-/// with the reason. A table of tooth pulses belongs to the drive beside it and is no drive.
-///
-/// # Errors
-/// A pattern that is none, or that fits no file.
+/// The files that these names and patterns mean, each once, in natural order (`drive2` before `drive10`). What lies in `out`, where the
+/// results go, is left out, by whatever links it is reached; folders are, too. What else is no file is among them, with the reason. A table
+/// of tooth pulses belongs to the drive beside it and is no drive. Errors: a pattern that is none, or that fits no file.
 pub fn files(patterns: &[PathBuf], out: &Path) -> Result<Vec<Found>, DriveError> {
     let own = real(out);
     let mut paths: Vec<PathBuf> = Vec::new();
@@ -141,7 +133,6 @@ fn real(path: &Path) -> PathBuf {
 }
 
 /// Text in the order in which a person puts it: runs of digits count as numbers.
-#[must_use]
 pub fn natural(a: &str, b: &str) -> Ordering {
     let (mut x, mut y) = (a.as_bytes(), b.as_bytes());
     loop {

@@ -58,23 +58,17 @@ use record::{DriveRecord, Inputs, Records};
 /// What a fleet's run is.
 #[derive(Debug)]
 pub struct Plan {
-    /// The drives.
     pub files: Vec<Found>,
-    /// The cars.
     pub cars: Cars,
     /// How each drive is estimated; its calibration and its reference are set drive by drive.
     pub settings: Settings,
     /// Which drives are calibration drives; `None`: none is.
     pub calibration: Option<Calibration>,
-    /// How logs are read.
     pub options: LogOptions,
-    /// The folder of the results.
     pub out: PathBuf,
-    /// Whether every drive leaves its report, and its estimates.
     pub reports: bool,
     /// Whether every drive leaves its estimates as CSV.
     pub estimates: bool,
-    /// Drives at a time.
     pub jobs: usize,
     /// What tells this program from another that might compute otherwise.
     pub program: String,
@@ -83,20 +77,17 @@ pub struct Plan {
 /// Which drives begin at placard pressure, and for how long.
 #[derive(Debug, Clone)]
 pub struct Calibration {
-    /// So many seconds.
     pub seconds: f64,
     /// Those whose path this fits; `None`: each car's first.
     pub drives: Option<Pattern>,
 }
 
-/// How far a run is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Standing {
     /// Share of the bytes, 0 to 1.
     pub share: f64,
     /// Drives that are done, those of earlier runs included.
     pub done: usize,
-    /// All drives.
     pub drives: usize,
 }
 
@@ -106,20 +97,16 @@ pub type Watch<'a> = &'a (dyn Fn(Standing) -> ControlFlow<()> + Sync);
 /// A drive that could not be estimated.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Failed {
-    /// The file.
     pub file: PathBuf,
     /// The car, if it is known.
     pub car: Option<String>,
-    /// Why, in a sentence.
     pub why: String,
 }
 
-/// What a run found.
 #[derive(Debug, Default)]
 pub struct Outcome {
     /// Every drive that was estimated, in the order of the files.
     pub drives: Vec<DriveRecord>,
-    /// Every other one.
     pub failed: Vec<Failed>,
     /// How many of the drives an earlier run had done.
     pub kept: usize,
@@ -136,9 +123,7 @@ struct Assigned<'a> {
 }
 
 /// Estimates all drives that are not done, and writes the tables and the page.
-///
-/// # Errors
-/// The folder cannot be used, or [`DriveError::Stopped`]: what is finished is kept. A drive that fails is no error.
+/// Errors: the folder cannot be used, or [`DriveError::Stopped`]: what is finished is kept. A drive that fails is no error.
 pub fn survey(plan: &Plan, watch: Watch<'_>) -> Result<Outcome, DriveError> {
     let mut records = Records::open(&plan.out.join("drives.jsonl"), heading(plan)?)?;
     let mut failed = BTreeMap::new();

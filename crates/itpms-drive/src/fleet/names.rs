@@ -27,13 +27,11 @@ impl<'a> Names<'a> {
     }
 }
 
-/// The last parts of a path, so many of them.
 fn tail(path: &str, parts: usize) -> &str {
     let cut = path.rmatch_indices(['/', '\\']).nth(parts - 1).map_or(0, |(at, _)| at + 1);
     &path[cut..]
 }
 
-/// A path as the address of a link.
 fn address(path: &str) -> String {
     let mut out = String::with_capacity(path.len());
     for byte in path.bytes() {

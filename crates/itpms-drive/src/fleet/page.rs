@@ -112,7 +112,6 @@ fn few(value: f64) -> String {
     if value < 10.0 { format!("{value:.1}") } else { format!("{value:.0}") }
 }
 
-/// How many cars are in each state.
 fn cards(cars: &[CarStanding<'_>]) -> String {
     let mut out = String::new();
     for state in State::ALL {

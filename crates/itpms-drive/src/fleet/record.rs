@@ -20,7 +20,6 @@ const KEY: &str = "itpms_fleet";
 /// What a drive has shown of its day since the calibration with which it began.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DayRecord {
-    /// Days since the calibration.
     pub day: f64,
     /// Changes of the three ratios of radii in thousandths, with their covariance.
     pub change_1e3: [f64; 3],
@@ -38,15 +37,11 @@ impl DayRecord {
 }
 
 /// What a drive's results depend on; with the same inputs it is not estimated again.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Inputs {
-    /// Length of the log.
     pub bytes: u64,
-    /// When it was last changed.
     pub modified: String,
-    /// Checksum of the vehicle file.
     pub vehicle: String,
-    /// Whether it is a calibration drive.
     pub calibrate: bool,
     /// Checksum of the stored reference it starts with, if it does.
     pub reference: Option<String>,
@@ -54,40 +49,32 @@ pub struct Inputs {
     pub pulses: Option<String>,
 }
 
-/// A pressure at one time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Pressure {
-    /// When, in s.
     pub time_s: f64,
-    /// Pressure in kPa.
     pub pressure_kpa: f64,
-    /// Its standard deviation in kPa.
     pub sd_kpa: f64,
 }
 
 /// What a tire has lost since the calibration, by wheel speeds alone: shares of its pressure.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Loss {
-    /// What it has lost.
     pub share: f64,
-    /// Its standard deviation.
     pub sd: f64,
     /// The smallest loss that would have shown.
     pub detectable: f64,
 }
 
 /// What a drive showed of one wheel.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct WheelRecord {
     /// `fl`, `fr`, `rl` or `rr`.
     pub wheel: String,
-    /// Pressure that the placard asks for, in kPa.
     pub placard_kpa: f64,
     /// The monitor's word at the end: `unknown`, `uncertain`, `fine`, `low`, `over` or `malfunction`.
     pub state: String,
     /// The last row's warning: `none`, `low` or `malfunction`.
     pub warning: String,
-    /// The last valid pressure.
     pub last: Option<Pressure>,
     /// The valid pressure with the lowest upper end of its 95 % interval.
     pub lowest: Option<Pressure>,
@@ -95,11 +82,9 @@ pub struct WheelRecord {
     pub share_valid: f64,
     /// How often `low` was begun to be warned of, and when first, in s.
     pub warnings: u32,
-    /// When first, in s.
     pub first_warning_s: Option<f64>,
     /// How often `malfunction` was begun to be warned of.
     pub malfunctions: u32,
-    /// When first, in s.
     pub first_malfunction_s: Option<f64>,
     /// What wheel speeds alone say of it at the end.
     pub lost: Option<Loss>,
@@ -107,12 +92,10 @@ pub struct WheelRecord {
     pub iri_m_per_km: Option<f64>,
     /// How well body and wheel go together.
     pub fit: Option<FitRecord>,
-    /// What its damper does.
     #[serde(default)]
     pub damper: Option<DamperRecord>,
 }
 
-/// What a drive says of a damper.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DamperRecord {
     /// `learning`, `fine`, `weak`, `worn`, `stiff` or `unknown`.
@@ -132,56 +115,44 @@ pub struct FitRecord {
     pub unexplained: Option<f64>,
     /// How much more front and rear disagree about their road near wheel hop than beside it.
     pub hop_excess: Option<f64>,
-    /// Friction of the strut in N.
     pub friction_n: f64,
     /// What does not fit: `incoherent`, `unexplained` or `hop`.
     pub misfit: Option<String>,
 }
 
-/// What is kept of a drive.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct DriveRecord {
-    /// The log, as it was named.
     pub file: String,
-    /// The car.
     pub car: String,
-    /// The vehicle's name.
     pub vehicle: String,
-    /// What it was computed from.
     pub inputs: Inputs,
     /// Whether it is a calibration drive that taught something, for later drives to start with.
     pub taught: bool,
-    /// The log's time in s of the first row.
     pub start_s: f64,
     /// The log's time in s that all times count from: 0, or the first row's if that is more than a day.
     pub origin_s: f64,
     /// From the first row to the last, in s.
     pub duration_s: f64,
-    /// Rows per second.
     pub rate_hz: f64,
     /// Distance in m; `None` where the speed was never known.
     pub distance_m: Option<f64>,
-    /// The wheels that were estimated.
     pub wheels: Vec<WheelRecord>,
     /// The wheels of the vehicle file that were not.
     #[serde(default)]
     pub not_estimated: Vec<String>,
-    /// What the monitor reported, a sentence each.
+    /// The monitor's reports, a sentence each.
     pub alerts: Vec<String>,
-    /// What should be known before believing it, a sentence each.
+    /// Caveats, a sentence each.
     pub concerns: Vec<String>,
     /// What it has shown of its day since the calibration, by wheel speeds and where it has a date.
     pub day: Option<DayRecord>,
     /// Its report and its estimates, as paths within the folder of the results.
     pub report: Option<String>,
-    /// Its estimates, likewise.
     pub estimates: Option<String>,
 }
 
 impl DriveRecord {
-    /// What it has to do with calibration: `drive` (it taught the car), `carried` (it starts with what an earlier one taught)
-    /// or `none`.
-    #[must_use]
+    /// What it has to do with calibration: `drive` (it taught the car), `carried` (it starts with what an earlier one taught) or `none`.
     pub fn calibration(&self) -> &'static str {
         match (self.taught, &self.inputs.reference) {
             (true, _) => "drive",
@@ -235,7 +206,6 @@ impl Records {
         })
     }
 
-    /// What is kept of a drive.
     pub(super) fn of(&self, name: &str) -> Option<&DriveRecord> {
         self.drives.get(name)
     }
@@ -269,53 +239,24 @@ fn unsealed(line: &str) -> Option<String> {
 /// A drive that says this of one damper and nothing else.
 #[cfg(test)]
 pub(super) fn sample(name: &str, state: &str, over: f64) -> DriveRecord {
+    let (state, over_reference, left_right) = (state.to_owned(), Some(over), Some(over - 1.0));
     let wheel = WheelRecord {
         wheel: name.to_owned(),
         placard_kpa: 240.0,
         state: "fine".to_owned(),
         warning: "none".to_owned(),
-        last: None,
-        lowest: None,
         share_valid: 1.0,
-        warnings: 0,
-        first_warning_s: None,
-        malfunctions: 0,
-        first_malfunction_s: None,
-        lost: None,
-        iri_m_per_km: None,
-        fit: None,
-        damper: Some(DamperRecord {
-            state: state.to_owned(),
-            over_reference: Some(over),
-            left_right: Some(over - 1.0),
-        }),
-    };
-    let inputs = Inputs {
-        bytes: 1,
-        modified: String::new(),
-        vehicle: String::new(),
-        calibrate: false,
-        reference: None,
-        pulses: None,
+        damper: Some(DamperRecord { state, over_reference, left_right }),
+        ..WheelRecord::default()
     };
     DriveRecord {
         file: "d.csv".to_owned(),
         car: "car".to_owned(),
         vehicle: "car".to_owned(),
-        inputs,
-        taught: false,
-        start_s: 0.0,
-        origin_s: 0.0,
         duration_s: 200.0,
         rate_hz: 200.0,
-        distance_m: None,
         wheels: vec![wheel],
-        not_estimated: Vec::new(),
-        alerts: Vec::new(),
-        concerns: Vec::new(),
-        day: None,
-        report: None,
-        estimates: None,
+        ..DriveRecord::default()
     }
 }
 

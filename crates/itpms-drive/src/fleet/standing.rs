@@ -5,43 +5,25 @@ use std::collections::BTreeMap;
 use super::Failed;
 use super::record::{DriveRecord, WheelRecord};
 
-/// How a wheel or a car fares, in the order of urgency.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum State {
-    /// A tire was warned of as low.
-    Low,
-    /// A sensor was found not to be trusted.
-    Malfunction,
-    /// A tire has too much pressure.
-    Over,
-    /// There is a pressure that could be low as well as not.
-    Uncertain,
-    /// Not enough is known.
-    Unknown,
-    /// Nothing is wrong.
-    Fine,
+itpms_core::labelled! {
+    /// How a wheel or a car fares, in the order of urgency.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+    pub enum State {
+        Low = "low",
+        /// A sensor was found not to be trusted.
+        Malfunction = "malfunction",
+        /// A tire has too much pressure.
+        Over = "over",
+        /// There is a pressure that could be low as well as not.
+        Uncertain = "uncertain",
+        /// Not enough is known.
+        Unknown = "unknown",
+        Fine = "fine",
+    }
 }
 
 impl State {
-    /// All, the most urgent first.
-    pub const ALL: [Self; 6] =
-        [Self::Low, Self::Malfunction, Self::Over, Self::Uncertain, Self::Unknown, Self::Fine];
-
-    /// One word.
-    #[must_use]
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Low => "low",
-            Self::Malfunction => "malfunction",
-            Self::Over => "over",
-            Self::Uncertain => "uncertain",
-            Self::Unknown => "unknown",
-            Self::Fine => "fine",
-        }
-    }
-
     /// That of a wheel in a drive, as the drive's report shows it: what was warned of counts to the end of the drive.
-    #[must_use]
     pub fn of_wheel(wheel: &WheelRecord) -> Self {
         if wheel.first_warning_s.is_some() {
             Self::Low
@@ -61,17 +43,14 @@ impl State {
     }
 
     /// That of a drive: its worst wheel's. A wheel that was not estimated may be the one that is low.
-    #[must_use]
     pub fn of_drive(drive: &DriveRecord) -> Self {
         let missing = (!drive.not_estimated.is_empty()).then_some(Self::Unknown);
         drive.wheels.iter().map(Self::of_wheel).chain(missing).min().unwrap_or(Self::Unknown)
     }
 }
 
-/// A car and its drives.
 #[derive(Debug, Clone)]
 pub struct CarStanding<'a> {
-    /// The car.
     pub car: &'a str,
     /// That of its last drive that could be estimated; unknown if none could.
     pub state: State,
@@ -83,7 +62,6 @@ pub struct CarStanding<'a> {
 
 impl<'a> CarStanding<'a> {
     /// All cars, the worst first: by state, then by the lowest share of the placard's pressure.
-    #[must_use]
     pub fn of_all(drives: &'a [DriveRecord], failed: &'a [Failed]) -> Vec<Self> {
         let mut cars: BTreeMap<&str, Self> = BTreeMap::new();
         let unseen = |car| Self { car, state: State::Unknown, drives: Vec::new(), failed: 0 };
@@ -100,8 +78,6 @@ impl<'a> CarStanding<'a> {
         all
     }
 
-    /// Its last drive that could be estimated.
-    #[must_use]
     pub fn last(&self) -> Option<&'a DriveRecord> {
         self.drives.last().copied()
     }
@@ -113,7 +89,6 @@ pub(super) fn lowest(drive: Option<&DriveRecord>) -> f64 {
     wheels.filter_map(share).fold(f64::INFINITY, f64::min)
 }
 
-/// A wheel's last pressure over its placard's.
 pub(super) fn share(wheel: &WheelRecord) -> Option<f64> {
     wheel.last.map(|last| last.pressure_kpa / wheel.placard_kpa)
 }

@@ -42,8 +42,6 @@ impl Begun {
     }
 }
 
-/// A record of each wheel that was estimated.
-#[must_use]
 pub fn wheels(done: &Done, begun: &Begun) -> Vec<WheelRecord> {
     let of = |corner: &CornerReport| {
         let i = corner.corner.index();

@@ -16,7 +16,6 @@ impl Likeness {
         Self { cross, first, later }
     }
 
-    /// Takes a stretch of both.
     pub(super) fn take(&mut self, first: &[f64], later: &[f64]) {
         const CELLS_TAKEN: usize = STRETCH - LAGS;
         let first = &first[..CELLS_TAKEN];

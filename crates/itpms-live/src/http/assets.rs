@@ -14,7 +14,6 @@ use itpms_analysis::page::{BASE_STYLE, PATTERN_SCRIPT};
 use itpms_analysis::report::{PLOT_LICENSE, PLOT_SCRIPT, PLOT_STYLE};
 use itpms_core::model::PressureUnit;
 
-/// A file of the page.
 #[derive(Debug, Clone, Copy)]
 struct Asset {
     path: &'static str,
@@ -50,7 +49,6 @@ macro_rules! asset {
     };
 }
 
-/// Everything there is.
 const ASSETS: &[Asset] = &[
     Asset { path: "/", kind: HTML, text: include_str!("../../dashboard/index.html") },
     asset!("style.css", STYLE),
@@ -74,7 +72,6 @@ const ASSETS: &[Asset] = &[
     Asset { path: "/assets/uplot.LICENSE", kind: TEXT, text: PLOT_LICENSE },
 ];
 
-/// A route for every file.
 pub(super) fn routes<S: Clone + Send + Sync + 'static>(unit: PressureUnit) -> Router<S> {
     ASSETS.iter().fold(Router::new(), |router, asset| {
         let (mark, text) = match asset.kind {

@@ -34,7 +34,6 @@ struct Client {
     newest: Newest,
     transitions: broadcast::Receiver<Arc<Transition>>,
     beat: Interval,
-    /// What is reported first.
     opening: Option<Bytes>,
 }
 

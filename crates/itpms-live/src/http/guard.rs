@@ -26,13 +26,11 @@ pub(super) struct Guard {
     origins: Vec<String>,
 }
 
-/// Whose page asks.
 #[derive(Debug, Clone, PartialEq)]
 enum Caller {
     /// Ours, or no page at all.
     Own,
     Allowed(HeaderValue),
-    /// Any other.
     Stranger,
 }
 
@@ -117,7 +115,6 @@ pub(super) async fn watch(State(guard): State<Arc<Guard>>, request: Request, nex
     response
 }
 
-/// An answer that is a refusal.
 #[derive(Debug, Clone, Copy)]
 struct Refusal(StatusCode, &'static str);
 

@@ -14,7 +14,6 @@ const FRESH_S: f64 = 3.0;
 const OVERDUE: f64 = 2.5;
 const SLOWEST_S: f64 = 60.0;
 
-/// Whether what is shown is now.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct Health {
     /// `fresh`, `waiting` (nothing yet), `stale` or `ended`.
@@ -65,7 +64,7 @@ mod tests {
     use tokio::time::Instant;
 
     use super::*;
-    use crate::snapshot::{Latency, Snapshot, Source};
+    use crate::snapshot::{Snapshot, Source};
 
     fn status(state: SourceState, age_s: f64, pace_s: f64) -> &'static str {
         let source = Source {
@@ -74,29 +73,10 @@ mod tests {
             state,
             rows: 1,
             frames: 1,
-            dropped: 0,
-            unknown_ids: 0,
-            malformed: 0,
-            reconnects: 0,
             rate_hz: 200.0,
+            ..Source::default()
         };
-        let snapshot = Snapshot {
-            seq: 0,
-            time_s: 0.0,
-            unix_s: 0.0,
-            source,
-            vehicle: String::new(),
-            speed_m_s: f64::NAN,
-            speed_doubt: Some("missing"),
-            distance_m: f64::NAN,
-            latency_ms: Latency { p50: f64::NAN, p99: f64::NAN, max: f64::NAN },
-            wheels: vec![],
-            tracks: vec![],
-            alerts: vec![],
-            sensors: vec![],
-            not_estimated: Default::default(),
-            all_fine: false,
-        };
+        let snapshot = Snapshot { source, speed_doubt: Some("missing"), ..Snapshot::default() };
         let [age, pace] = [age_s, pace_s].map(Duration::from_secs_f64);
         Health::of(Some(&Frame::new(Arc::new(snapshot), Instant::now() - age, pace))).status
     }

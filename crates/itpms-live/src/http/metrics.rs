@@ -11,7 +11,6 @@ use crate::snapshot::{Snapshot, Wheel};
 /// The words of [`Wheel::state`].
 const STATES: [&str; 6] = ["unknown", "uncertain", "fine", "low", "over", "malfunction"];
 
-/// Everything, family by family.
 pub(super) fn text(shared: &Shared) -> String {
     let mut out = Page(String::with_capacity(8192));
     let health = shared.health();

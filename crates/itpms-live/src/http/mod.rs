@@ -1,8 +1,7 @@
 //! The page of the live monitor, and what scripts and scrapers read beside it, over HTTP.
 //!
-//! Started by `itpms monitor --http`. Runs in one thread of its own with its own small runtime, so that nothing a client does
-//! reaches the estimating thread. Read-only: there is nothing a request could change. It sees the car through the [`Hub`]
-//! alone and never opens a file.
+//! Started by `itpms monitor --http`. Runs in one thread of its own with its own small runtime, so that nothing a client does reaches the
+//! estimating thread. Read-only: there is nothing a request could change. It sees the car through the [`Hub`] alone and never opens a file.
 //!
 //! | address | gives |
 //! |---|---|
@@ -36,7 +35,6 @@ use tokio::sync::oneshot;
 
 use crate::hub::Hub;
 
-/// What a server is given.
 #[derive(Debug, Clone)]
 pub struct Options {
     /// Where to listen; port 0 takes a free one.
@@ -52,7 +50,6 @@ pub struct Options {
 
 impl Options {
     /// Own pages only, at this address, in kPa.
-    #[must_use]
     pub fn new(address: SocketAddr) -> Self {
         Self { address, hosts: Vec::new(), origins: Vec::new(), pressure_unit: PressureUnit::Kpa }
     }
@@ -60,12 +57,9 @@ impl Options {
 
 /// Why the page cannot be served.
 #[derive(Debug, thiserror::Error)]
-#[allow(missing_docs, reason = "the messages say it")]
 pub enum HttpError {
-    /// The address is taken, not ours, or needs more rights.
     #[error("cannot listen on {address}: {source}")]
     Listen { address: SocketAddr, source: io::Error },
-    /// No thread or no event queue was to be had.
     #[error("cannot start the web server: {0}")]
     Start(io::Error),
 }
@@ -79,10 +73,7 @@ pub struct Server {
 }
 
 impl Server {
-    /// Starts to listen.
-    ///
-    /// # Errors
-    /// [`HttpError`] if the address cannot be had.
+    /// Starts to listen. Errors: [`HttpError`] if the address cannot be had.
     pub fn start(options: Options, hub: Arc<Hub>) -> Result<Self, HttpError> {
         let runtime =
             tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(HttpError::Start)?;
@@ -103,14 +94,11 @@ impl Server {
         Ok(Self { address, stop: Some(stop), thread: Some(thread) })
     }
 
-    /// Where it listens.
-    #[must_use]
     pub fn address(&self) -> SocketAddr {
         self.address
     }
 
     /// Whether other machines can reach it: to be reported loudly, as there is no password.
-    #[must_use]
     pub fn is_open_to_others(&self) -> bool {
         !self.address.ip().is_loopback()
     }

@@ -19,7 +19,6 @@ use super::seats::Seat;
 pub(super) struct Patient<S> {
     stream: S,
     patience: Duration,
-    /// Receives every byte.
     seat: Arc<Seat>,
     /// Runs while a write is stuck.
     stuck: Option<Pin<Box<Sleep>>>,

@@ -15,7 +15,6 @@ use crate::snapshot::Snapshot;
 /// Time between two snapshots for clients.
 const PACE: Duration = Duration::from_millis(100);
 
-/// A snapshot as it is handed out.
 #[derive(Debug)]
 pub(super) struct Frame {
     pub(super) snapshot: Arc<Snapshot>,
@@ -31,7 +30,6 @@ impl Frame {
         Self { snapshot, came, pace, json: OnceLock::new() }
     }
 
-    /// The snapshot in JSON, on one line.
     pub(super) fn json(&self) -> Bytes {
         self.json.get_or_init(|| json(&*self.snapshot)).clone()
     }

@@ -1,5 +1,4 @@
-//! Estimates as CAN frames of our own DBC: a frame per wheel, one of further standard deviations and one of status with every
-//! estimate.
+//! Estimates as CAN frames of our own DBC: a frame per wheel, one of further standard deviations and one of status with every estimate.
 //!
 //! The frames are made from the very text that `itpms monitor --print-dbc` prints: what it says of bits, factors and
 //! labels is what is sent.
@@ -28,10 +27,7 @@ const WARNINGS: [&str; 3] = ["none", "low", "malfunction"];
 const LEVELS: [&str; 2] = ["file", "calibration"];
 const CORNERS: [&str; 4] = ["fl", "fr", "rl", "rr"];
 
-/// Identifiers of our frames.
-///
-/// # Errors
-/// Our description is broken, which a test excludes.
+/// Identifiers of our frames. Errors: our description is broken, which a test excludes.
 pub fn identifiers() -> Result<Vec<CanId>, LiveError> {
     Ok(description()?.messages().iter().map(|message| message.id).collect())
 }
@@ -40,7 +36,6 @@ fn description() -> Result<Dbc, LiveError> {
     Dbc::parse(DBC).map_err(|error| LiveError::Refused(format!("itpms.dbc: {error}")))
 }
 
-/// Makes frames of snapshots.
 #[derive(Debug)]
 pub struct Frames {
     dbc: Dbc,
@@ -49,14 +44,10 @@ pub struct Frames {
 
 impl Frames {
     /// A maker that has made none.
-    ///
-    /// # Errors
-    /// As [`identifiers`].
     pub fn new() -> Result<Self, LiveError> {
         Ok(Self { dbc: description()?, sets: 0 })
     }
 
-    /// The frames of a snapshot, the status first.
     pub fn of(&mut self, snapshot: &Snapshot) -> Vec<CanFrame> {
         let sets = self.sets;
         self.sets += 1;
@@ -171,10 +162,7 @@ pub struct CanOut {
 }
 
 impl CanOut {
-    /// Opens an interface (a name without a dot and a slash) or a file.
-    ///
-    /// # Errors
-    /// There is no such interface, or the file cannot be written.
+    /// Opens an interface (a name without a dot and a slash) or a file. Errors: there is no such interface, or the file cannot be written.
     pub fn open(target: &str, say: &NoteSink) -> Result<Self, LiveError> {
         let frames = Frames::new()?;
         let name = target.to_owned();
@@ -189,7 +177,6 @@ impl CanOut {
     }
 
     /// The output at work: a bus is never waited for, a file is.
-    #[must_use]
     pub fn start(self) -> Output {
         let when_slow = match self.target {
             Target::File(_) => WhenSlow::Wait,
@@ -228,7 +215,6 @@ impl CanOut {
 }
 
 /// Whether this names an interface rather than a file.
-#[must_use]
 pub fn is_interface(target: &str) -> bool {
     !target.contains(['.', '/', '\\'])
 }

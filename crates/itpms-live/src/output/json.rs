@@ -27,9 +27,6 @@ pub struct JsonLines {
 
 impl JsonLines {
     /// Lines appended to a file, which grows as they come; `-` is standard output.
-    ///
-    /// # Errors
-    /// The file cannot be written.
     pub fn open(path: &Path) -> Result<Self, LiveError> {
         let name = path.display().to_string();
         let target: Box<dyn Write + Send> = if name == "-" {
@@ -41,14 +38,10 @@ impl JsonLines {
         Ok(Self { name, target: BufWriter::new(target) })
     }
 
-    /// Lines to any writer.
-    #[must_use]
     pub fn to(name: &str, target: Box<dyn Write + Send>) -> Self {
         Self { name: name.to_owned(), target: BufWriter::new(target) }
     }
 
-    /// The output at work.
-    #[must_use]
     pub fn start(self, when_slow: WhenSlow) -> Output {
         Output::start(when_slow, self, Self::write, |mut lines| lines.flushed(Ok(())))
     }

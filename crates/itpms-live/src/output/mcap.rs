@@ -18,7 +18,6 @@ use crate::snapshot::{Snapshot, Transition, Wheel};
 
 /// What a power cut takes at most.
 const FLUSH_EVERY: Duration = Duration::from_secs(10);
-/// Recordings of one name.
 const MOST: u32 = 100_000;
 
 const CAR: [(&str, FieldType); 6] = [
@@ -58,7 +57,6 @@ const WHEEL: [(&str, FieldType); 25] = [
     ("iri_m_per_km", FieldType::Number),
 ];
 
-/// A recording that grows.
 pub struct McapOut {
     path: PathBuf,
     writer: McapWriter<File>,
@@ -70,9 +68,6 @@ pub struct McapOut {
 
 impl McapOut {
     /// Begins a recording. One that is there is left alone, as the format cannot be added to: the new one is then `drive-2.mcap` and so on.
-    ///
-    /// # Errors
-    /// The file cannot be written.
     pub fn open(path: &Path) -> Result<Self, LiveError> {
         let failed = |error| LiveError::Output { target: path.display().to_string(), error };
         let (path, file) = create(path).map_err(failed)?;
@@ -91,14 +86,10 @@ impl McapOut {
         topics().map_err(|error| LiveError::Output { target: path.display().to_string(), error })
     }
 
-    /// Where it goes.
-    #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// The output at work.
-    #[must_use]
     pub fn start(self) -> Output {
         Output::start(WhenSlow::Wait, self, Self::take, Self::finish)
     }

@@ -34,7 +34,6 @@ const WAITING: usize = 4096;
 /// How long an output's thread sleeps at most.
 const PATIENCE: Duration = Duration::from_millis(200);
 
-/// What happens when an output is slower than the estimates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WhenSlow {
     /// The estimate waits: for files, and for sources that can wait, too. Nothing is lost.
@@ -43,7 +42,6 @@ pub enum WhenSlow {
     LoseEstimates,
 }
 
-/// An output at work.
 #[derive(Debug)]
 pub struct Output {
     queue: Arc<Queue<Published>>,
@@ -96,21 +94,16 @@ impl Output {
     }
 
     /// Why it has given up, if it has.
-    #[must_use]
     pub fn failure(&self) -> Option<&str> {
         self.failed.get().map(String::as_str)
     }
 
-    /// What was lost because the output was slow.
-    #[must_use]
+    /// Losses because the output was slow.
     pub fn dropped(&self) -> u64 {
         self.queue.dropped()
     }
 
     /// Waits until everything is out.
-    ///
-    /// # Errors
-    /// It cannot be written.
     pub fn finish(mut self) -> Result<(), LiveError> {
         self.queue.close();
         match self.thread.take().map(JoinHandle::join) {

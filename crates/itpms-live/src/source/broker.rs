@@ -19,8 +19,6 @@ use crate::queue::Queue;
 /// Longest time without a look whether an end is wanted.
 const LOOK_EVERY: Duration = Duration::from_millis(200);
 
-/// How the topic is called.
-#[must_use]
 pub fn name(address: &BrokerAddress) -> SourceName {
     SourceName { name: format!("{}:{}/{}", address.host, address.port, address.topic), kind: "mqtt" }
 }

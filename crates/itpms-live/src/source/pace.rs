@@ -15,7 +15,6 @@ pub enum Speed {
     Max,
 }
 
-/// The pace of a replay.
 #[derive(Debug)]
 pub(super) struct Pace {
     speed: Speed,

@@ -17,8 +17,6 @@ use crate::queue::Queue;
 /// Rows that are handed on at once when nothing has to wait.
 const BATCH: usize = 256;
 
-/// How a replay is called.
-#[must_use]
 pub fn name(path: &Path) -> SourceName {
     let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
     SourceName { name, kind: "replay" }
@@ -35,9 +33,6 @@ pub struct Pulses {
 
 impl Pulses {
     /// Opens the table.
-    ///
-    /// # Errors
-    /// It cannot be read, or is none.
     pub fn open(path: &Path) -> Result<Self, DataError> {
         Ok(Self { reader: PulseReader::open(path)?, span_s: None, within: 0 })
     }
@@ -60,7 +55,6 @@ impl Pulses {
     }
 }
 
-/// What a log has, and the pulses between.
 struct Merged<'a, F> {
     log: F,
     pulses: Option<&'a mut Pulses>,
@@ -83,7 +77,6 @@ impl<F: FnMut() -> Result<Option<(f64, Input)>, DataError>> Merged<'_, F> {
 }
 
 /// Starts the replay of a log. Waits for room in the queue: nothing is lost. `stop` ends it early.
-#[must_use]
 pub fn start(
     mut log: LogReader,
     mut pulses: Option<Pulses>,
@@ -109,7 +102,6 @@ pub fn start(
 }
 
 /// Starts the replay of a CAN log, the same way.
-#[must_use]
 pub fn start_frames(
     mut log: FrameReader,
     mut pulses: Option<Pulses>,

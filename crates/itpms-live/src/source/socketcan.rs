@@ -29,13 +29,10 @@ const KERNEL_BUFFER: usize = 4 << 20;
 const BUS_OFF: u32 = 0x40;
 const RESTARTED: u32 = 0x100;
 
-/// How the interface is called.
-#[must_use]
 pub fn name(interface: &str) -> SourceName {
     SourceName { name: interface.to_owned(), kind: "socketcan" }
 }
 
-/// An opened interface.
 #[derive(Debug)]
 pub struct Interface {
     name: String,
@@ -43,17 +40,13 @@ pub struct Interface {
 }
 
 impl Interface {
-    /// Opens an interface such as `can0`.
-    ///
-    /// # Errors
-    /// There is no such interface, or no right to it.
+    /// Opens an interface such as `can0`. Errors: there is no such interface, or no right to it.
     pub fn open(interface: &str) -> Result<Self, LiveError> {
         let socket = open(interface)
             .map_err(|error| LiveError::Interface { interface: interface.to_owned(), error })?;
         Ok(Self { name: interface.to_owned(), socket })
     }
 
-    /// Starts to listen.
     pub fn start(self, inputs: Arc<Queue<Input>>, stop: Arc<AtomicBool>) {
         thread::spawn(move || {
             listen(self, &inputs, &stop);
@@ -73,12 +66,10 @@ fn open(interface: &str) -> io::Result<CanFdSocket> {
     Ok(socket)
 }
 
-/// What came of one read.
 enum Received {
     Frame,
     /// Nothing in the time given, or something that is not for us.
     Silence,
-    /// The controller has left the bus.
     BusOff,
     /// The controller is back on the bus.
     Restarted,
@@ -162,7 +153,6 @@ fn read(socket: &CanFdSocket, bus: u16, clock: &mut BusClock, inputs: &Queue<Inp
     Received::Frame
 }
 
-/// The same frame in our words.
 fn ours(frame: &CanAnyFrame, time_s: f64, bus: u16) -> Option<CanFrame> {
     let kind = match frame {
         CanAnyFrame::Normal(_) => FrameKind::Data,

@@ -13,12 +13,10 @@ use crate::queue::Queue;
 const LONGEST: u64 = 4096;
 
 /// How standard input is called.
-#[must_use]
 pub fn name() -> SourceName {
     SourceName { name: "-".to_owned(), kind: "stdin" }
 }
 
-/// Starts to read standard input.
 pub fn start(inputs: Arc<Queue<Input>>, say: NoteSink) {
     thread::spawn(move || {
         read(BufReader::with_capacity(1 << 16, io::stdin()), &inputs, say);

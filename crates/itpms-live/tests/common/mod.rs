@@ -43,30 +43,17 @@ pub(crate) fn snapshot(seq: u64) -> Arc<Snapshot> {
     Arc::new(Snapshot {
         seq,
         time_s: seq as f64 / 10.0,
-        unix_s: 0.0,
         source: Source {
             name: "can0".to_owned(),
             kind: "socketcan",
             state: SourceState::Live,
-            rows: 0,
-            frames: 0,
-            dropped: 0,
-            unknown_ids: 0,
-            malformed: 0,
-            reconnects: 0,
             rate_hz: 500.0,
+            ..Source::default()
         },
         vehicle: "car".to_owned(),
         speed_m_s: 20.0,
-        speed_doubt: None,
-        distance_m: 0.0,
         latency_ms: Latency { p50: 0.1, p99: 0.2, max: 0.3 },
-        wheels: vec![],
-        tracks: vec![],
-        alerts: vec![],
-        sensors: vec![],
-        not_estimated: Default::default(),
-        all_fine: false,
+        ..Snapshot::default()
     })
 }
 

@@ -68,7 +68,6 @@ pub(crate) fn wait_for(server: &Server, target: &str, holds: impl Fn(&Answer) ->
     }
 }
 
-/// An open stream of events.
 pub(crate) struct Events {
     pub(crate) lines: std::io::Lines<BufReader<TcpStream>>,
 }

@@ -5,7 +5,6 @@ use std::sync::Arc;
 use itpms_live::snapshot::{Latency, Snapshot, Source, SourceState, Transition, Wheel};
 use serde_json::{Map, json};
 
-/// A car at some time.
 pub(crate) fn snapshot(seq: u64, time_s: f64, state: SourceState) -> Arc<Snapshot> {
     Arc::new(Snapshot {
         seq,
@@ -53,13 +52,6 @@ fn wheel(corner: &'static str) -> Wheel {
         axle_difference_sd_kpa: Some(3.0),
         lost_kpa: Some(1.5),
         lost_sd_kpa: Some(4.0),
-        cold_pressure_kpa: None,
-        cold_pressure_sd_kpa: None,
-        ambient_temperature_c: None,
-        cold_add_kpa: None,
-        lost_share: None,
-        lost_share_sd: None,
-        detectable_loss: None,
         level: "calibration",
         stiffness_n_per_m: 233_000.0,
         reference_kpa: 241.3,
@@ -70,6 +62,7 @@ fn wheel(corner: &'static str) -> Wheel {
         informed_age_s: 0.1,
         road_m: 0.001,
         iri_m_per_km: f64::NAN,
+        ..Wheel::default()
     }
 }
 

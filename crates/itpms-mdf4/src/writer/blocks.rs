@@ -9,23 +9,19 @@ use crate::block::{FRAME, IDENTIFICATION};
 #[derive(Debug)]
 pub(super) struct Head {
     pub(super) bytes: Vec<u8>,
-    /// One per group.
     pub(super) places: Vec<Places>,
 }
 
 /// Where the numbers go that are known at the end.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Places {
-    /// Link to the data.
     pub(super) data: u64,
-    /// Number of samples.
     pub(super) count: u64,
 }
 
 /// Place of the header's start time.
 pub(super) const START: u64 = IDENTIFICATION + FRAME + 6 * 8;
 
-/// Name of the time channels.
 const TIME: &str = "time";
 
 /// Bytes of a record's values and of its invalidation bits.
@@ -110,7 +106,6 @@ impl Head {
         self.add(b"FH", &[0, comment], &[0; 16])
     }
 
-    /// A data group with its one channel group.
     fn group(&mut self, group: &GroupSpec) -> u64 {
         let (values, invalid) = widths(group);
         let time = Stored { kind: 2, sync: 1, byte: 0, invalid_bit: None };

@@ -23,7 +23,6 @@ use super::records::MOST_RECORD;
 /// Bytes of samples in a data block, if a record is not longer.
 const BLOCK: usize = 1 << 20;
 
-/// Blocks in a list.
 const LISTED: usize = 16;
 
 /// Of 9. More costs three times the time for a few percent on measured accelerations.
@@ -94,8 +93,7 @@ impl Mdf4Writer {
     /// should increase; groups may be written in any order.
     ///
     /// # Errors
-    /// There is no such group, not one value per channel, no finite time, a number its integer channel cannot hold, or
-    /// the disk is full.
+    /// There is no such group, not one value per channel, no finite time, a number its integer channel cannot hold, or the disk is full.
     pub fn write(&mut self, group: usize, time_s: f64, values: &[f64]) -> Result<(), Mdf4Error> {
         let found = self.groups.get_mut(group).ok_or(Mdf4Problem::NoSuchGroup(group));
         let added = found.and_then(|group| group.add(time_s, values));

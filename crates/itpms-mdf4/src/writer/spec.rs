@@ -5,7 +5,7 @@
 pub struct GroupSpec {
     /// Its name.
     pub name: String,
-    /// What else there is to say of it; may be empty.
+    /// A comment; may be empty.
     pub comment: String,
     /// Its channels, the time not among them: it is a channel of its own, `time` in s.
     pub channels: Vec<ChannelSpec>,
@@ -18,7 +18,7 @@ pub struct ChannelSpec {
     pub name: String,
     /// Unit of its values; may be empty.
     pub unit: String,
-    /// What else there is to say of it; may be empty.
+    /// A comment; may be empty.
     pub comment: String,
     /// How its values are stored.
     pub format: SampleFormat,

@@ -1,5 +1,4 @@
-//! A symmetric 5x5 covariance in fifteen numbers, and its way through one step.
-//! Derivation: `docs/math/lean-aekf-ui.md`, sections 1 and 2.
+//! A symmetric 5x5 covariance in fifteen numbers, and its way through one step. Derivation: `docs/math/lean-aekf-ui.md`, sections 1 and 2.
 //!
 //! Called by [`crate::lean`]; knows nothing of the factor's choice or of divergence.
 
@@ -17,7 +16,6 @@ pub struct Covariance<T>([T; 15]);
 const DIAGONAL: [usize; 5] = [0, 5, 9, 12, 14];
 
 impl<T: Real> Covariance<T> {
-    /// Uncorrelated states.
     pub fn from_diagonal(variance: &StateVector<T>) -> Self {
         let mut packed = [T::zero(); 15];
         for (place, value) in DIAGONAL.into_iter().zip(variance) {
@@ -32,7 +30,6 @@ impl<T: Real> Covariance<T> {
         Matrix5::from_fn(|i, j| rows[i][j])
     }
 
-    /// The variances.
     #[inline(always)]
     pub fn diagonal(&self) -> StateVector<T> {
         DIAGONAL.map(|place| self.0[place])

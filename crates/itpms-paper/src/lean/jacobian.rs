@@ -29,7 +29,6 @@ pub struct Corner<T> {
 }
 
 impl<T: Real> Corner<T> {
-    /// From the car's parameters.
     pub fn new(car: &QuarterCar<T>) -> Self {
         Self {
             k_s: car.spring_n_per_m(),
@@ -40,7 +39,6 @@ impl<T: Real> Corner<T> {
         }
     }
 
-    /// Force of the suspension on the body in N.
     #[inline(always)]
     pub fn suspension(&self, x: &StateVector<T>) -> T {
         // (53)  sᵀx = k_s (x_w - x_b) + c_s (ẋ_w - ẋ_b)
@@ -84,7 +82,6 @@ pub struct AccelerationRows<T> {
 }
 
 impl<T: Real> AccelerationRows<T> {
-    /// Both rows times a column.
     #[inline(always)]
     pub fn times(&self, v: &StateVector<T>) -> [T; 2] {
         // (54)  h₀ᵀv = sᵀv/m_b,  h₁ᵀv = (e v₄ - k_t v₂ - sᵀv)/m_w

@@ -30,10 +30,8 @@ pub enum LeanError {
     /// A value no filter can start from.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// Eq. (17) as printed corrects with both accelerations, so there is no scalar update.
     #[error("correction_input is Previous, expected Current: only that has a closed form")]
     PreviousInput,
-    /// The descent of eq. (25) needs the whole residual covariance, of which the lean filter keeps the trace.
     #[error("forgetting is Iterative, expected None or OneStep: only those need no more than traces")]
     IterativeForgetting,
 }
@@ -77,9 +75,6 @@ struct Prediction<T> {
 
 impl<T: Real> AekfUiLean<T> {
     /// A filter at its initial state (eq. 12).
-    ///
-    /// # Errors
-    /// See [`FilterConfig::validated`], and the readings that have no closed form.
     pub fn new(car: QuarterCar<T>, config: FilterConfig<T>) -> Result<Self, LeanError> {
         let config = config.validated()?;
         if config.correction_input == CorrectionInput::Previous {
@@ -119,9 +114,8 @@ impl<T: Real> AekfUiLean<T> {
         self.believed.P.to_matrix()
     }
 
-    /// One sample, `dt_s` seconds after the one before. Never panics; see [`StepStatus`] for what can happen: a sample that is
-    /// not finite is predicted over, a time step that is not positive and finite is ignored, and a filter that has
-    /// diverged holds its last good state.
+    /// One sample, `dt_s` seconds after the one before. Never panics; see [`StepStatus`] for what can happen: a sample that is not finite
+    /// is predicted over, a time step that is not positive and finite is ignored, and a filter that has diverged holds its last good state.
     pub fn step(&mut self, dt_s: T, sample: &CornerSample<T>) -> LeanRecord<T> {
         if let Some(cause) = self.diverged {
             return self.held(StepStatus::Diverged(cause));

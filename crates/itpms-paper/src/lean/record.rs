@@ -12,7 +12,6 @@ use itpms_core::Real;
 /// fields of the measurement are NaN and the rest is what the filter holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LeanRecord<T: Real> {
-    /// What happened.
     pub status: StepStatus,
     /// `u*_k`: the road's height in m (eq. 16).
     pub road_m: T,

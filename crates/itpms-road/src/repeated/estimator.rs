@@ -33,9 +33,7 @@ pub struct EstimatorOnRepeatedRoad<T: Real> {
 
 impl<T: Real> EstimatorOnRepeatedRoad<T> {
     /// An estimator for a corner whose samples come at about `sample_rate_hz`, on a road of which this is known.
-    ///
-    /// # Errors
-    /// The rate must be positive and finite; parameters of the corner that the filters refuse are named.
+    /// Errors: the rate must be positive and finite; parameters of the corner that the filters refuse are named.
     pub fn new(
         config: &CornerConfig<T>,
         sample_rate_hz: f64,
@@ -48,7 +46,6 @@ impl<T: Real> EstimatorOnRepeatedRoad<T> {
         })
     }
 
-    /// The estimator.
     pub fn estimator(&self) -> &Estimator<T> {
         &self.estimator
     }

@@ -1,10 +1,8 @@
-//! The tire on a road that repeats itself: every pass over it is the same road seen through the stiffness of the moment,
-//! so passes tell how the stiffness has changed since the road was learned; and once it has changed, what it was
-//! (docs/math/repeated-road.md, eq. 4-9).
+//! The tire on a road that repeats itself: every pass over it is the same road seen through the stiffness of the moment, so passes tell how
+//! the stiffness has changed since the road was learned; and once it has changed, what it was (docs/math/repeated-road.md, eq. 4-9).
 //!
-//! `wheel + θ force = road + noise` at every harmonic is linear in the compliance `θ` and in the road, so this is a Kalman
-//! filter, with no likelihood to search. Fed with passes; knows nothing of samples, pressures or of how the period
-//! was found.
+//! `wheel + θ force = road + noise` at every harmonic is linear in the compliance `θ` and in the road, so this is a Kalman filter, with no
+//! likelihood to search. Fed with passes; knows nothing of samples, pressures or of how the period was found.
 
 use itpms_core::Real;
 use nalgebra::{Complex, Matrix4, SVector, Vector4};
@@ -27,13 +25,11 @@ const STRANGE: f64 = 0.2;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Verdict {
-    /// The same road.
     Same,
     /// Another road, or something beside the road; nothing was learned.
     Strange,
 }
 
-/// See the [module](self).
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Follower<T: Real> {

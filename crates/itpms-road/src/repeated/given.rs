@@ -5,7 +5,6 @@ use itpms_core::model::QuarterCar;
 /// What is believed of the compliance by others when the road is met.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Belief<T> {
-    /// Compliance in m/N.
     pub(crate) theta: T,
     pub(crate) relative_sd: T,
     /// True while it is known to be constant, as during a calibration.

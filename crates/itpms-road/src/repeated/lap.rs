@@ -19,18 +19,14 @@ const PATIENCE: u32 = 2;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct PeriodicEstimate<T> {
-    /// Compliance in m/N.
     pub(crate) theta: T,
     pub(crate) relative_sd: T,
     /// Relative change of the compliance per second.
     pub(crate) rate_per_s: T,
-    /// Probability that it changes.
     pub(crate) moving: T,
     /// Residual power over expected power: about 1 when the model holds.
     pub(crate) nis: T,
-    /// Seconds since the last estimate.
     pub(crate) seconds: T,
-    /// True once per period.
     pub(crate) whole_period: bool,
 }
 

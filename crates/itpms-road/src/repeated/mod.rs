@@ -1,5 +1,4 @@
-//! A road that repeats itself, as on a test bed or a drum: it is shared with the wheel's own past
-//! (docs/math/repeated-road.md).
+//! A road that repeats itself, as on a test bed or a drum: it is shared with the wheel's own past (docs/math/repeated-road.md).
 //!
 //! A source of evidence beside the estimator. Finds the period by itself, or is given it; confirms it; follows the stiffness while
 //! the road goes on repeating; and lets go when it does not. While the same road comes round again and again its spectrum says
@@ -44,8 +43,7 @@ const SHORTEST_S: f64 = 0.1;
 const LONGEST_S: f64 = 5.0;
 /// A repeated road is found in its third period or so: until then its spectrum has been counted that often.
 const OVERCOUNTED: f64 = 3.0;
-/// What a repeated road shows is its belief, and so not independent: how much wider it is given to a filter outside, one per
-/// period.
+/// What a repeated road shows is its belief, and so not independent: how much wider it is given to a filter outside, one per period.
 const INDEPENDENT_SD: f64 = 2.0;
 
 /// The time in s after which a road repeats itself.
@@ -54,8 +52,7 @@ const INDEPENDENT_SD: f64 = 2.0;
 pub struct RoadPeriod(f64);
 
 impl RoadPeriod {
-    /// # Errors
-    /// The period must be from 0.1 to 5 s: a shorter one has no harmonics near wheel hop, a longer one too many.
+    /// Errors: the period must be from 0.1 to 5 s: a shorter one has no harmonics near wheel hop, a longer one too many.
     pub fn new(seconds: f64) -> Result<Self, ParameterError> {
         if (SHORTEST_S..=LONGEST_S).contains(&seconds) {
             Ok(Self(seconds))
@@ -92,9 +89,7 @@ pub struct RepeatedRoad<T: Real> {
 
 impl<T: Real> RepeatedRoad<T> {
     /// A road of which only this is known, under a corner whose samples come at about `sample_rate_hz`.
-    ///
-    /// # Errors
-    /// The rate must be positive and finite.
+    /// Errors: the rate must be positive and finite.
     pub fn new(
         config: &CornerConfig<T>,
         sample_rate_hz: f64,
@@ -114,9 +109,8 @@ impl<T: Real> RepeatedRoad<T> {
         })
     }
 
-    /// Takes a sample's time in s and accelerations, the corner as it seems to be and its estimate after the sample; calls
-    /// `follow` with each new stiffness that the estimator is to [follow](itpms_core::Estimator::follow), and with `None` when the
-    /// road repeats no more.
+    /// Takes a sample's time in s and accelerations, the corner as it seems to be and its estimate after the sample; calls `follow` with
+    /// each new stiffness that the estimator is to [follow](itpms_core::Estimator::follow), and with `None` when the road repeats no more.
     pub fn update(
         &mut self,
         time_s: f64,
@@ -172,7 +166,6 @@ impl<T: Real> RepeatedRoad<T> {
 struct Step<T> {
     wheel: T,
     force: T,
-    /// A sensor was at its limit.
     is_invalid: bool,
 }
 
@@ -279,9 +272,7 @@ pub struct RepeatedRoads<T: Real> {
 
 impl<T: Real> RepeatedRoads<T> {
     /// Roads of which only this is known, under the corners of a car whose samples come at about `sample_rate_hz`.
-    ///
-    /// # Errors
-    /// The rate must be positive and finite.
+    /// Errors: the rate must be positive and finite.
     pub fn new(
         config: &CarConfig<T>,
         sample_rate_hz: f64,

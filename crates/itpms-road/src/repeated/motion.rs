@@ -10,7 +10,6 @@ use super::given::Held;
 
 /// Deviation of the compliance now, as a share of the reference.
 pub(crate) const NOW: usize = 0;
-/// Its change per second.
 pub(crate) const RATE: usize = 1;
 /// The deviation there was while the road was learned.
 pub(crate) const THEN: usize = 2;
@@ -25,7 +24,6 @@ const WALK: [f64; MODES] = [0.0010, 0.0015, 0.003];
 const RATE_WALK: [f64; MODES] = [0.0, 0.01, 0.06];
 /// Seconds after which a rate is forgotten.
 const RATE_MEMORY_S: [f64; MODES] = [0.2, 10.0, 5.0];
-/// Changes of mode per second, from, to.
 const CHANGES: [[f64; MODES]; MODES] = [[0.0, 0.03, 0.1], [0.05, 0.0, 0.03], [0.2, 0.2, 0.0]];
 /// Standard deviations at which a change is half believed where the force is expected.
 const DOUBT: f64 = 10.0;
@@ -46,7 +44,6 @@ pub(crate) struct PassLikelihood<T: Real> {
     pub(crate) information: Matrix4<T>,
 }
 
-/// A Gaussian over the state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Gaussian<T: Real> {
@@ -127,7 +124,6 @@ impl<T: Real> Motion<T> {
         *self = Self { modes: [held; MODES], ..Self::met(variance) };
     }
 
-    /// Moves all modes on.
     pub(crate) fn predict(&mut self, seconds: T, held: Held) {
         for gaussian in &mut self.modes {
             gaussian.covariance[(SLIP, SLIP)] += T::lit(SLIP_WALK * SLIP_WALK) * seconds;
@@ -200,12 +196,10 @@ impl<T: Real> Motion<T> {
         matched(&self.modes, &self.probability).0
     }
 
-    /// Probability that the pressure moves.
     pub(crate) fn moving(&self) -> T {
         T::one() - self.probability[0]
     }
 
-    /// Changes every mode alike.
     pub(crate) fn for_each(&mut self, change: impl Fn(&mut Gaussian<T>)) {
         for gaussian in &mut self.modes {
             change(gaussian);

@@ -7,7 +7,6 @@ use nalgebra::{Complex, SVector};
 
 use itpms_core::Real;
 
-/// Harmonics in use.
 pub(crate) const HARMONICS: usize = 24;
 /// Parts that a period is summed up in; a pass is renewed with each.
 pub(crate) const PARTS: usize = 6;
@@ -19,7 +18,6 @@ const HIGHEST_HZ: f64 = 40.0;
 /// Highest frequency used, as a share of the sampling rate.
 const BAND: f64 = 0.25;
 
-/// One complex number per harmonic.
 pub(crate) type Harmonics<T> = SVector<Complex<T>, HARMONICS>;
 
 /// One period, seen by the wheel: `v_r = wheel + θ force` at every harmonic. Scaled so that white noise of one-sided
@@ -84,7 +82,6 @@ impl<T: Real> PassClock<T> {
         self.period_s
     }
 
-    /// Harmonics in use.
     pub(crate) fn used(&self) -> usize {
         self.used
     }
@@ -107,7 +104,6 @@ impl<T: Real> PassClock<T> {
         self.parts.fill(Pass::zero());
     }
 
-    /// Frequency in Hz of a harmonic.
     pub(crate) fn frequency_hz(&self, harmonic: usize) -> T {
         T::lit(f64::from(self.first) + harmonic as f64) / self.period_s
     }

@@ -16,7 +16,6 @@ const LAGS: usize = LONGEST - SHORTEST + 1;
 /// Band-pass before the comparison, 3 to 17 Hz at -6 dB: the road is loudest against the sensors' noise around wheel hop, and
 /// far below it wander offsets that have not settled yet.
 const BAND_PASS: [f64; 9] = [1.0, 2.0, 3.0, 2.0, 0.0, -2.0, -3.0, -2.0, -1.0];
-/// Memory of the correlation in s.
 const MEMORY_S: f64 = 3.0;
 /// Least correlation of a road that repeats: what is missing is noise.
 const REPEATS: f64 = 0.8;
@@ -25,7 +24,6 @@ const AS_GOOD: f64 = 0.93;
 /// Seconds of comparison before a lag counts, at least; and a whole period.
 const LEAST_S: f64 = 0.6;
 
-/// See the [module](self).
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct PeriodSearch<T: Real> {
@@ -50,7 +48,6 @@ pub(crate) struct PeriodSearch<T: Real> {
     now: Lags<T>,
 }
 
-/// Values of the past that are kept.
 const KEPT: usize = LONGEST + 1;
 
 type Ring<T> = nalgebra::SVector<T, { 2 * KEPT }>;
@@ -89,8 +86,7 @@ impl<T: Real> PeriodSearch<T> {
         self.now.fill(T::zero());
     }
 
-    /// Takes one grid step of `wheel + θ force`, and asks for `θ` now and then; gives the period in s once the signal
-    /// repeats itself.
+    /// Takes one grid step of `wheel + θ force`, and asks for `θ` now and then; gives the period in s once the signal repeats itself.
     pub(crate) fn push(&mut self, wheel: T, force: T, theta: impl FnOnce() -> T) -> Option<T> {
         self.wheel += wheel;
         self.force += force;

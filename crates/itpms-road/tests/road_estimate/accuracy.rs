@@ -5,9 +5,8 @@ use super::plant::{CLASS_A, CLASS_B, CLASS_C, Drive, Log, drive};
 use super::{causal, config, heights, record};
 use itpms_road::{RoadConfig, SensorDelay};
 
-/// What one run gives, in percent.
+/// Result of one run, in percent.
 struct Score {
-    /// Against the truth as a log's column has it.
     band: f64,
     /// Against the truth without what its sampling folds.
     unfolded: f64,
@@ -109,7 +108,6 @@ fn the_causal_height_follows_the_road_with_a_known_lead() {
     }
 }
 
-/// The measurement report of docs/math/road.md.
 #[test]
 #[ignore = "prints the tables of docs/math/road.md; minutes"]
 fn report() {

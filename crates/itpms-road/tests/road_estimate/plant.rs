@@ -90,7 +90,6 @@ impl Biquad {
     }
 }
 
-/// What a drive is made of.
 #[derive(Clone)]
 pub(crate) struct Drive {
     pub(crate) seed: u64,
@@ -135,7 +134,6 @@ impl Drive {
     }
 }
 
-/// The log and the truth.
 pub(crate) struct Log {
     pub(crate) rate_hz: f64,
     pub(crate) time: Vec<f64>,

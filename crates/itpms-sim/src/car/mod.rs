@@ -16,7 +16,6 @@ use crate::time_profile::TimeProfile;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct CarSpec {
-    /// Distance in m between the front wheels' tracks.
     pub track_front_m: f64,
     /// Distance in m between the rear wheels' tracks.
     pub track_rear_m: f64,
@@ -52,7 +51,6 @@ pub struct CarSpec {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PayloadSpec {
-    /// Distance in m behind the front axle.
     pub behind_front_m: f64,
     /// Distance in m to the left of the car's middle.
     pub left_m: f64,

@@ -7,7 +7,6 @@ use super::CarSpec;
 use crate::error::InvalidValue;
 use crate::time_profile::TimeProfile;
 
-/// A car on its way.
 #[derive(Debug, Clone)]
 pub(crate) struct Motion {
     speed_m_s: TimeProfile,

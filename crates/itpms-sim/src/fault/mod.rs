@@ -1,8 +1,7 @@
 //! Sensors that go wrong for a while: stuck, losing samples, spiking, swapped, with a wrong gain, noisy, offset.
 //!
-//! Called by the simulation after the sensors were read, and by studies that put faults into a drive that was recorded
-//! whole ([`Faults`]). What a fault draws at random has a generator of its own: a drive with a fault is the same drive
-//! without it, but for the fault.
+//! Called by the simulation after the sensors were read, and by studies that put faults into a drive that was recorded whole ([`Faults`]).
+//! What a fault draws at random has a generator of its own: a drive with a fault is the same drive without it, but for the fault.
 
 mod spec;
 
@@ -21,7 +20,6 @@ pub type Readings = [[f64; 2]; 4];
 struct Fault {
     spec: FaultSpec,
     random: Pcg64,
-    /// What a stuck sensor repeats.
     stuck_at: Option<f64>,
     last_s: Option<f64>,
 }
@@ -31,8 +29,6 @@ struct Fault {
 pub struct Faults(Vec<Fault>);
 
 impl Faults {
-    /// Of a drive with this seed.
-    #[must_use]
     pub fn new(specs: &[FaultSpec], seed: u64) -> Self {
         let fault = |(index, spec): (usize, &FaultSpec)| Fault {
             spec: *spec,

@@ -9,23 +9,16 @@ use crate::error::{InvalidValue, not_negative, positive, within};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FaultPlace {
-    /// On the body.
     Body,
-    /// On the wheel.
     Wheel,
 }
 
-/// A corner by its label.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CornerName {
-    /// Front left.
     Fl,
-    /// Front right.
     Fr,
-    /// Rear left.
     Rl,
-    /// Rear right.
     Rr,
 }
 
@@ -40,19 +33,14 @@ impl From<Corner> for CornerName {
     }
 }
 
-/// A sensor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SensorName {
-    /// Its corner.
     pub corner: CornerName,
-    /// Body or wheel.
     pub sensor: FaultPlace,
 }
 
 impl SensorName {
-    /// A sensor of a corner.
-    #[must_use]
     pub fn new(corner: Corner, sensor: FaultPlace) -> Self {
         Self { corner: corner.into(), sensor }
     }
@@ -63,66 +51,38 @@ impl SensorName {
     }
 }
 
-/// What goes wrong.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum FaultKind {
     /// Repeats the value it had when the fault began.
     Stuck,
     /// Loses samples, each by itself.
-    Dropout {
-        /// Share that is lost.
-        share: f64,
-    },
+    Dropout { share: f64 },
     /// Adds single values far off, up or down, at random times.
-    Spikes {
-        /// Mean number per second.
-        per_s: f64,
-        /// Their size in m/s².
-        size_m_s2: f64,
-    },
+    Spikes { per_s: f64, size_m_s2: f64 },
     /// Reads so many times what it should.
-    Gain {
-        /// Reading over truth.
-        factor: f64,
-    },
+    Gain { factor: f64 },
     /// Adds white noise.
-    Noise {
-        /// In m/s² rms per sample.
-        rms_m_s2: f64,
-    },
+    Noise { rms_m_s2: f64 },
     /// Adds a constant.
-    Bias {
-        /// In m/s².
-        offset_m_s2: f64,
-    },
+    Bias { offset_m_s2: f64 },
     /// Carries another sensor's values, and that one its own.
-    Swap {
-        /// The other one.
-        with: SensorName,
-    },
+    Swap { with: SensorName },
 }
 
 /// A fault: a `[[fault]]` table.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FaultSpec {
-    /// The corner.
     pub corner: CornerName,
-    /// Body or wheel.
     pub sensor: FaultPlace,
-    /// When it begins, in s.
     pub from_s: f64,
     /// When it ends, in s; never, if not given.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub to_s: Option<f64>,
-    /// What goes wrong.
     pub kind: FaultKind,
 }
 
 impl FaultSpec {
-    /// The sensor it happens to.
-    #[must_use]
     pub fn at(&self) -> SensorName {
         SensorName { corner: self.corner, sensor: self.sensor }
     }

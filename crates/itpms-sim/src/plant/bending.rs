@@ -10,9 +10,7 @@ use crate::error::{InvalidValue, positive, within};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Bending {
-    /// Its frequency in Hz.
     pub frequency_hz: f64,
-    /// Its damping over the critical one.
     #[serde(default = "usual_ratio")]
     pub damping_ratio: f64,
     /// Its modal mass in kg, for the participations given.

@@ -11,11 +11,8 @@ use crate::error::{InvalidValue, not_negative, within};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Deviations {
-    /// True sprung mass over the file's.
     pub sprung_mass_factor: f64,
-    /// True unsprung mass over the file's.
     pub unsprung_mass_factor: f64,
-    /// True damping over the file's.
     pub damping_factor: f64,
     /// True suspension spring over the file's.
     pub spring_factor: f64,
@@ -32,7 +29,6 @@ pub struct Deviations {
     pub damper_digression_s_per_m: f64,
     /// How fast the spring hardens in compression (and softens in extension), in 1/m: its slope is `k exp(p x)`.
     pub spring_progression_per_m: f64,
-    /// Dry friction in the strut in N, when it slides.
     pub friction_n: f64,
     /// Ways in m over which the friction's three elements begin to slide.
     pub friction_presliding_m: [f64; 3],
@@ -48,11 +44,9 @@ pub struct Deviations {
     pub hop_damper_kg: f64,
     /// Its frequency in Hz on a wheel that stands still.
     pub hop_damper_hz: f64,
-    /// Its damping over the critical one.
     pub hop_damper_ratio: f64,
     /// Deflection of the tire in m at which the rim bears on the road; 0: never.
     pub rim_deflection_m: f64,
-    /// Stiffness in N/m that the rim adds there.
     pub rim_stiffness_n_per_m: f64,
     /// Mass times radius of the wheel's imbalance in kg m. Only the full car has turning wheels.
     pub imbalance_kg_m: f64,
@@ -147,7 +141,6 @@ impl Deviations {
         within("friction_stribeck_m_s", self.friction_stribeck_m_s, 1e-3, 1.0, "a speed from 0.001 to 1 m/s")
     }
 
-    /// The file's quarter car as it really is.
     pub(crate) fn applied_to(&self, nominal: &QuarterCar<f64>) -> Result<QuarterCar<f64>, ParameterError> {
         QuarterCar::new(
             nominal.sprung_mass_kg() * self.sprung_mass_factor,

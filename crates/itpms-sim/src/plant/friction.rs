@@ -6,13 +6,11 @@
 
 use super::Deviations;
 
-/// Elements of a strut.
 pub(crate) const ELEMENTS: usize = 3;
 
 /// A strut's friction and where it is in its loop.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Friction {
-    /// Force of each element when it slides, in N.
     sliding_n: [f64; ELEMENTS],
     per_presliding_m: [f64; ELEMENTS],
     /// What breaking away takes beyond sliding, as a share.
@@ -53,7 +51,6 @@ impl Friction {
         force
     }
 
-    /// Goes on to an extension in m.
     pub(crate) fn advance(&mut self, extension_m: f64) {
         let displacement_m = extension_m - self.extension_m;
         self.share = std::array::from_fn(|i| self.share_after(i, displacement_m));

@@ -16,13 +16,11 @@ const RIGID: usize = 7;
 /// Where the body's bending stands, and the first of four hop dampers.
 const BENDING: usize = RIGID;
 const HOP: usize = BENDING + 1;
-/// Freedoms of a car that has them.
 const FREEDOMS: usize = HOP + 4;
 
 /// The rigid body without its load, and what ties its corners together. Places are in m from its center of gravity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Body {
-    /// Mass in kg.
     pub mass_kg: f64,
     /// Moment of inertia in kg m² against pitch.
     pub pitch_kg_m2: f64,
@@ -34,16 +32,13 @@ pub struct Body {
     pub struts_m: [[f64; 2]; 4],
     /// Anti-roll bars front and rear in N m per rad of roll between body and axle.
     pub antiroll_n_m_per_rad: [f64; 2],
-    /// How it bends, if it does.
     pub bending: Option<Bending>,
 }
 
 /// What the car carries at one place, in m forward and to the left of the body's center of gravity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Load {
-    /// Mass in kg.
     pub mass_kg: f64,
-    /// Its place.
     pub at_m: [f64; 2],
 }
 
@@ -51,17 +46,14 @@ pub struct Load {
 /// starts with what the last one ended with.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CarInput {
-    /// Road heights under the tires in m.
     pub road_m: [[f64; 3]; 4],
     /// Tire stiffnesses in N/m at the step's ends.
     pub stiffness_n_per_m: [[f64; 2]; 4],
-    /// Vertical forces in N on the wheels from their imbalance.
     pub wheel_force_n: [[f64; 3]; 4],
     /// Acceleration of the car in m/s² forward and to the left.
     pub car_m_s2: [[f64; 2]; 3],
 }
 
-/// All that acts at one instant.
 #[derive(Clone, Copy)]
 struct Instant {
     road_m: [f64; 4],
@@ -70,13 +62,11 @@ struct Instant {
     wheel_force_n: [f64; 4],
     /// On the body, from gravity on the load and from the car's acceleration: force, pitch and roll moment.
     body: [f64; 3],
-    /// Time since the step's start.
     since_s: f64,
 }
 
 type Freedoms = [f64; FREEDOMS];
 
-/// A car in motion.
 #[derive(Debug, Clone)]
 pub struct FullCar {
     body: Body,
@@ -105,10 +95,7 @@ pub struct FullCar {
 impl FullCar {
     /// A car at rest on the roads of the given heights, carrying nothing. The corners are the file's quarter cars with the
     /// true ones' deviations; their sprung masses are what each tire carries of the body at rest, the body's own mass
-    /// moves.
-    ///
-    /// # Errors
-    /// A factor that leaves a parameter without physical sense.
+    /// moves. Errors: a factor that leaves a parameter without physical sense.
     pub fn new(
         body: &Body,
         corners: &[(QuarterCar<f64>, Deviations); 4],
@@ -155,7 +142,6 @@ impl FullCar {
         Ok(car)
     }
 
-    /// Changes what the car carries, from now on.
     pub fn load(&mut self, loads: &[Load]) {
         let body = &self.body;
         let mut mass = [[0.0; 3]; 3];
@@ -214,19 +200,16 @@ impl FullCar {
     }
 
     /// Heave in m at the body's center of gravity, pitch and roll in rad: nose down and left side up are positive.
-    #[must_use]
     pub fn attitude(&self) -> [f64; 3] {
         [self.place[0], self.place[1], self.place[2]]
     }
 
     /// Heights in m of the strut tops and of the wheels.
-    #[must_use]
     pub fn heights_m(&self) -> [[f64; 2]; 4] {
         [0, 1, 2, 3].map(|i| [self.corner(&self.place, i), self.place[3 + i]])
     }
 
     /// Vertical acceleration in m/s² of each strut's top and of each wheel at the end of the last step.
-    #[must_use]
     pub fn accelerations_m_s2(&self) -> [[f64; 2]; 4] {
         [0, 1, 2, 3].map(|i| [self.corner(&self.acceleration, i), self.acceleration[3 + i]])
     }

@@ -1,5 +1,4 @@
-//! The true car, integrated on a fine grid while its tires lose pressure: a quarter car alone, or all four corners under
-//! one body.
+//! The true car, integrated on a fine grid while its tires lose pressure: a quarter car alone, or all four corners under one body.
 //!
 //! Called by the simulation. The plants may have what an estimator's model lacks: a damped tire, a damper that is
 //! harder one way or mounted in rubber, dry friction, hop dampers, a body that pitches, rolls and bends. They know nothing of pressure, roads or sensors.

@@ -8,7 +8,6 @@
 pub(crate) struct Mount {
     stiffness_n_per_m: f64,
     force_n: f64,
-    /// Speed of the damper's extension.
     damper_m_s: f64,
     extension_m: f64,
 }

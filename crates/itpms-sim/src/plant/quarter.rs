@@ -10,13 +10,10 @@ use super::{Deviations, GRAVITY_M_S2, Strut, Tire};
 /// Positions in m and velocities in m/s of a quarter car, upwards.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlantState {
-    /// Sprung mass displacement.
     pub body_m: f64,
-    /// Sprung mass velocity.
     pub body_m_s: f64,
     /// Unsprung mass displacement.
     pub wheel_m: f64,
-    /// Unsprung mass velocity.
     pub wheel_m_s: f64,
 }
 
@@ -26,7 +23,6 @@ pub struct PlantState {
 pub struct StepInput {
     /// Road height under the tire in m.
     pub road_m: [f64; 3],
-    /// Tire stiffness in N/m.
     pub stiffness_n_per_m: [f64; 2],
 }
 
@@ -36,7 +32,6 @@ struct Contact {
     road_m: f64,
     road_m_s: f64,
     stiffness_n_per_m: f64,
-    /// Time since the step's start.
     since_s: f64,
 }
 
@@ -55,9 +50,7 @@ pub struct Plant {
 
 impl Plant {
     /// The file's quarter car with the true one's deviations, at rest on a road of the given height.
-    ///
-    /// # Errors
-    /// A factor that leaves a parameter without physical sense.
+    /// Errors: a factor that leaves a parameter without physical sense.
     pub fn new(nominal: &QuarterCar<f64>, truth: &Deviations, road_m: f64) -> Result<Self, ParameterError> {
         let car = truth.applied_to(nominal)?;
         Ok(Self {
@@ -70,14 +63,11 @@ impl Plant {
         })
     }
 
-    /// Positions and velocities now.
-    #[must_use]
     pub fn state(&self) -> &PlantState {
         &self.state
     }
 
     /// Body and wheel acceleration in m/s² at the end of the last step.
-    #[must_use]
     pub fn accelerations_m_s2(&self) -> [f64; 2] {
         self.accelerations_m_s2
     }
@@ -215,9 +205,8 @@ mod tests {
         for f in [0.5, 1.5, 5.0, 11.0, 20.0, 60.0, 100.0] {
             let (sim, exact) = (simulated(f, 0.0, 1.0 / 4000.0), closed_form(f, 0.0));
             for (s, e) in sim.into_iter().zip(exact) {
-                // RK4's error per unit of time is about (ωh)^4/120: 5e-6 at 100 Hz and 4 kHz. After 8 s the sprung
-                // mode's transient has fallen to exp(-1.92 * 8) = 2e-7 of a 1 m step, 1e-4 of the small
-                // accelerations at 0.5 Hz at worst.
+                // RK4's error per unit of time is about (ωh)^4/120: 5e-6 at 100 Hz and 4 kHz. After 8 s the sprung mode's transient has
+                // fallen to exp(-1.92 * 8) = 2e-7 of a 1 m step, 1e-4 of the small accelerations at 0.5 Hz at worst.
                 assert!(relative_error(s, e) < 1e-4, "{f} Hz: {s:?} {e:?}");
             }
         }

@@ -26,7 +26,6 @@ impl Tire {
         }
     }
 
-    /// Force in N at a stiffness in N/m, a deflection in m and its rate in m/s.
     #[inline]
     pub(crate) fn force_n(&self, stiffness_n_per_m: f64, deflection_m: f64, rate_m_s: f64) -> f64 {
         let damping = self.damping_n_s_per_m * rate_m_s;

@@ -32,9 +32,7 @@ pub struct PulseCar {
 
 impl PulseCar {
     /// The drive of a scenario with four corners; `car_seed` makes the car, `seed` its road and its noise.
-    ///
-    /// # Errors
-    /// A scenario without one of the corners, or with a value out of range.
+    /// Errors: a scenario without one of the corners, or with a value out of range.
     pub fn new(scenario: &Scenario, car_seed: u64, seed: u64) -> Result<Self, ScenarioError> {
         let mut scenario = scenario.composed(seed)?;
         // What the wheels do now, whenever the bus says it.

@@ -40,17 +40,13 @@ const SLOWEST_M_S: f64 = 1.0;
 /// A wheel, its road and its sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PulseSpec {
-    /// Rolling radius in m.
     pub radius_m: f64,
     /// Moments of inertia in kg m²: rim with what turns with it, and belt.
     pub rim_kg_m2: f64,
-    /// Of the belt.
     pub belt_kg_m2: f64,
     /// Torsional stiffness of the sidewalls at 240 kPa in N m/rad, and the air's share of it there.
     pub sidewall_n_m: f64,
-    /// The air's share.
     pub air_share: f64,
-    /// Slip stiffness in N.
     pub slip_stiffness_n: f64,
     /// How rough the road is; its slopes are white along the way (`w` = 2).
     pub roughness: Roughness,
@@ -60,7 +56,6 @@ pub struct PulseSpec {
     pub tooth_error: f64,
     /// Standard deviation of an edge's variation from turn to turn, in pitches.
     pub jitter: f64,
-    /// The clock's tick in s.
     pub tick_s: f64,
 }
 
@@ -85,7 +80,6 @@ impl Default for PulseSpec {
 /// How a wheel rolls at an instant.
 #[derive(Debug, Clone, Copy)]
 struct Rolling {
-    /// Of its hub.
     speed_m_s: f64,
     pressure_kpa: f64,
     /// How fast it turns over how fast that speed turns a wheel of its radius; load and slip stiffness over what they are usually.
@@ -97,7 +91,6 @@ struct Rolling {
 }
 
 impl Rolling {
-    /// Standing.
     const FREELY: Self = Self {
         speed_m_s: 0.0,
         pressure_kpa: 0.0,
@@ -108,7 +101,6 @@ impl Rolling {
     };
 }
 
-/// A wheel that rolls.
 #[derive(Debug, Clone)]
 pub struct PulseWheel {
     radius_m: f64,
@@ -120,13 +112,11 @@ pub struct PulseWheel {
 
 impl PulseWheel {
     /// At rest on its road. `wheel` tells apart the four of a car.
-    #[must_use]
     pub fn new(spec: &PulseSpec, seed: u64, wheel: u64) -> Self {
         Self::of_car(spec, seed, seed, wheel)
     }
 
     /// The same on a drive of its own: `car_seed` says where the teeth are.
-    #[must_use]
     pub fn of_car(spec: &PulseSpec, car_seed: u64, seed: u64, wheel: u64) -> Self {
         let mut car = generator(car_seed, Purpose::WheelCar, [1, wheel]);
         Self {
@@ -165,7 +155,6 @@ impl PulseWheel {
     }
 
     /// Where the teeth are: by how many pitches each lies too far on.
-    #[must_use]
     pub fn tooth_errors(&self) -> &[f64] {
         self.teeth.errors()
     }

@@ -1,8 +1,7 @@
 //! A test bed's road: one random segment, played again and again by a hydraulic actuator of finite bandwidth.
 //!
-//! Called by the surfaces, which turn it into a road over distance with the speed that the test bed stands for. The
-//! actuator's answer to a repeated segment is computed harmonic by harmonic, in its steady state: it is periodic
-//! exactly, and there is no start to wait out.
+//! Called by the surfaces, which turn it into a road over distance with the speed that the test bed stands for. The actuator's answer to a
+//! repeated segment is computed harmonic by harmonic, in its steady state: it is periodic exactly, and there is no start to wait out.
 
 use itpms_fourier::Complex;
 use serde::{Deserialize, Serialize};
@@ -59,7 +58,6 @@ pub struct BenchRoad {
     /// How the segment's Fourier coefficients are drawn.
     #[serde(default)]
     pub amplitude: Amplitude,
-    /// What follows the demand.
     #[serde(default)]
     pub actuator: Actuator,
 }

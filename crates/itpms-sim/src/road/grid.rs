@@ -1,5 +1,4 @@
-//! A stretch of road on an even grid: heights, their average over the tire's contact length, and the cubic that
-//! reads between the nodes.
+//! A stretch of road on an even grid: heights, their average over the tire's contact length, and the cubic that reads between the nodes.
 //!
 //! Called by [`Road`](super::Road); positions are in nodes, never in metres.
 

@@ -26,20 +26,16 @@ pub enum RoadClass {
 }
 
 impl RoadClass {
-    /// All classes, best first.
     pub const ALL: [RoadClass; 8] = {
         use RoadClass::*;
         [A, B, C, D, E, F, G, H]
     };
 
     /// Geometric mean of `Gd(n0)` in m³ (ISO 8608:2016, Table C.1): 16e-6 for A, four times more for each class.
-    #[must_use]
     pub fn gd_n0_m3(self) -> f64 {
         16e-6 * f64::from(1u32 << (2 * self as u32))
     }
 
-    /// The class of a letter.
-    #[must_use]
     pub fn from_letter(letter: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|c| c.to_string() == letter)
     }
@@ -59,7 +55,6 @@ pub struct Roughness {
 
 impl Roughness {
     /// `Gd(n0)` in m³.
-    #[must_use]
     pub fn gd_n0_m3(self) -> f64 {
         self.gd_n0_m3
     }
@@ -122,7 +117,6 @@ pub enum Amplitude {
     Fixed,
 }
 
-/// A road of one spectrum.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Iso8608 {
@@ -135,7 +129,6 @@ pub struct Iso8608 {
     #[serde(default)]
     pub amplitude: Amplitude,
     /// The road repeats itself after this many metres (a test bed's segment); never, if not given.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub repeat_every_m: Option<f64>,
 }
 
@@ -145,13 +138,11 @@ fn standard_slope() -> f64 {
 
 impl Iso8608 {
     /// A Gaussian road that does not repeat.
-    #[must_use]
     pub fn new(roughness: impl Into<Roughness>, slope: f64) -> Self {
         Self { roughness: roughness.into(), slope, amplitude: Amplitude::Gaussian, repeat_every_m: None }
     }
 
     /// One-sided displacement spectrum in m³ at a spatial frequency in cycles/m.
-    #[must_use]
     pub fn psd_m3(&self, cycles_per_m: f64) -> f64 {
         self.roughness.gd_n0_m3() * (cycles_per_m / REFERENCE_CYCLES_PER_M).powf(-self.slope)
     }

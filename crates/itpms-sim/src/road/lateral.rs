@@ -15,7 +15,6 @@ use crate::streams::Purpose;
 
 /// Coherence of two profiles of an isotropic surface, 0 to 1: `distance_m` apart, at a spatial frequency, for a
 /// spectrum of slope `w`. It is real (the waves are in phase); its square is what an estimate from spectra is of.
-#[must_use]
 pub fn coherence(cycles_per_m: f64, distance_m: f64, slope: f64) -> f64 {
     of_phase(TAU * cycles_per_m * distance_m.abs(), 0.5 * slope)
 }
@@ -44,37 +43,30 @@ fn bessel_k(nu: f64, x: f64) -> f64 {
     STEP * sum
 }
 
-/// A line along the road.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Line {
     side: Side,
     /// From the left wheels' track to the right wheels'; none: the tracks are independent roads.
     track_m: Option<f64>,
-    /// From the side's own track.
     offset_m: f64,
 }
 
 impl Line {
     /// Under the wheels of one side, on a road of its own.
-    #[must_use]
     pub fn alone(side: Side) -> Self {
         Self { side, track_m: None, offset_m: 0.0 }
     }
 
     /// Under the front wheels of one side of a car of this track width, on one isotropic surface.
-    #[must_use]
     pub fn of_track(side: Side, track_m: f64) -> Self {
         Self { side, track_m: Some(track_m), offset_m: 0.0 }
     }
 
     /// The same, moved sideways; to which side makes no difference.
-    #[must_use]
     pub fn beside(self, offset_m: f64) -> Self {
         Self { offset_m: offset_m.abs(), ..self }
     }
 
-    /// The wheels' side.
-    #[must_use]
     pub fn side(&self) -> Side {
         self.side
     }

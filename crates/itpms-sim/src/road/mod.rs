@@ -1,12 +1,10 @@
-//! Roads: what a scenario says about one ([`RoadSpec`]) and the road itself ([`Road`]), asked for its height at a
-//! distance.
+//! Roads: what a scenario says about one ([`RoadSpec`]) and the road itself ([`Road`]), asked for its height at a distance.
 //!
 //! Called by the simulation, and by whoever wants a road without a car on it (roughness studies). A road is a
 //! function of distance: it knows nothing of time, speed or wheels.
 //!
-//! A [`Road`] lays its surface and its obstacles on a grid finer than any log samples it, a few tens of metres at a
-//! time, averages it over the tire's contact length there, and reads it with a cubic. An hour's drive takes a few
-//! megabytes.
+//! A [`Road`] lays its surface and its obstacles on a grid finer than any log samples it, a few tens of metres at a time, averages it over
+//! the tire's contact length there, and reads it with a cubic. An hour's drive takes a few megabytes.
 
 mod bench;
 mod grid;
@@ -50,9 +48,7 @@ const CHUNKS_KEPT: usize = 8;
 /// One of the two paths that wheels run on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Side {
-    /// Under the left wheels.
     Left,
-    /// Under the right wheels.
     Right,
 }
 
@@ -60,7 +56,6 @@ pub enum Side {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Surface {
-    /// A plane.
     #[default]
     Flat,
     /// One ISO 8608 spectrum; both tracks are independent of each other, under a full car two lines of one surface.
@@ -85,9 +80,7 @@ pub struct RoadSpec {
     pub contact_length_m: f64,
     /// Potholes, and with negative depth bumps.
     pub pothole: Vec<Pothole>,
-    /// Steps up or down.
     pub step: Vec<Step>,
-    /// Waves of one length.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub washboard: Vec<Washboard>,
     /// Bumps or gaps at even distances.
@@ -100,15 +93,11 @@ pub struct RoadSpec {
 
 impl RoadSpec {
     /// One ISO 8608 spectrum: a class letter or `Gd(n0)` in m³, and its slope `w`.
-    #[must_use]
     pub fn iso8608(roughness: impl Into<Roughness>, slope: f64) -> Self {
         Self { surface: Surface::Iso8608(Iso8608::new(roughness, slope)), ..Self::default() }
     }
 
-    /// Checks every number; files are read only when the road is built.
-    ///
-    /// # Errors
-    /// Names the first value that is out of range.
+    /// Checks every number; files are read only when the road is built. Errors: names the first value that is out of range.
     pub fn validate(&self) -> Result<(), InvalidValue> {
         within("contact_length_m", self.contact_length_m, 0.0, 1.0, "a length from 0 to 1 m")?;
         match &self.surface {
@@ -139,18 +128,15 @@ impl RoadSpec {
 /// Why a road cannot be built.
 #[derive(Debug, thiserror::Error)]
 pub enum RoadError {
-    /// A number out of range.
     #[error(transparent)]
     Value(#[from] InvalidValue),
-    /// The surveyed profile is unusable.
     #[error(transparent)]
     Profile(#[from] ProfileError),
 }
 
 /// A road under one track of wheels, the same for the same specification, seed and side.
 ///
-/// Distances should come in roughly increasing order; going back by more than some tens of metres is allowed but
-/// lays the road anew.
+/// Distances should come in roughly increasing order; going back by more than some tens of metres is allowed but lays the road anew.
 #[derive(Debug, Clone)]
 pub struct Road {
     surface: SurfaceRun,
@@ -166,30 +152,21 @@ pub struct Road {
 }
 
 impl Road {
-    /// Lays a road. `spacing_m` is that of its grid; it is rounded down to [`GRID_SPACING_M`] over a power of two.
-    /// A finer grid adds shorter waves to the same road. The grid of a road that repeats is finer still, a whole number
-    /// of nodes to a period.
-    ///
-    /// # Errors
-    /// A value out of range, a profile that cannot be read, or a test bed's road: that needs [`Road::at_speed`].
+    /// Lays a road. `spacing_m` is that of its grid; it is rounded down to [`GRID_SPACING_M`] over a power of two. A finer grid adds
+    /// shorter waves to the same road. The grid of a road that repeats is finer still, a whole number of nodes to a period. Errors: a value
+    /// out of range, a profile that cannot be read, or a test bed's road: that needs [`Road::at_speed`].
     pub fn new(spec: &RoadSpec, side: Side, seed: u64, spacing_m: f64) -> Result<Self, RoadError> {
         Self::lay_out(spec, Line::alone(side), seed, spacing_m, None)
     }
 
     /// The same along a line of a surface that is as rough across as it is along: lines with the same track width and
     /// seed belong to one surface. Measured, flat and repeated surfaces are level across a track.
-    ///
-    /// # Errors
-    /// As for [`Road::new`].
     pub fn along(spec: &RoadSpec, line: Line, seed: u64, spacing_m: f64) -> Result<Self, RoadError> {
         Self::lay_out(spec, line, seed, spacing_m, None)
     }
 
-    /// The same for a drive at one speed in m/s, which a test bed's road depends on: its segment repeats in time, and
-    /// its actuator has a bandwidth in Hz. Other roads are what [`Road::new`] makes them.
-    ///
-    /// # Errors
-    /// A value out of range, or a profile that cannot be read.
+    /// The same for a drive at one speed in m/s, which a test bed's road depends on: its segment repeats in time, and its actuator has a
+    /// bandwidth in Hz. Other roads are what [`Road::new`] makes them. Errors: a value out of range, or a profile that cannot be read.
     pub fn at_speed(
         spec: &RoadSpec,
         side: Side,
@@ -228,7 +205,6 @@ impl Road {
         })
     }
 
-    /// Height in m at a distance in m.
     pub fn height_m(&mut self, distance_m: f64) -> f64 {
         let (chunk, position) = self.chunk(distance_m);
         chunk.height(position)
@@ -240,8 +216,6 @@ impl Road {
         chunk.contact_height(position)
     }
 
-    /// Spacing of the grid in m.
-    #[must_use]
     pub fn spacing_m(&self) -> f64 {
         1.0 / self.nodes_per_m
     }

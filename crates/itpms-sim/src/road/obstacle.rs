@@ -11,12 +11,9 @@ use crate::error::{InvalidValue, not_negative, within};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Tracks {
-    /// Left and right ones.
     #[default]
     Both,
-    /// The left ones.
     Left,
-    /// The right ones.
     Right,
 }
 
@@ -36,14 +33,10 @@ impl Tracks {
 pub struct Pothole {
     /// Distance of its near end in m.
     pub at_m: f64,
-    /// Length in m.
     pub length_m: f64,
-    /// Depth in m.
     pub depth_m: f64,
-    /// Length of each edge in m.
     #[serde(default = "usual_edge_m")]
     pub edge_m: f64,
-    /// Which wheels meet it.
     #[serde(default)]
     pub tracks: Tracks,
 }
@@ -56,10 +49,8 @@ pub struct Step {
     pub at_m: f64,
     /// Height in m, negative downwards.
     pub height_m: f64,
-    /// Length of the edge in m.
     #[serde(default = "usual_edge_m")]
     pub edge_m: f64,
-    /// Which wheels meet it.
     #[serde(default)]
     pub tracks: Tracks,
 }

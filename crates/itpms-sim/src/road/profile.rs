@@ -67,7 +67,7 @@ impl ProfileSpec {
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredProfile {
     length_m: f64,
-    /// What remains when the line is taken out.
+    /// Residual of the line.
     residual: Spline,
     intercept_m: f64,
     grade: f64,
@@ -77,9 +77,7 @@ pub struct MeasuredProfile {
 
 impl MeasuredProfile {
     /// From `[station_m, elevation_m]` points with increasing stations.
-    ///
-    /// # Errors
-    /// Fewer than four points, a value that is not finite, or stations that do not increase.
+    /// Errors: fewer than four points, a value that is not finite, or stations that do not increase.
     pub fn new(points_m: &[[f64; 2]], extend: Extension, trend: Trend) -> Result<Self, ProfileError> {
         let first = match points_m {
             [first, _, _, _, ..] => first[0],
@@ -109,22 +107,17 @@ impl MeasuredProfile {
     }
 
     /// From a text file: two columns, station and elevation in m, parted by blanks, tabs, commas or semicolons;
-    /// empty lines, lines that start with `#` and one heading are skipped.
-    ///
-    /// # Errors
-    /// The file cannot be read, or names its first bad line.
+    /// empty lines, lines that start with `#` and one heading are skipped. Errors: the file cannot be read, or names its first bad line.
     pub fn from_file(path: &Path, extend: Extension, trend: Trend) -> Result<Self, ProfileError> {
         Self::new(&read_points(path)?, extend, trend)
     }
 
     /// Distance in m from the first station to the last.
-    #[must_use]
     pub fn length_m(&self) -> f64 {
         self.length_m
     }
 
     /// Height in m at a distance in m from the first station.
-    #[must_use]
     pub fn height_m(&self, distance_m: f64) -> f64 {
         let within = match self.extend {
             Extension::Repeat => distance_m.rem_euclid(self.length_m),

@@ -19,9 +19,7 @@ const SAME_M: f64 = 1e-6;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Washboard {
-    /// Length of a wave in m.
     pub wavelength_m: f64,
-    /// Half its height in m.
     pub amplitude_m: f64,
     /// Distance in m from which on there are waves, whole ones; always, if not given.
     #[serde(default = "long_before_m")]
@@ -29,7 +27,6 @@ pub struct Washboard {
     /// Distance in m where they end; never, if not given.
     #[serde(default = "long_after_m")]
     pub to_m: f64,
-    /// Which wheels meet it.
     #[serde(default)]
     pub tracks: Tracks,
 }
@@ -40,9 +37,7 @@ pub struct Washboard {
 pub struct Sleepers {
     /// Distance in m from the begin of one to the next.
     pub spacing_m: f64,
-    /// Length of one in m.
     pub length_m: f64,
-    /// Height of one in m.
     pub height_m: f64,
     /// Length of each edge in m, half a cosine.
     #[serde(default = "usual_edge_m")]
@@ -53,7 +48,6 @@ pub struct Sleepers {
     /// Distance in m where they end; never, if not given.
     #[serde(default = "long_after_m")]
     pub to_m: f64,
-    /// Which wheels meet them.
     #[serde(default)]
     pub tracks: Tracks,
 }

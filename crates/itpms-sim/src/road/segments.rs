@@ -12,11 +12,9 @@ use super::lateral::Line;
 use super::spectral::SpectralRoad;
 use crate::error::{InvalidValue, within};
 
-/// One stretch.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Segment {
-    /// Length in m.
     pub length_m: f64,
     /// `Gd(n0)`, or the class it is the mean of.
     pub roughness: Roughness,
@@ -41,7 +39,6 @@ pub enum AfterLast {
 pub struct Segments {
     /// In the order in which they are driven.
     pub list: Vec<Segment>,
-    /// What follows the last one.
     #[serde(default)]
     pub after_last: AfterLast,
     /// How the Fourier coefficients are drawn.

@@ -25,7 +25,6 @@ thread_local! {
     static SERIES: RefCell<VecDeque<Kept>> = const { RefCell::new(VecDeque::new()) };
 }
 
-/// A series and what it was made of.
 struct Kept {
     iso: Iso8608,
     nodes: usize,
@@ -148,7 +147,6 @@ pub(crate) struct SpectralRoad {
     sources: Arc<Vec<Source>>,
     /// Weights of the nodes over which one block gives way to the next.
     fade: Arc<Vec<f64>>,
-    /// Nodes from one block's start to the next one's.
     hop: usize,
     /// Node on which block 0 starts, so that a drive begins where only one block counts.
     start: i64,

@@ -13,7 +13,6 @@ use crate::time_profile::Pressure;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TireSpec {
-    /// N/m per kPa.
     pub stiffness_per_kpa: f64,
     /// N/m at zero gauge pressure.
     pub stiffness_at_zero: f64,
@@ -27,57 +26,42 @@ impl Default for TireSpec {
 }
 
 impl TireSpec {
-    /// The map from pressure to stiffness.
-    ///
-    /// # Errors
-    /// A slope that is not positive or an intercept that is negative.
+    /// The map from pressure to stiffness. Errors: a slope that is not positive or an intercept that is negative.
     pub fn map(&self) -> Result<PressureMap<f64>, InvalidValue> {
         Ok(PressureMap::new(self.stiffness_per_kpa, self.stiffness_at_zero)?)
     }
 }
 
-/// A corner as written in a scenario. What a vehicle file also says has the same name here, and the paper's Table 2
-/// and eq. (5) as default.
+/// A corner as written in a scenario. What a vehicle file also says has the same name here, and the paper's Table 2 and eq. (5) as default.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CornerSpec {
-    /// Sprung mass the estimator is given, in kg.
     #[serde(default = "sprung_mass_kg")]
     pub sprung_mass_kg: f64,
-    /// Unsprung mass the estimator is given, in kg.
     #[serde(default = "unsprung_mass_kg")]
     pub unsprung_mass_kg: f64,
-    /// Damping the estimator is given, in N s/m.
     #[serde(default = "damping_n_s_per_m")]
     pub damping_n_s_per_m: f64,
     /// Suspension spring the estimator is given, in N/m.
     #[serde(default = "spring_n_per_m")]
     pub spring_n_per_m: f64,
-    /// Pressure on the placard in kPa gauge.
     #[serde(default = "placard_kpa")]
     pub placard_kpa: f64,
     /// Sensor noise the estimator is given, in m/s² rms per sample; the wheel sensor's true one, if not given.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub accel_noise_m_s2: Option<f64>,
     /// Stiffness the estimator starts from, in N/m; the placard's, if not given.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub initial_stiffness_n_per_m: Option<f64>,
-    /// True pressure over time.
     pub pressure: Pressure,
-    /// Stiffness over pressure.
     #[serde(default)]
     pub tire: TireSpec,
     /// How the true corner differs from what the estimator is given.
     #[serde(default)]
     pub truth: Deviations,
     /// The body's accelerometer, if not the scenario's usual one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub body_sensor: Option<SensorSpec>,
     /// The wheel's accelerometer, if not the scenario's usual one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wheel_sensor: Option<SensorSpec>,
     /// The sensor whose reading a log holds as the pressure; without one it holds the true pressure.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pressure_sensor: Option<PressureSensorSpec>,
 }
 
@@ -102,8 +86,6 @@ fn placard_kpa() -> f64 {
 }
 
 impl CornerSpec {
-    /// The paper's corner with a pressure history.
-    #[must_use]
     pub fn paper(pressure: Pressure) -> Self {
         Self {
             sprung_mass_kg: sprung_mass_kg(),
@@ -148,10 +130,7 @@ impl CornerSpec {
         self.wheel_sensor = Some(SensorSpec { noise_m_s2: variance_m2_s4.sqrt(), ..sensor });
     }
 
-    /// The quarter car the estimator is given.
-    ///
-    /// # Errors
-    /// Names the parameter that is not positive.
+    /// The quarter car the estimator is given. Errors: names the parameter that is not positive.
     pub fn quarter_car(&self) -> Result<QuarterCar<f64>, InvalidValue> {
         Ok(QuarterCar::new(
             self.sprung_mass_kg,
@@ -199,27 +178,17 @@ impl CornerSpec {
     }
 }
 
-/// The corners of a scenario.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Corners {
-    /// Front left.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fl: Option<CornerSpec>,
-    /// Front right.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fr: Option<CornerSpec>,
-    /// Rear left.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rl: Option<CornerSpec>,
-    /// Rear right.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rr: Option<CornerSpec>,
 }
 
 impl Corners {
     /// A corner, if the scenario has it.
-    #[must_use]
     pub fn get(&self, corner: Corner) -> Option<&CornerSpec> {
         match corner {
             Corner::FrontLeft => self.fl.as_ref(),

@@ -28,15 +28,11 @@ const LARGEST: u64 = 1 << 20;
 const ALIKE: f64 = 0.7;
 
 impl Scenario {
-    /// Names of the built-in scenarios.
     pub fn builtin_names() -> impl Iterator<Item = &'static str> {
         BUILT_IN.iter().map(|(name, _)| *name)
     }
 
-    /// A built-in scenario.
-    ///
-    /// # Errors
-    /// [`ScenarioError::Unknown`] lists the known names and the one most like what was asked for.
+    /// A built-in scenario. Errors: [`ScenarioError::Unknown`] lists the known names and the one most like what was asked for.
     pub fn builtin(name: &str) -> Result<Self, ScenarioError> {
         match BUILT_IN.iter().find(|(known, _)| *known == name) {
             Some((known, text)) => Self::from_toml(text, known),
@@ -45,9 +41,7 @@ impl Scenario {
     }
 
     /// A scenario by what a user writes on a command line: a built-in name or the path of a TOML file.
-    ///
-    /// # Errors
-    /// Neither a known name nor a file, or the file's errors.
+    /// Errors: neither a known name nor a file, or the file's errors.
     pub fn load(name_or_path: &str) -> Result<Self, ScenarioError> {
         let path = Path::new(name_or_path);
         let built_in = BUILT_IN.iter().any(|(known, _)| *known == name_or_path);
@@ -60,9 +54,7 @@ impl Scenario {
     }
 
     /// A scenario from a TOML file. A road profile's path is taken relative to the file.
-    ///
-    /// # Errors
-    /// The file cannot be read; or line, column and reason of the first thing that is no scenario.
+    /// Errors: the file cannot be read; or line, column and reason of the first thing that is no scenario.
     pub fn from_file(path: &Path) -> Result<Self, ScenarioError> {
         let text = read_text(path, LARGEST)
             .map_err(|source| ScenarioError::Read { path: path.to_path_buf(), source })?;
@@ -76,9 +68,7 @@ impl Scenario {
     }
 
     /// A scenario from TOML; `origin` is what errors call the text.
-    ///
-    /// # Errors
-    /// Line, column and reason of the first thing that is no scenario, or the first value out of range.
+    /// Errors: line, column and reason of the first thing that is no scenario, or the first value out of range.
     pub fn from_toml(text: &str, origin: &str) -> Result<Self, ScenarioError> {
         let scenario: Self = toml::from_str(text).map_err(|e| {
             let (line, column) = e.span().map_or((1, 1), |span| line_and_column(text, span.start));
@@ -89,10 +79,7 @@ impl Scenario {
         Ok(scenario)
     }
 
-    /// The scenario as TOML, every default written out.
-    ///
-    /// # Errors
-    /// Only for a path that is not Unicode.
+    /// The scenario as TOML, every default written out. Errors: only for a path that is not Unicode.
     pub fn to_toml(&self) -> Result<String, ScenarioError> {
         toml::to_string_pretty(self).map_err(|e| ScenarioError::Write(e.to_string()))
     }

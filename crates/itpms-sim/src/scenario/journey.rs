@@ -16,18 +16,14 @@ use crate::error::{InvalidValue, within};
 use crate::road::{AfterLast, Amplitude, RoadClass, Segment, Segments};
 use crate::streams::{Purpose, generator};
 
-/// What journeys are composed of. Stretches follow each other at random, each with a class of road and the speeds one
-/// drives there.
+/// What journeys are composed of. Stretches follow each other at random, each with a class of road and the speeds one drives there.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct JourneySpec {
-    /// Shortest and longest time in s on one stretch.
     pub stretch_s: [f64; 2],
     /// Smallest and largest slope `w` of the roads' spectra.
     pub slope: [f64; 2],
-    /// Largest lateral acceleration in bends, in m/s².
     pub lateral_m_s2: f64,
-    /// Chance that a stop changes the load.
     pub load_chance: f64,
     /// Largest mass in kg at each of the four places that are loaded.
     pub load_kg: f64,
@@ -137,7 +133,6 @@ struct Composer<'a> {
     distance_m: f64,
     /// Where the stretch that is driven starts.
     stretch_from_m: f64,
-    /// Its road, but for its length.
     road: Option<Segment>,
     speed: Vec<[f64; 2]>,
     lateral: Vec<[f64; 2]>,

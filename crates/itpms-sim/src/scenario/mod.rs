@@ -1,8 +1,7 @@
 //! A drive written down: how long, how fast, over which road, with which pressures, seen through which sensors.
 //!
-//! Called by the binary and the score; [`Simulation`](crate::simulation::Simulation) drives it. A scenario says both what the estimator is given
-//! about a corner and how the true one differs. All fields are public: a study takes a built-in scenario and changes what it
-//! studies.
+//! Called by the binary and the score; [`Simulation`](crate::simulation::Simulation) drives it. A scenario says both what the estimator is
+//! given about a corner and how the true one differs. All fields are public: a study takes a built-in scenario and changes what it studies.
 //!
 //! The built-in scenarios are the TOML files in `scenarios/`, which also serve as examples.
 
@@ -30,27 +29,20 @@ use crate::sensor::SensorSpec;
 use crate::time_profile::Speed;
 use crate::wheel_speeds::WheelSpeedSpec;
 
-/// When the log's samples are taken.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ClockSpec {
-    /// Each sample is early or late by up to this fraction of the sampling period, evenly spread; `time_s` says when
-    /// it was really taken.
+    /// Each sample is early or late by up to this fraction of the sampling period, evenly spread; `time_s` says when it was really taken.
     pub jitter: f64,
 }
 
-/// A drive.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scenario {
-    /// Its name.
     pub name: String,
-    /// What it is about.
     #[serde(default)]
     pub description: String,
-    /// Length in s.
     pub duration_s: f64,
-    /// Samples per second.
     pub rate_hz: f64,
     /// Time in s driven before the log starts, at the speed and pressures of its start, so that it starts in motion.
     #[serde(default = "usual_settling_s")]
@@ -64,9 +56,7 @@ pub struct Scenario {
     /// How well the vehicle file knows the car: `measured`, `typical` or `rough`.
     #[serde(default = "measured", with = "confidence")]
     pub confidence: Confidence,
-    /// Speed over time.
     pub speed: Speed,
-    /// The road.
     pub road: RoadSpec,
     /// The accelerometers, where a corner does not name its own.
     #[serde(default)]
@@ -74,24 +64,18 @@ pub struct Scenario {
     /// The low-pass before the samplers.
     #[serde(default)]
     pub antialias: AntiAliasSpec,
-    /// When samples are taken.
     #[serde(default)]
     pub clock: ClockSpec,
     /// The body over all four corners; without one, corners are quarter cars on their own, and the tracks of left and
     /// right wheels independent roads.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub car: Option<CarSpec>,
-    /// What speed, road, turns and loads are composed of, from the seed; `speed` and `road.surface` are `"journey"`
-    /// then.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    /// What speed, road, turns and loads are composed of, from the seed; `speed` and `road.surface` are `"journey"` then.
     pub journey: Option<JourneySpec>,
     /// The speeds of the four wheels; not in the log, if not given. Needs a [`CarSpec`].
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wheel_speeds: Option<WheelSpeedSpec>,
     /// Sensors that go wrong for a while.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub fault: Vec<FaultSpec>,
-    /// The corners driven: at least one.
     pub corner: Corners,
 }
 
@@ -118,18 +102,13 @@ fn is_one(value: &f64) -> bool {
 }
 
 impl Scenario {
-    /// Checks every number.
-    ///
-    /// # Errors
-    /// [`ScenarioError::Invalid`] names the first value that is out of range.
+    /// Checks every number. Errors: [`ScenarioError::Invalid`] names the first value that is out of range.
     pub fn validate(&self) -> Result<(), ScenarioError> {
         self.first_invalid().map_err(|source| ScenarioError::Invalid { scenario: self.name.clone(), source })
     }
 
     /// The drive of a seed with every point written out; without a [`JourneySpec`] the scenario as it is.
-    ///
-    /// # Errors
-    /// A value out of range, or a journey in only a part of the scenario.
+    /// Errors: a value out of range, or a journey in only a part of the scenario.
     pub fn composed(&self, seed: u64) -> Result<Self, ScenarioError> {
         self.validate()?;
         Ok(self.with_journey(seed))
@@ -230,8 +209,6 @@ impl Scenario {
         Ok(())
     }
 
-    /// Number of rows of the log.
-    #[must_use]
     pub fn rows(&self) -> u64 {
         // A duration of 40 s at 500 Hz is 20 000 rows, whatever the rounding of the product.
         (self.duration_s * self.rate_hz + 1e-6) as u64
@@ -246,9 +223,7 @@ impl Scenario {
     }
 
     /// What the estimator of a corner is given: the vehicle file's values, the sensor noise, where to start.
-    ///
-    /// # Errors
-    /// The scenario has no such corner, or one of the values is out of range.
+    /// Errors: the scenario has no such corner, or one of the values is out of range.
     pub fn corner_config(&self, corner: Corner) -> Result<CornerConfig<f64>, ScenarioError> {
         let config = match self.corner.get(corner) {
             Some(spec) => spec

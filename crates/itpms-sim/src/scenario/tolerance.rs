@@ -1,7 +1,6 @@
 //! Cars that differ as cars do: a journey's deviations of body, tires and sensors, drawn from the seed.
 //!
-//! Part of a scenario's `[journey]`; applied when the scenario is composed. What a corner already deviates by is kept and
-//! multiplied.
+//! Part of a scenario's `[journey]`; applied when the scenario is composed. What a corner already deviates by is kept and multiplied.
 
 use std::fmt;
 
@@ -36,25 +35,19 @@ pub enum Draw {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ToleranceSpec {
-    /// How the shares are drawn.
     pub draw: Draw,
     /// Of each axle's sprung mass, as a share: equipment.
     pub sprung_mass: f64,
-    /// Of each unsprung mass: another rim.
     pub unsprung_mass: f64,
     /// Of all unsprung masses together: what a file leaves out, or counts twice.
     pub unsprung_mass_common: f64,
-    /// Of both unsprung masses of an axle, beside.
     pub unsprung_mass_axle: f64,
-    /// Of each damper: age.
     pub damping: f64,
-    /// Of each axle's springs.
     pub spring: f64,
     /// Of the stiffness of all tires together (make and wear), and in a third of it of each.
     pub tire_stiffness: f64,
     /// Most dry friction in a strut in N, each strut's drawn from none on; 0: what the scenario says.
     pub friction_n: f64,
-    /// Of each sensor's gain.
     pub gain: f64,
     /// Factor by which all sensors may be noisier than their data sheet, or quieter.
     pub noise_factor: f64,
@@ -84,7 +77,6 @@ impl Default for ToleranceSpec {
 impl ToleranceSpec {
     /// What separates a car from a vehicle file of confidence `typical`: the standard deviations of its masses and tires,
     /// worn dampers, and struts that rub.
-    #[must_use]
     pub fn typical() -> Self {
         Self {
             draw: Draw::Normal,

@@ -38,7 +38,6 @@ pub(crate) struct CornerRun {
     /// Of the road, over the step reached.
     slope: f64,
     filters: [LowPass; 2],
-    /// Filtered body and wheel acceleration.
     filtered: [History; 2],
     sensors: [Sensor; 2],
     pressure_sensor: Option<PressureSensor>,

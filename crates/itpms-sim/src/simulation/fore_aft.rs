@@ -9,7 +9,6 @@ use std::f64::consts::TAU;
 const HZ: f64 = 17.0;
 const RATIO: f64 = 0.2;
 
-/// A wheel against the body, fore and aft.
 #[derive(Debug, Clone)]
 pub(crate) struct ForeAft {
     per_wheel_kg: f64,

@@ -31,9 +31,8 @@ use ride::{Ride, Step};
 /// Lowest rate of the fine grid in Hz, for a tire that follows every point of the road: waves of 1 cm at 130 km/h.
 const POINT_RATE_HZ: f64 = 4000.0;
 
-/// The same for a tire that averages the road over a contact length, which leaves nothing to see of such waves: an
-/// hour's log at 200 Hz differs from one simulated at 16 kHz by 0.25 % of its rms, most of it the shape of the anti-alias
-/// filter near its corner.
+/// The same for a tire that averages the road over a contact length, which leaves nothing to see of such waves: an hour's log at 200 Hz
+/// differs from one simulated at 16 kHz by 0.25 % of its rms, most of it the shape of the anti-alias filter near its corner.
 const CONTACT_RATE_HZ: f64 = 1600.0;
 
 /// Contact length in m from which on it counts as one.
@@ -60,7 +59,6 @@ pub struct Simulation {
     ride: Ride,
     wheel_speeds: Option<WheelSpeedRun>,
     faults: Faults,
-    /// Fine-grid step reached.
     step: i64,
     row: u64,
     rows: u64,
@@ -85,11 +83,8 @@ impl Lanes {
 }
 
 impl Simulation {
-    /// Starts a drive. The same scenario and seed give the same rows; road, sensors, losses and clock draw from
-    /// generators of their own, so that a change to one leaves the others as they were.
-    ///
-    /// # Errors
-    /// A value out of range, or a road profile that cannot be read.
+    /// Starts a drive. The same scenario and seed give the same rows; road, sensors, losses and clock draw from generators of their own, so
+    /// that a change to one leaves the others as they were. Errors: a value out of range, or a road profile that cannot be read.
     pub fn new(scenario: &Scenario, seed: u64) -> Result<Self, ScenarioError> {
         let composed = scenario.composed(seed)?;
         let scenario = &composed;
@@ -140,7 +135,6 @@ impl Simulation {
 
     /// Since when, in s, the car's accelerations are no numbers or absurd, if they are: its masses, springs, dampers or tires are
     /// none that can be simulated. What came since is worth nothing.
-    #[must_use]
     pub fn diverged_s(&self) -> Option<f64> {
         self.diverged_s
     }

@@ -102,7 +102,6 @@ impl Ride {
     }
 }
 
-/// A whole car on its way.
 #[derive(Debug, Clone)]
 pub(crate) struct CarRide {
     car: FullCar,
@@ -126,8 +125,7 @@ struct Reached {
 #[derive(Debug, Clone, Copy)]
 struct Imbalance {
     per_radius_m: [f64; 4],
-    /// Mass times radius in kg m where the wheel is at distance zero, and a quarter turn later: the cosine and sine of its
-    /// angle there.
+    /// Mass times radius in kg m where the wheel is at distance zero, and a quarter turn later: the cosine and sine of its angle there.
     kg_m: [[f64; 2]; 4],
 }
 

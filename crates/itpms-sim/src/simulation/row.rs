@@ -9,7 +9,6 @@ use crate::wheel_speeds::WheelSpeedRow;
 pub struct SimRow {
     /// Time of the sample in s; the first one is at 0 or, with a jittered clock, a little later.
     pub time_s: f64,
-    /// Speed in m/s.
     pub speed_m_s: f64,
     /// Distance in m since 0 s, of the front axle.
     pub distance_m: f64,
@@ -19,7 +18,6 @@ pub struct SimRow {
     pub wheel_speeds: Option<WheelSpeedRow>,
 }
 
-/// One corner of a row.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CornerRow {
     /// Logged sprung mass acceleration in m/s²; NaN when lost.
@@ -28,10 +26,8 @@ pub struct CornerRow {
     pub wheel_accel_m_s2: f64,
     /// True gauge pressure in kPa.
     pub pressure_kpa: f64,
-    /// What a log holds as the pressure in kPa: the reading of the scenario's pressure sensor, or the true pressure
-    /// where it has none.
+    /// What a log holds as the pressure in kPa: the reading of the scenario's pressure sensor, or the true pressure where it has none.
     pub pressure_reading_kpa: f64,
-    /// True tire stiffness in N/m.
     pub stiffness_n_per_m: f64,
     /// True road height in m under this wheel's axle: a point of the profile.
     pub road_m: f64,
@@ -41,14 +37,12 @@ pub struct CornerRow {
 
 impl SimRow {
     /// What the estimator of one corner sees; `None` where the scenario has no such corner.
-    #[must_use]
     pub fn sample(&self, corner: Corner) -> Option<Sample<f64, CornerSample<f64>>> {
         let row = self.corners[corner.index()].as_ref()?;
         Some(Sample { time_s: self.time_s, speed_m_s: self.speed_m_s, corners: row.sample() })
     }
 
-    /// What the estimator of the whole car sees.
-    #[must_use]
+    /// Input of the estimator of the whole car.
     pub fn car_sample(&self) -> Sample<f64, [Option<CornerSample<f64>>; 4]> {
         let corners = self.corners.map(|row| row.map(|r| r.sample()));
         Sample { time_s: self.time_s, speed_m_s: self.speed_m_s, corners }

@@ -64,14 +64,11 @@ impl Trailer {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Moving {
     pub(crate) speed_m_s: f64,
-    /// Forward, and to the left.
     pub(crate) accel_m_s2: [f64; 2],
     pub(crate) grade: f64,
     /// The road falls to the right.
     pub(crate) cross_slope: f64,
-    /// Against the car.
     pub(crate) wind_m_s: f64,
-    /// From the right, to the left.
     pub(crate) side_wind_m_s: f64,
     /// Rolling resistance over load under the wheels of each side, beside that of a dry road.
     pub(crate) rolling: [f64; 2],
@@ -92,7 +89,6 @@ impl Moving {
         }
     }
 
-    /// Force in N of the wind across, to the left.
     pub(crate) fn side_n(&self) -> f64 {
         SIDE_N_S2_PER_M2 * self.speed_m_s * self.side_wind_m_s
     }
@@ -101,7 +97,6 @@ impl Moving {
 /// What pushes the wheels along the road.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Forces {
-    /// Of the engine on each axle, in N.
     pub(crate) engine_n: [f64; 2],
     /// Of each brake, in N, not above 0.
     pub(crate) brake_n: [f64; 4],

@@ -11,14 +11,12 @@ use crate::error::{InvalidValue, within};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum YawFault {
-    /// Nothing.
     #[default]
     None,
     /// It stays at its offset.
     Dead,
     /// Positive to the right.
     Reversed,
-    /// Half of what it should be.
     HalfGain,
     /// Degrees per second taken for radians.
     Degrees,
@@ -27,11 +25,8 @@ pub enum YawFault {
 }
 
 impl YawFault {
-    /// The faults.
     pub const ALL: [Self; 5] = [Self::Dead, Self::Reversed, Self::HalfGain, Self::Degrees, Self::Noisy];
 
-    /// In one word.
-    #[must_use]
     pub fn label(self) -> &'static str {
         match self {
             Self::None => "good",
@@ -44,19 +39,15 @@ impl YawFault {
     }
 }
 
-/// Conditions of a drive.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ConditionsSpec {
     /// Share of the stretches of road that are wet.
     pub wet_share: f64,
-    /// Share that is snow.
     pub snow_share: f64,
-    /// Share that is gravel.
     pub gravel_share: f64,
     /// Share of the stretches that are another surface on the right than on the left.
     pub split_share: f64,
-    /// Mean length of a stretch in m.
     pub surface_m: f64,
     /// Standard deviation of `ln` of the slip stiffness among stretches of one surface.
     pub surface_spread: f64,
@@ -74,7 +65,6 @@ pub struct ConditionsSpec {
     pub bank: f64,
     /// Standard deviation of the wind across in m/s.
     pub side_wind_m_s: f64,
-    /// Mass of a trailer in kg.
     pub trailer_kg: f64,
     /// Share of it that the hitch carries.
     pub tongue_share: f64,
@@ -92,7 +82,6 @@ pub struct ConditionsSpec {
     pub yaw_scale: f64,
     /// Standard deviation in rad/s of what its offset wanders by in ten minutes, beside the usual one.
     pub yaw_drift_rad_s: f64,
-    /// What is wrong with it.
     pub yaw_fault: YawFault,
 }
 

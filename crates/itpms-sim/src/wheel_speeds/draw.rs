@@ -13,47 +13,28 @@ use super::spec::{DrivenWheels, WheelSpeedSpec};
 use crate::scenario::JourneySpec;
 use crate::streams::{Purpose, generator};
 
-/// What the later days of a study are like.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Condition {
-    /// Dry and wet roads, some gravel.
-    Ordinary,
-    /// Snow with patches, and sides of other grip.
-    Snow,
-    /// With a trailer.
-    Trailer,
-    /// A car whose driven wheels are coupled by a limited-slip differential with preload.
-    LimitedSlip,
-    /// Each day one of the others: snow .15, a trailer .1; one car of seven with a limited slip.
-    Mixed,
-}
-
-impl Condition {
-    /// All, the ordinary one first.
-    pub const ALL: [Self; 5] = [Self::Ordinary, Self::Snow, Self::Trailer, Self::LimitedSlip, Self::Mixed];
-
-    /// The name on the command line.
-    #[must_use]
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Ordinary => "ordinary",
-            Self::Snow => "snow",
-            Self::Trailer => "trailer",
-            Self::LimitedSlip => "limited-slip",
-            Self::Mixed => "mixed",
-        }
+itpms_core::labelled! {
+    /// Conditions of the later days of a study.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Condition {
+        /// Dry and wet roads, some gravel.
+        Ordinary = "ordinary",
+        /// Snow with patches, and sides of other grip.
+        Snow = "snow",
+        Trailer = "trailer",
+        /// A car whose driven wheels are coupled by a limited-slip differential with preload.
+        LimitedSlip = "limited-slip",
+        /// Each day one of the others: snow .15, a trailer .1; one car of seven with a limited slip.
+        Mixed = "mixed",
     }
 }
 
-/// A day of a car.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Day {
-    /// Which car, and which day.
     pub car_seed: u64,
-    /// Seed of the day's drive.
     pub seed: u64,
-    /// What later days are like.
+    /// Conditions of the later days.
     pub condition: Condition,
     /// The day of the calibration: on a dry or wet road, without a trailer, no distance driven before.
     pub calibrates: bool,
@@ -74,7 +55,6 @@ fn chance(random: &mut Pcg64, of: f64) -> bool {
 
 impl Day {
     /// What is drawn: the wheels with their conditions; the journey's turns, warmth and haste are set.
-    #[must_use]
     pub fn draw(&self, journey: &mut JourneySpec) -> WheelSpeedSpec {
         let mut spec = self.car();
         let random = &mut generator(self.seed, Purpose::DrawnConditions, [1, 0]);

@@ -22,7 +22,6 @@ const SQUAT: f64 = 0.05;
 /// Noise in rad/s of a yaw rate that is too noisy.
 const FAULTY_NOISE_RAD_S: f64 = 0.2;
 
-/// The sensors of a drive.
 #[derive(Debug, Clone)]
 pub(crate) struct MotionSensors {
     spec: WheelSpeedSpec,
@@ -69,7 +68,6 @@ impl MotionSensors {
         ]
     }
 
-    /// The yaw rate as its fault leaves it.
     fn faulty(&self, yaw_rad_s: f64, error_rad_s: f64, noise_rad_s: f64) -> f64 {
         let conditions = &self.spec.conditions;
         let sound = (1.0 + conditions.yaw_scale) * yaw_rad_s + error_rad_s + noise_rad_s;

@@ -24,7 +24,6 @@ const CROSS_SLOPE_M: f64 = 300.0;
 const WIND_S: f64 = 20.0;
 const STEERING_S: f64 = 2.0;
 const SIDE_WIND_S: f64 = 5.0;
-/// Steepest bank of a bend.
 const STEEPEST_BANK: f64 = 0.07;
 /// Slowest speed in m/s at which a wheel's teeth come often enough, and at which a driver steers.
 const SLOWEST_M_S: f64 = 0.5;
@@ -50,7 +49,6 @@ pub struct WheelSpeedRow {
     pub accel_y_m_s2: f64,
     /// Whether the driver brakes, 0 or 1.
     pub brake: f64,
-    /// True pressures in kPa.
     pub pressure_kpa: [f64; 4],
     /// `ln` of the true rolling radii over the assumed one.
     pub ln_radius: [f64; 4],
@@ -59,7 +57,6 @@ pub struct WheelSpeedRow {
 /// How the wheels roll at an instant, each of it over what it is of an unloaded car straight on, at the placard's pressure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Rolled {
-    /// Speed of each hub.
     pub(crate) way: [f64; 4],
     /// Rate at which each wheel turns, but for what shakes it.
     pub(crate) turns: [f64; 4],
@@ -68,7 +65,6 @@ pub(crate) struct Rolled {
 }
 
 impl Rolled {
-    /// Straight on and unloaded.
     pub(crate) const FREELY: Self =
         Self { way: [1.0; 4], turns: [1.0; 4], load: [1.0; 4], slip_stiffness: [1.0; 4] };
 
@@ -88,7 +84,6 @@ impl Rolled {
 /// A mass on board: over time, m behind the front axle, m to the left.
 type Mass = (TimeProfile, [f64; 2]);
 
-/// The wheels of a drive.
 #[derive(Debug, Clone)]
 pub(crate) struct WheelSpeedRun {
     spec: WheelSpeedSpec,
@@ -220,7 +215,6 @@ impl WheelSpeedRun {
         }
     }
 
-    /// The message about an instant.
     fn message(&mut self, time_s: f64, step_s: f64) -> WheelSpeedRow {
         let moving = self.moving(time_s, step_s);
         let v = moving.speed_m_s;

@@ -9,10 +9,8 @@ use crate::error::{InvalidValue, within};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum DrivenWheels {
-    /// The front wheels.
     #[default]
     Front,
-    /// The rear wheels.
     Rear,
     /// All four, each axle by half.
     All,
@@ -27,7 +25,6 @@ pub struct WheelSpeedSpec {
     /// Seed of what differs from car to car; the drive's, if not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub car_seed: Option<u64>,
-    /// Which wheels the engine turns.
     pub driven: DrivenWheels,
     /// Difference in N of the forces of a driven axle's wheels up to which its differential keeps them turning alike; 0: open.
     pub locking_n: f64,
@@ -35,19 +32,14 @@ pub struct WheelSpeedSpec {
     pub locking_share: f64,
     /// Time in ms between two messages.
     pub period_ms: f64,
-    /// Age in ms of what a message says.
     pub latency_ms: f64,
     /// Step of the speeds in km/h; 0: none.
     pub resolution_km_h: f64,
     /// Share of the messages that is lost: the one before holds.
     pub lost_share: f64,
-    /// Whether the bus has a yaw rate.
     pub yaw_rate: bool,
-    /// Whether it has the acceleration along the car.
     pub accel_x: bool,
-    /// Whether it has the acceleration across.
     pub accel_y: bool,
-    /// Whether it says that the driver brakes.
     pub brake: bool,
     /// `d ln R / d ln p` of the rolling radius at the placard's pressure and the unloaded car's load.
     pub radius_per_ln_pressure: f64,
@@ -59,15 +51,11 @@ pub struct WheelSpeedSpec {
     pub radius_offsets: [f64; 4],
     /// Share of the radius that the tread loses in a km; driven wheels lose twice as much.
     pub wear_per_km: f64,
-    /// Slip stiffness of a tire over its load.
     pub slip_stiffness_per_load: f64,
     /// Standard deviation of the brakes' forces among each other, as a share.
     pub brake_imbalance: f64,
-    /// Standard deviation of the grade.
     pub grade_sd: f64,
-    /// Standard deviation of the road's slope across.
     pub cross_slope_sd: f64,
-    /// Standard deviation of the wind along the car in m/s.
     pub wind_m_s: f64,
     /// Standard deviation in m/s² of what the driver steers on a straight road.
     pub steering_m_s2: f64,

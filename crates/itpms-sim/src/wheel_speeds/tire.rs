@@ -15,7 +15,6 @@ pub(crate) const DRY_FRICTION: f64 = 0.9;
 /// Share of its grip beyond which a tire is not driven here.
 const MOST_GRIP: f64 = 0.9;
 
-/// A tire but for its pressure.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Tire {
     /// `ln R` at placard pressure, load 1 and standstill.
@@ -23,7 +22,6 @@ pub(crate) struct Tire {
     /// `d ln R / d ln p` and `-d ln R / d ln f` there.
     pub(crate) per_ln_pressure: f64,
     pub(crate) per_ln_load: f64,
-    /// Factor on the growth with speed.
     pub(crate) growth: f64,
     pub(crate) slip_stiffness_per_load: f64,
     /// The slip stiffness goes with the load to the power of 1 less this, and is as given at this load in N.

@@ -15,7 +15,6 @@ use itpms_data::vehicle::tire_table;
 
 use crate::args::{BenchOutput, CalibrateArgs, DamperArgs, IdentifyPart, SpringArgs};
 
-/// What all inputs here are.
 const MEASUREMENT: &str = "the measurement";
 
 pub(crate) fn run(part: &IdentifyPart, screen: &Screen) -> Result<(), Failure> {
@@ -30,7 +29,6 @@ fn units(output: &BenchOutput) -> Units {
     if output.trust_units { Units::Trusted } else { Units::Checked }
 }
 
-/// Refused in the name of the file.
 fn refusal(path: &Path, error: &IdentifyError) -> Failure {
     Failure::Usage(format!("{}: {error}", path.display()))
 }

@@ -10,7 +10,6 @@ use itpms_console::{Failure, Screen};
 
 use crate::args::Study;
 
-/// Where the project has it.
 const MANIFEST: &str = "lab/itpms-lab/Cargo.toml";
 
 /// Becomes `itpms-lab`; returns only if that cannot be.

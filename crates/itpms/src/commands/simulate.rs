@@ -120,7 +120,6 @@ impl Pulses {
     }
 }
 
-/// The truth beside each corner.
 fn truth(no_truth: bool) -> CornerColumns {
     CornerColumns { pressure: !no_truth, road: !no_truth }
 }

@@ -6,6 +6,7 @@ use std::ffi::OsStr;
 use std::fs;
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
+use std::sync::LazyLock;
 
 use tempfile::TempDir;
 
@@ -67,15 +68,21 @@ impl Bench {
         command
     }
 
-    /// Runs the program with these words.
     pub(crate) fn run(&self, line: &str) -> Outcome {
         outcome(self.command(line.split_whitespace()))
     }
 
-    /// The paper's drive and its vehicle: `drive.csv` and `car.toml`.
+    /// The paper's drive and its vehicle: `drive.csv` and `car.toml`, simulated once for all tests.
     pub(crate) fn with_drive() -> Self {
+        static MADE: LazyLock<Bench> = LazyLock::new(|| {
+            let bench = Bench::new();
+            bench.run("simulate paper-drop --seed 3 -o drive.csv --vehicle-out car.toml").success();
+            bench
+        });
         let bench = Self::new();
-        bench.run("simulate paper-drop --seed 3 -o drive.csv --vehicle-out car.toml").success();
+        for name in MADE.names() {
+            fs::copy(MADE.path(&name), bench.path(&name)).unwrap();
+        }
         bench
     }
 

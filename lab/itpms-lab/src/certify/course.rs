@@ -47,7 +47,6 @@ pub(super) struct Course {
     /// When what is wrong begins and when it is complete, in s.
     pub(super) wrong_from_s: f64,
     pub(super) wrong_at_s: f64,
-    /// Speeds in m/s at which time counts.
     pub(super) band_m_s: [f64; 2],
     /// Key out from and to, in s; empty where it stays in.
     pub(super) key_out_s: [f64; 2],

@@ -16,7 +16,6 @@ const BESIDE_S: f64 = 60.0;
 
 impl Certificate {
     /// A figure per test, in order.
-    #[must_use]
     pub fn figures(&self) -> Vec<Figure> {
         self.outcomes.iter().map(Outcome::figure).collect()
     }
@@ -24,7 +23,6 @@ impl Certificate {
 
 impl Outcome {
     /// Pressures of all wheels over time.
-    #[must_use]
     pub fn figure(&self) -> Figure {
         let minutes = |s: f64| s / 60.0;
         let (from_s, to_s) = self.drawn_s();

@@ -56,7 +56,6 @@ const STACK_BYTES: usize = 32 << 20;
 
 #[derive(Debug, Clone)]
 pub struct Request {
-    /// All tests, or one of each kind.
     pub extent: Extent,
     /// Only tests whose names contain this.
     pub only: Option<String>,
@@ -70,38 +69,24 @@ pub struct Request {
     pub repeats: u32,
 }
 
-/// What a car with wheel speeds alone knows of what it carries. More load is a smaller radius, as less pressure is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum LoadsTold {
-    /// Nothing, as in everyday life: passengers may have got in while it stood.
-    #[default]
-    Unknown,
-    /// That they stay as they are, as the regulations have it.
-    Constant,
-}
-
-impl LoadsTold {
-    /// Both, the usual one first.
-    pub const ALL: [Self; 2] = [Self::Unknown, Self::Constant];
-
-    /// The name on the command line.
-    #[must_use]
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Unknown => "unknown",
-            Self::Constant => "constant",
-        }
+itpms_core::labelled! {
+    /// What a car with wheel speeds alone knows of what it carries. More load is a smaller radius, as less pressure is.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum LoadsTold {
+        /// Nothing, as in everyday life: passengers may have got in while it stood.
+        #[default]
+        Unknown = "unknown",
+        /// That they stay as they are, as the regulations have it.
+        Constant = "constant",
     }
 }
 
 #[derive(Debug, Clone, Serialize)]
 pub struct Certificate {
     pub version: &'static str,
-    /// Seed of the first test's course.
     pub seed: u64,
     pub passed: bool,
-    /// Simulated time in s.
     pub driven_s: f64,
     /// Tests of one kind together, where they were driven on wheel speeds.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -113,16 +98,12 @@ pub struct Certificate {
 pub enum CertifyError {
     #[error("no test's name contains {found:?}, expected a part of one of: {known}")]
     NoSuchTest { found: String, known: String },
-    /// The progress callback asked for it.
     #[error("stopped")]
     Stopped,
-    /// The course, or a value that it refuses.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
-    /// A parameter that the estimator or the monitor refuses.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// A reference that the estimator refuses.
     #[error(transparent)]
     Reference(#[from] CalibrationError),
     #[error("cannot start threads: {0}")]
@@ -132,10 +113,7 @@ pub enum CertifyError {
 /// Called now and then with how many simulated seconds of how many are driven; [`ControlFlow::Break`] ends it.
 pub type Progress<'a> = &'a (dyn Fn(u64, u64) -> ControlFlow<()> + Sync);
 
-/// The tests of a request, in order.
-///
-/// # Errors
-/// None has such a name.
+/// The tests of a request, in order. Errors: none has such a name.
 pub fn procedures(request: &Request) -> Result<Vec<Procedure>, CertifyError> {
     let all = Procedure::all(request.extent, request.sensors);
     let Some(part) = &request.only else { return Ok(all) };
@@ -148,9 +126,7 @@ pub fn procedures(request: &Request) -> Result<Vec<Procedure>, CertifyError> {
 }
 
 /// Drives the tests on all processors. The same request gives the same result, however many there are.
-///
-/// # Errors
-/// No such test, a stop, or a scenario that cannot be driven.
+/// Errors: no such test, a stop, or a scenario that cannot be driven.
 pub fn certify(request: &Request, progress: Progress<'_>) -> Result<Certificate, CertifyError> {
     let mut runs = vec![];
     for procedure in procedures(request)? {

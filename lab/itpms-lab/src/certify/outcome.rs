@@ -12,7 +12,6 @@ use super::rules::Rule;
 use super::telltale::Wrong;
 use super::test_case::Test;
 
-/// What was seen in a test. Times in s.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Findings {
     /// A lamp was lit while all was well.
@@ -26,9 +25,7 @@ pub(super) struct Findings {
     pub(super) wrong: Wheels,
     /// Everything that was reported though nothing of the kind was wrong then.
     pub(super) false_alerts: Vec<FalseAlert>,
-    /// It went out by itself within a minute.
     pub(super) went_out: bool,
-    /// Whether it was lit again after the key was out.
     pub(super) relit: Option<bool>,
     /// Driving time after which it was out for good, everything being right again.
     pub(super) out_after_s: Option<f64>,
@@ -70,26 +67,27 @@ impl Findings {
     }
 }
 
-/// Whether a test is passed, and if not, the first reason.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Verdict {
-    Pass,
-    /// A lamp was lit before anything was wrong.
-    FalseAlarm,
-    /// The tell-tale did not come on in time.
-    NotInTime,
-    /// It went out by itself.
-    WentOut,
-    /// It was not lit any more after the key had been out.
-    NotRelit,
-    /// It stayed lit with everything put right.
-    NotOut,
-    /// Something was reported that is not the matter at all: the other lamp, or an overfull tire. The regulations do not ask; a
-    /// driver would.
-    OtherLamp,
-    /// The right lamp was lit, but a wheel was named with which nothing is wrong. We ask this, too.
-    WrongWheel,
+itpms_core::labelled! {
+    /// Whether a test is passed, and if not, the first reason.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Verdict {
+        Pass = "pass",
+        /// A lamp was lit before anything was wrong.
+        FalseAlarm = "FAIL: false alarm",
+        /// The tell-tale did not come on in time.
+        NotInTime = "FAIL: not in time",
+        WentOut = "FAIL: went out",
+        /// It was not lit any more after the key had been out.
+        NotRelit = "FAIL: not lit again",
+        /// It stayed lit with everything put right.
+        NotOut = "FAIL: stays lit",
+        /// Something was reported that is not the matter at all: the other lamp, or an overfull tire. The regulations do not ask; a
+        /// driver would.
+        OtherLamp = "FAIL: another lamp lit",
+        /// The right lamp was lit, but a wheel was named with which nothing is wrong. We ask this, too.
+        WrongWheel = "FAIL: wrong wheel named",
+    }
 }
 
 impl Verdict {
@@ -112,20 +110,6 @@ impl Verdict {
             Self::Pass
         }
     }
-
-    #[must_use]
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Pass => "pass",
-            Self::FalseAlarm => "FAIL: false alarm",
-            Self::NotInTime => "FAIL: not in time",
-            Self::WentOut => "FAIL: went out",
-            Self::NotRelit => "FAIL: not lit again",
-            Self::NotOut => "FAIL: stays lit",
-            Self::OtherLamp => "FAIL: another lamp lit",
-            Self::WrongWheel => "FAIL: wrong wheel named",
-        }
-    }
 }
 
 /// What came of a test. Times in s; times of day count from the start of the learning phase.
@@ -134,7 +118,6 @@ pub struct Outcome {
     pub name: String,
     pub rule: Rule,
     pub clause: &'static str,
-    /// What was done to the car.
     pub what: String,
     pub verdict: Verdict,
     /// Cumulative driving time at the tell-tale, and its limit.
@@ -153,15 +136,11 @@ pub struct Outcome {
     pub out_after_s: Option<f64>,
     /// Pressure at the end of the learning phase in kPa, and the one tires were let down to.
     pub warm_kpa: f64,
-    /// The pressure tires were let down to.
     pub test_kpa: Option<f64>,
-    /// When what is wrong was complete.
     pub wrong_at_s: f64,
-    /// When the tell-tale came on.
     pub warned_at_s: Option<f64>,
     /// The wheels that were let down; empty for a malfunction.
     pub low_wheels: String,
-    /// Simulated time.
     pub driven_s: f64,
     /// Pressures over time; in the CSV files and figures.
     #[serde(skip)]
@@ -206,15 +185,12 @@ impl Outcome {
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TracePoint {
-    /// Time in s.
     pub time_s: f64,
-    /// Speed in km/h.
     pub speed_km_h: f64,
     /// True pressures in kPa, in the order of `Corner::ALL`.
     pub truth_kpa: [f64; 4],
     /// Estimated ones; NaN where not valid.
     pub estimate_kpa: [f64; 4],
-    /// Their standard deviations in kPa.
     pub sd_kpa: [f64; 4],
 }
 

@@ -8,8 +8,6 @@ use itpms_analysis::plot::escape;
 const STYLE: &str = include_str!("page.css");
 
 impl Certificate {
-    /// A page complete in itself.
-    #[must_use]
     pub fn page(&self) -> String {
         let rows: String = self.outcomes.iter().map(row).collect();
         let figures: String = self.outcomes.iter().map(figure).collect();

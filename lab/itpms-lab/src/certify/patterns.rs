@@ -23,7 +23,6 @@ pub struct PatternTests {
     pub median_s: Option<f64>,
     /// The slowest of all; `None` where one was never warned of.
     pub worst_s: Option<f64>,
-    /// The limit in s.
     pub limit_s: f64,
 }
 

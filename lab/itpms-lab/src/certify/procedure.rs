@@ -7,7 +7,6 @@ use super::rules::Rule;
 use super::test_case::{Failure, Test};
 use crate::sensors::Sensors;
 
-/// How much of the list is driven.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Extent {
     /// Every wheel, every combination that a regulation names, every sensor.
@@ -18,7 +17,6 @@ pub enum Extent {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Procedure {
     pub rule: Rule,
-    /// What is wrong with the car.
     pub test: Test,
 }
 
@@ -26,7 +24,6 @@ const PLACES: [FaultPlace; 2] = [FaultPlace::Wheel, FaultPlace::Body];
 
 impl Procedure {
     /// The list, in a fixed order.
-    #[must_use]
     pub fn all(extent: Extent, sensors: Sensors) -> Vec<Self> {
         let every = Rule::ALL.into_iter().flat_map(|rule| Self::of_rule(rule, sensors));
         match extent {
@@ -66,13 +63,11 @@ impl Procedure {
         }
     }
 
-    /// Its place in the full list.
     pub(super) fn number(&self, sensors: Sensors) -> u64 {
         Self::all(Extent::Full, sensors).iter().position(|other| other == self).map_or(0, |i| i as u64)
     }
 
     /// A name for files and for `--only`: `un-r141-puncture-fl`, `fmvss-138-low-fl-rr`, `un-r141-unplugged-rl-wheel`.
-    #[must_use]
     pub fn name(&self) -> String {
         let rule = self.rule.label().to_lowercase().replace(' ', "-");
         let test = match (self.rule, self.test) {
@@ -86,7 +81,6 @@ impl Procedure {
     }
 
     /// What is done to the car, for a person.
-    #[must_use]
     pub fn words(&self) -> String {
         match (self.rule, self.test) {
             (Rule::UnR141, Test::Low(wheels)) => format!("puncture: {wheels}"),
@@ -97,8 +91,6 @@ impl Procedure {
         }
     }
 
-    /// The wheels that are let down.
-    #[must_use]
     pub fn low_wheels(&self) -> Wheels {
         match self.test {
             Test::Low(wheels) => wheels,
@@ -108,7 +100,6 @@ impl Procedure {
     }
 
     /// The wheels that a warning may name.
-    #[must_use]
     pub fn concerned(&self) -> Wheels {
         match self.test {
             Test::Malfunction(Failure::Unplugged(corner, _) | Failure::Stuck(corner, _)) => corner.into(),

@@ -7,13 +7,15 @@ use serde::Serialize;
 
 use super::test_case::Test;
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Rule {
-    /// UN Regulation No. 141.
-    UnR141,
-    /// FMVSS 138, 49 CFR 571.138.
-    Fmvss138,
+itpms_core::labelled! {
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Rule {
+        /// UN Regulation No. 141.
+        UnR141 = "UN R141",
+        /// FMVSS 138, 49 CFR 571.138.
+        Fmvss138 = "FMVSS 138",
+    }
 }
 
 /// Least warning pressure in kPa: R141 5.2.1, and FMVSS 138 Table 1 for standard-load passenger-car tires.
@@ -24,19 +26,6 @@ const R141_FURTHER_KPA: f64 = 7.0;
 const FMVSS_FURTHER_KPA: f64 = 14.0;
 
 impl Rule {
-    pub const ALL: [Self; 2] = [Self::UnR141, Self::Fmvss138];
-
-    /// As people write it.
-    #[must_use]
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::UnR141 => "UN R141",
-            Self::Fmvss138 => "FMVSS 138",
-        }
-    }
-
-    /// The clause that sets the limit of a test.
-    #[must_use]
     pub fn clause(self, test: Test) -> &'static str {
         match (self, test) {
             (Self::UnR141, Test::Malfunction(_)) => "5.4, Annex 3",
@@ -47,9 +36,7 @@ impl Rule {
         }
     }
 
-    /// Slowest and fastest speed in km/h at which time counts, all of which is to be driven: R141 Annex 3 1.4.2, FMVSS
-    /// S5.3.2.
-    #[must_use]
+    /// Slowest and fastest speed in km/h at which time counts, all of which is to be driven: R141 Annex 3 1.4.2, FMVSS S5.3.2.
     pub fn band_km_h(self, test: Test) -> [f64; 2] {
         match (self, test) {
             (Self::UnR141, Test::Low(_)) => [40.0, 120.0],
@@ -59,13 +46,11 @@ impl Rule {
     }
 
     /// Time in s of learning: R141 Annex 3 at least 20 min, FMVSS S6(d) 20 min in all.
-    #[must_use]
     pub fn learning_s(self) -> f64 {
         1200.0
     }
 
     /// Cumulative driving time in s within which the tell-tale has to come on.
-    #[must_use]
     pub fn limit_s(self, test: Test) -> f64 {
         match (self, test) {
             (Self::UnR141, Test::LowAll) => 3600.0,
@@ -75,7 +60,6 @@ impl Rule {
     }
 
     /// What a tire is let down to in kPa, from its warm pressure and its placard's.
-    #[must_use]
     pub fn test_pressure_kpa(self, test: Test, warm_kpa: f64, placard_kpa: f64) -> f64 {
         match self {
             Self::UnR141 => {
@@ -88,13 +72,11 @@ impl Rule {
 
     /// When to take the key out for two minutes, in s of cumulative driving time: R141 Annex 3, between 20 and 40
     /// minutes of the diffusion test.
-    #[must_use]
     pub fn key_out_after_s(self, test: Test) -> Option<f64> {
         (self == Self::UnR141 && test == Test::LowAll).then_some(1800.0)
     }
 
-    /// What the monitor is set to.
-    #[must_use]
+    /// The monitor's settings.
     pub fn limits(self) -> Limits<f64> {
         match self {
             Self::UnR141 => Regulation::UnR141,

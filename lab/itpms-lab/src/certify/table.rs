@@ -47,7 +47,6 @@ pub(super) fn relit(outcome: &Outcome) -> &'static str {
 
 impl Certificate {
     /// A table of all tests and a line that sums up.
-    #[must_use]
     pub fn table(&self) -> String {
         let head = [
             "",
@@ -82,7 +81,6 @@ impl Certificate {
     }
 
     /// Tests of one kind together; nothing where they are not put together.
-    #[must_use]
     pub fn by_pattern(&self) -> String {
         if self.patterns.is_empty() {
             return String::new();
@@ -116,13 +114,11 @@ impl Certificate {
             + "Wheel speeds alone: what all four tires lose alike is not seen, but by tooth pulses; a dash is never.\n"
     }
 
-    #[must_use]
     pub fn failed(&self) -> usize {
         self.outcomes.iter().filter(|outcome| outcome.verdict != Verdict::Pass).count()
     }
 
     /// How many passed, in a line.
-    #[must_use]
     pub fn summary(&self) -> String {
         let passed = self.outcomes.len() - self.failed();
         let wrong = self.outcomes.iter().filter(|outcome| !outcome.named_wrongly.is_empty()).count();
@@ -137,7 +133,6 @@ impl Certificate {
 }
 
 /// The tests that would be driven, a line each.
-#[must_use]
 pub fn list(procedures: &[Procedure]) -> String {
     let rows: Vec<[String; 5]> = procedures
         .iter()
@@ -167,7 +162,6 @@ fn aligned<const N: usize>(rows: &[[String; N]]) -> String {
 }
 
 impl Outcome {
-    #[must_use]
     pub fn csv(&self) -> String {
         let mut text = "time_s,speed_km_h".to_owned();
         for corner in Corner::ALL.map(Corner::label) {

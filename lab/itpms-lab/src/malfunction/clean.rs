@@ -11,7 +11,6 @@ use super::drive::Recorded;
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Clean {
     pub hours: f64,
-    /// Way in km.
     pub distance_km: f64,
     pub malfunctions: usize,
     pub warnings: usize,
@@ -19,7 +18,6 @@ pub struct Clean {
     pub share_screened: f64,
     /// Share of the time shown with a pressure more than 3 sd and 20 kPa off; more than 20 kPa off.
     pub share_wrong: f64,
-    /// The latter.
     pub share_far: f64,
 }
 

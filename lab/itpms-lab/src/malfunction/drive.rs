@@ -8,7 +8,6 @@ use itpms_sim::time_profile::{Pressure, Speed};
 
 use super::MalfunctionError;
 
-/// Length in s of a drive.
 const DRIVE_S: f64 = 360.0;
 /// When a malfunction may begin, in s, and the speed in m/s at which it does.
 const EARLIEST_S: f64 = 60.0;

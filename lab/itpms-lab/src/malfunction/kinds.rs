@@ -12,8 +12,7 @@ pub struct Kind {
     pub name: &'static str,
     /// Seconds of driving within which it is reported.
     pub stated_s: f64,
-    /// What happens to the sensors. Times are filled in when it is put in. None: a road that tells nothing, on a drive of
-    /// its own.
+    /// What happens to the sensors. Times are filled in when it is put in. None: a road that tells nothing, on a drive of its own.
     pub faults: Vec<FaultSpec>,
     /// The words of [`Malfunction::label`] that pass for its name: its own, and those of what it looks like.
     pub labels: &'static [&'static str],
@@ -21,7 +20,6 @@ pub struct Kind {
 
 impl Kind {
     /// The wheels whose sensors it happens to; without a fault all four.
-    #[must_use]
     pub fn wheels(&self) -> Wheels {
         if self.faults.is_empty() {
             return Corner::ALL.into_iter().collect();
@@ -30,7 +28,6 @@ impl Kind {
     }
 
     /// Whether this is a malfunction at a wheel it happens to, under any of the words that pass. Gives the word.
-    #[must_use]
     pub fn said_as(&self, cause: &Cause<f64>, wheels: Wheels) -> Option<&'static str> {
         let label = malfunction_label(cause)?;
         wheels.iter().any(|corner| self.wheels().contains(corner)).then_some(label)
@@ -38,7 +35,6 @@ impl Kind {
 
     /// Whether this is what is wrong: the kind of malfunction and the very sensors. Which way a gain is off counts, by how
     /// much does not. Of two swaps at once the monitor can tell no more than whether sides or axles are swapped.
-    #[must_use]
     pub fn is_exactly(&self, cause: &Cause<f64>) -> bool {
         match cause {
             Cause::NoInformation { .. } => self.faults.is_empty(),
@@ -47,7 +43,7 @@ impl Kind {
         }
     }
 
-    /// What the monitor should say, as exactly as it can: any of these.
+    /// Correct reports: any of these.
     fn exact(&self) -> Vec<Malfunction<f64>> {
         let all: Vec<_> = self.faults.iter().filter_map(exact).collect();
         let [Malfunction::Swapped(a, b), Malfunction::Swapped(..)] = *all else { return all };
@@ -126,7 +122,6 @@ fn swap(a: Corner, place_a: FaultPlace, b: Corner, place_b: FaultPlace) -> Fault
 }
 
 /// All kinds, in the order of the table.
-#[must_use]
 pub fn kinds() -> Vec<Kind> {
     let [fl, fr, rl, rr] = Corner::ALL;
     let alone = |name, stated_s, label, corner, place, what| {
@@ -196,8 +191,7 @@ pub fn kinds() -> Vec<Kind> {
         swapped("bodies swapped, front and rear", 25.0, fr, Body, rr, Body),
         corners("corners swapped, left and right", rl, rr),
         corners("corners swapped, front and rear", fr, rr),
-        // The monitor says it after ten minutes of driving; ten seconds more until the car is on that road and nothing is
-        // learned any more.
+        // The monitor says it after ten minutes of driving; ten seconds more until the car is on that road and nothing is learned any more.
         kind("road smooth as glass", 610.0, &["no-information"], vec![]),
     ]
 }

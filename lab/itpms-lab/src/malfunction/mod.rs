@@ -1,8 +1,7 @@
 //! Every malfunction put into many everyday drives: is it reported in time, is no wrong pressure shown at any wheel, is no tire
 //! warned of, does the monitor come back; and is nothing reported on the same drives without.
 //!
-//! Called by the binary's `malfunctions`. Deterministic: the same request gives the same figures on any number of
-//! processors.
+//! Called by the binary's `malfunctions`. Deterministic: the same request gives the same figures on any number of processors.
 //!
 //! | module | idea |
 //! |---|---|
@@ -57,12 +56,10 @@ pub enum MalfunctionError {
     Nothing,
     #[error("no malfunction is called `{found}`, expected a part of one of: {}", known.join("; "))]
     Unknown { found: String, known: Vec<&'static str> },
-    /// The progress callback asked for it.
     #[error("stopped")]
     Stopped,
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
-    /// A parameter that an estimator refuses.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
     #[error("threads cannot be started: {0}")]
@@ -80,7 +77,6 @@ pub struct Row {
     pub drives: usize,
     /// In how many it was reported; reported within the stated time; and called by its name.
     pub said: usize,
-    /// Of these, within the stated time.
     pub in_time: usize,
     /// Of those in which it was reported, in how many by a word that passes for its name, at any wheel it happens to: its own or
     /// that of what it looks like.
@@ -116,7 +112,6 @@ pub struct Row {
     pub far_after_others_s: f64,
     /// Warnings of tires while it lasted. All are false.
     pub tire_warnings_during: TireWarnings,
-    /// And in the two minutes after its end.
     pub tire_warnings_after: TireWarnings,
     /// Drives in which all was well again within the time driven after its end: nothing reported, a right pressure shown at its
     /// wheels, no wrong one at any.
@@ -144,7 +139,6 @@ struct OneDrive {
     clean: Clean,
 }
 
-/// Makes the study on all processors.
 pub fn study(request: &Request, progress: Progress<'_>) -> Result<Study, MalfunctionError> {
     if request.drives == 0 {
         return Err(MalfunctionError::Nothing);

@@ -33,7 +33,6 @@ pub(super) struct Outcome {
     pub(super) before: Shown,
     pub(super) after: Shown,
     pub(super) back: Shown,
-    /// Other malfunctions that were reported while it lasted or after.
     pub(super) others_said: usize,
     /// What was reported of tires, with none of which anything is wrong: while it lasted, and after.
     pub(super) tires_during: TireWarnings,
@@ -41,7 +40,6 @@ pub(super) struct Outcome {
     /// Seconds of driving after its end until nothing was reported any more, a right pressure was shown at its wheels and no
     /// wrong one at any.
     pub(super) recovered_after_s: Option<f64>,
-    /// Seconds of driving after its end that were driven.
     pub(super) driven_after_s: f64,
 }
 
@@ -66,13 +64,11 @@ impl Shown {
 pub struct TireWarnings {
     pub low: usize,
     pub fast_leak: usize,
-    /// Of all four that are low.
     pub all_low: usize,
     pub over: usize,
 }
 
 impl TireWarnings {
-    /// Counts it, if it is of a tire.
     fn count(&mut self, cause: &Cause<f64>) {
         match cause {
             Cause::UnderInflated(_) | Cause::Flat(_) | Cause::Differs { .. } | Cause::SlowLeak(_) => {
@@ -85,7 +81,6 @@ impl TireWarnings {
         }
     }
 
-    #[must_use]
     pub fn total(&self) -> usize {
         self.low + self.fast_leak + self.all_low + self.over
     }

@@ -6,14 +6,12 @@ use super::{Row, Study};
 
 impl Study {
     /// How many malfunctions are marked in the table, and one more if anything was reported on the drives without.
-    #[must_use]
     pub fn marked(&self) -> usize {
         let rows = self.rows.iter().filter(|row| !marks(row).is_empty()).count();
         rows + usize::from(self.clean.malfunctions + self.clean.warnings > 0)
     }
 
     /// A line per kind of malfunction, one for the drives without, and what the columns mean.
-    #[must_use]
     pub fn table(&self) -> String {
         let mut text = String::new();
         let _ = writeln!(

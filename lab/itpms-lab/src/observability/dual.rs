@@ -6,7 +6,6 @@ use std::ops::{Add, Mul, Sub};
 
 use nalgebra::DVector;
 
-/// A value and its gradient.
 #[derive(Debug, Clone)]
 pub(super) struct Dual {
     pub(super) value: f64,

@@ -5,7 +5,6 @@
 use super::{Car, Observability, SWEEP_S, Situation, Twin, Varied};
 use itpms_analysis::plot::{Axis, Figure, Ink, Panel, Stroke};
 
-/// A source with its line.
 type Line = (&'static str, Ink, Stroke);
 
 /// What is drawn over time; the others are in the tables.
@@ -35,7 +34,6 @@ const NEAR_S: (f64, f64) = (7.0, 7.6);
 
 impl Observability {
     /// All figures: the twins, the bounds over time, the bounds over circumstances.
-    #[must_use]
     pub fn figures(&self) -> Vec<Figure> {
         vec![self.twin_figure(), self.time_figure(), self.sweep_figure()]
     }

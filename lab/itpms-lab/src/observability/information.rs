@@ -1,9 +1,8 @@
 //! Fisher information of wheels that pass over the same stretch of road (`docs/math/identifiability.md`, eq. 11-17).
 //!
-//! Called by `sources`, which says who passes where and how often. One formula holds for all: the spectral matrix of
-//! all passes is `Phi = G G^H + I` after whitening, one road behind every signal, and its information falls into what
-//! the road's power says of the stiffness and what the passes say about each other. It must not know which of
-//! the four sources it serves.
+//! Called by `sources`, which says who passes where and how often. One formula holds for all: the spectral matrix of all passes is `Phi = G
+//! G^H + I` after whitening, one road behind every signal, and its information falls into what the road's power says of the stiffness and
+//! what the passes say about each other. It must not know which of the four sources it serves.
 
 use itpms_core::model::CornerConfig;
 use nalgebra::{Complex, DMatrix, DVector, Vector2};
@@ -22,12 +21,10 @@ pub(super) enum RoadModel {
     Surveyed,
 }
 
-/// One wheel on a stretch.
 #[derive(Debug, Clone)]
 pub(super) struct Pass {
     pub(super) corner: CornerConfig<f64>,
     pub(super) pressure_kpa: f64,
-    /// Which parameter its pressure is.
     pub(super) parameter: usize,
     /// Where the parameters of its car begin; `None`: the car is known.
     pub(super) car: Option<usize>,
@@ -53,8 +50,7 @@ pub(super) struct Stretch {
     pub(super) incoherent: f64,
 }
 
-/// Adds a stretch's information about `(pressures and cars..., ln level at 10 Hz, slope)` to a square matrix of that
-/// order.
+/// Adds a stretch's information about `(pressures and cars..., ln level at 10 Hz, slope)` to a square matrix of that order.
 pub(super) fn add(sum: &mut DMatrix<f64>, stretch: &Stretch, model: RoadModel, setting: &BoundSetting) {
     let (low, high) = setting.band_hz;
     match stretch.occurrence {
@@ -304,8 +300,7 @@ mod tests {
 
     #[test]
     fn a_partner_who_knows_everything_is_a_surveyed_road() {
-        // The rear's pressure given and its sensors perfect (a million repetitions): what is left is the front against
-        // a known road.
+        // The rear's pressure given and its sensors perfect (a million repetitions): what is left is the front against a known road.
         let setting = BoundSetting::paper();
         let period = 0.66;
         let passes = vec![pass(CornerConfig::paper(), P, 0, period), pass(rear(), P, 1, 1e9 * period)];

@@ -48,15 +48,13 @@ pub struct Curve {
     pub sources: String,
     pub words: &'static str,
     pub situation: Situation,
-    /// How well the car is known.
     pub car: Car,
-    /// (time in s, sd in kPa); infinite (`null` in JSON) where nothing can be known.
+    /// (time in s, sd in kPa); infinite (`null` in JSON) where nothing can be known. (value, sd in kPa).
     pub points: Vec<(f64, f64)>,
 }
 
 impl Curve {
     /// The sd in kPa at a time that is one of the curve's, else NaN.
-    #[must_use]
     pub fn at(&self, seconds: f64) -> f64 {
         self.points.iter().find(|(t, _)| (t - seconds).abs() < 1e-9).map_or(f64::NAN, |&(_, sd)| sd)
     }
@@ -66,9 +64,7 @@ impl Curve {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Varied {
-    /// Speed of the car in km/h.
     SpeedKmH,
-    /// Damping of both corners in N s/m.
     DampingNSPerM,
     /// Noise of every accelerometer in m/s², rms per sample.
     NoiseMS2,
@@ -81,7 +77,6 @@ impl Varied {
         [Varied::SpeedKmH, Varied::DampingNSPerM, Varied::NoiseMS2, Varied::IncoherentShare];
 
     /// As in the tables, with its unit.
-    #[must_use]
     pub fn label(self) -> &'static str {
         match self {
             Varied::SpeedKmH => "speed_km_h",
@@ -106,9 +101,7 @@ impl Varied {
 pub struct Sweep {
     pub varied: Varied,
     pub sources: String,
-    /// How well the car is known.
     pub car: Car,
-    /// (value, sd in kPa).
     pub points: Vec<(f64, f64)>,
 }
 
@@ -121,7 +114,7 @@ const TIMES_S: [f64; 15] = [0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0, 11.0, 1
 pub struct Observability {
     pub vehicle: String,
     pub corner: String,
-    /// What was assumed, by name with unit.
+    /// Assumptions, by name with unit.
     pub conditions: Conditions,
     pub twins: Twins,
     pub ranks: Vec<RankCase>,
@@ -132,29 +125,19 @@ pub struct Observability {
 
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Conditions {
-    /// Placard pressure in kPa.
     pub placard_kpa: f64,
-    /// Pressure after the loss in kPa.
     pub pressure_after_kpa: f64,
-    /// Stiffness at placard pressure in N/m.
     pub stiffness_n_per_m: f64,
     /// Time at placard pressure before the loss in s.
     pub before_s: f64,
-    /// Speed in km/h.
     pub speed_km_h: f64,
     pub road_level_m3: f64,
     pub road_slope: f64,
-    /// Noise of each accelerometer in m/s².
     pub noise_m_s2: f64,
-    /// Sampling rate in Hz.
     pub rate_hz: f64,
-    /// Band in Hz.
     pub band_hz: (f64, f64),
-    /// Damping in N s/m.
     pub damping_n_s_per_m: f64,
-    /// Period of the repeated road in s.
     pub period_s: f64,
-    /// The sd of a reset in kPa.
     pub reset_sd_kpa: f64,
     /// Unsprung masses in kg of the corner and of the unlike one (b').
     pub unsprung_masses_kg: (f64, f64),
@@ -264,15 +247,12 @@ fn conditions(subject: &Subject) -> Conditions {
 }
 
 impl Observability {
-    /// The curve of these sources in this situation with this car.
-    #[must_use]
     pub fn curve(&self, sources: &str, situation: Situation, car: Car) -> Option<&Curve> {
         let wanted = |c: &&Curve| c.sources == sources && c.situation == situation && c.car == car;
         self.curves.iter().find(wanted)
     }
 
     /// The sweep of these sources over this circumstance with this car.
-    #[must_use]
     pub fn sweep(&self, sources: &str, varied: Varied, car: Car) -> Option<&Sweep> {
         self.sweeps.iter().find(|s| s.sources == sources && s.varied == varied && s.car == car)
     }

@@ -1,5 +1,4 @@
-//! A steady motion over a road of six waves, looked at in one instant, and the exact derivatives of the accelerations
-//! there.
+//! A steady motion over a road of six waves, looked at in one instant, and the exact derivatives of the accelerations there.
 //!
 //! Called by `rank`. Units that make everything of order one: heights in cm, time in `1 / omega` of the wheel hop,
 //! stiffness in the first wheel's.
@@ -42,7 +41,6 @@ pub(super) struct Motion {
     omega: f64,
     /// Stiffness in N/m that is one unit: the first wheel's.
     unit_n_per_m: f64,
-    /// Taylor coefficients of the road.
     road: Vec<f64>,
     /// Body height, its rate, wheel height, its rate, of each wheel.
     states: Vec<[f64; 4]>,

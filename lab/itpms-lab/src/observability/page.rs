@@ -10,14 +10,11 @@ use itpms_analysis::plot::{Figure, escape};
 use itpms_analysis::page::figures_page;
 
 impl Observability {
-    /// A page complete in itself.
-    #[must_use]
     pub fn page(&self) -> String {
         figures_page(&format!("What the accelerations can tell: {}", self.vehicle), "", self.section())
     }
 
     /// The content: paragraphs under `h3`, tables, figures; to be put below an `h1` or `h2`.
-    #[must_use]
     pub fn section(&self) -> String {
         let mut figures = self.figures().into_iter();
         let mut next = || figures.next().map(|figure| framed(&figure)).unwrap_or_default();

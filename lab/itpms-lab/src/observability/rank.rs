@@ -13,14 +13,12 @@ use super::motion::{Layout, Motion, Wheel};
 
 /// Derivatives of the outputs that are looked at; what is missing stops changing at the second.
 const ORDER: usize = 7;
-/// Instants looked at.
 const POINTS: u64 = 20;
 /// Singular values below this share of the largest count as zero.
 pub const TOLERANCE: f64 = 1e-10;
 /// A direction of unit length that moves a stiffness by less than this does not move it.
 const STILL: f64 = 1e-5;
 
-/// What is known beside the accelerations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Known {
     Nothing,
@@ -41,7 +39,6 @@ pub enum Stiffness {
 }
 
 impl Stiffness {
-    #[must_use]
     pub fn words(self) -> &'static str {
         match self {
             Stiffness::Free => "free",
@@ -54,11 +51,9 @@ impl Stiffness {
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RankCase {
-    /// Who measures, and what is known.
     pub label: String,
     /// States, stiffnesses, road and its derivatives.
     pub unknowns: usize,
-    /// Rank at every instant looked at.
     pub rank: usize,
     /// Directions of the unknowns no measurement sees.
     pub missing: usize,
@@ -74,7 +69,6 @@ pub struct RankCase {
 }
 
 /// All cases for a corner and the one behind it.
-#[must_use]
 pub(super) fn cases(front: &CornerConfig<f64>, rear: &CornerConfig<f64>) -> Vec<RankCase> {
     let full = front.placard_kpa;
     let low = 0.8 * full;

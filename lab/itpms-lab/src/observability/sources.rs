@@ -24,7 +24,6 @@ pub enum Source {
     Alike,
     /// (b) The same with another unsprung mass at the rear.
     Unlike,
-    /// (c) The road repeats.
     Repeated,
     /// (d) A known pressure at the start.
     Reset,
@@ -45,7 +44,6 @@ impl Source {
     }
 }
 
-/// Sources used together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Sources(&'static [Source]);
 
@@ -76,7 +74,6 @@ impl Sources {
         self.0.contains(&source)
     }
 
-    #[must_use]
     pub fn words(self) -> &'static str {
         match self.to_string().as_str() {
             "a" => "the road's spectrum is a power law",
@@ -115,7 +112,6 @@ pub enum Situation {
 impl Situation {
     pub const ALL: [Situation; 2] = [Situation::Constant, Situation::AfterLoss];
 
-    #[must_use]
     pub fn label(self) -> &'static str {
         match self {
             Situation::Constant => "constant",
@@ -128,7 +124,6 @@ impl Situation {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Car {
-    /// Every mass, spring and damper exactly.
     Exact,
     /// As well as a vehicle file is believed: unsprung mass 1 %, sprung mass 15 %, damping 20 %, spring 5 % (sd), each
     /// corner's own. The tire's line from stiffness to pressure is known.
@@ -138,7 +133,6 @@ pub enum Car {
 impl Car {
     pub const ALL: [Car; 2] = [Car::Exact, Car::AsFiled];
 
-    #[must_use]
     pub fn label(self) -> &'static str {
         match self {
             Car::Exact => "exact",
@@ -185,8 +179,7 @@ pub(super) struct SourceBound<'a> {
 }
 
 impl<'a> SourceBound<'a> {
-    /// # Errors
-    /// A damping that is none.
+    /// Errors: a damping that is none.
     pub(super) fn new(
         subject: &'a Subject,
         sources: Sources,
@@ -213,8 +206,7 @@ impl<'a> SourceBound<'a> {
         Ok(bound)
     }
 
-    /// Smallest sd in kPa of the front's pressure now, `seconds` after the start or the loss; infinite where nothing
-    /// can be known.
+    /// Smallest sd in kPa of the front's pressure now, `seconds` after the start or the loss; infinite where nothing can be known.
     pub(super) fn sd_kpa(&self, situation: Situation, seconds: f64) -> f64 {
         let (before, after) = match situation {
             Situation::Constant => (seconds, 0.0),

@@ -6,7 +6,6 @@ use itpms_core::model::{CornerConfig, QuarterCar};
 
 use itpms_analysis::bound::BoundSetting;
 
-/// Whom and what the study is about.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Subject {
     pub vehicle: String,
@@ -19,13 +18,10 @@ pub struct Subject {
     pub unlike_is_made_up: bool,
     /// Road, speed, rate, noise and band.
     pub drive: BoundSetting,
-    /// Period of a repeated road in s.
     pub period_s: f64,
-    /// Driven at placard pressure before the loss, in s.
     pub before_s: f64,
     /// The loss as a share of the placard pressure.
     pub loss: f64,
-    /// The sd of a pressure at a reset in kPa.
     pub reset_sd_kpa: f64,
 }
 
@@ -38,7 +34,6 @@ impl Subject {
     /// A corner on the paper's drive (class A, 20 km/h, 500 Hz) with its own noise; repeated roads of 0.66 s as on the
     /// paper's test bed; a loss of 20 % after 20 s. `partner` is the corner on the same side of the other axle; where
     /// there is none or it has the same unsprung mass, (b') has one 12 % lighter under a body 10 % lighter.
-    #[must_use]
     pub fn new(
         vehicle: &str,
         corner: &str,
@@ -76,7 +71,6 @@ impl Subject {
     }
 
     /// The paper's simulated corner (Table 2).
-    #[must_use]
     pub fn paper() -> Self {
         Self::new("paper, Table 2", "fl", &CornerConfig::paper(), None)
     }

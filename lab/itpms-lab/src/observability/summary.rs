@@ -8,7 +8,6 @@ use super::{Car, Observability, Situation, Sources, TOLERANCE};
 pub(super) const TOLD_S: [f64; 3] = [2.0, 8.0, 40.0];
 
 impl Observability {
-    #[must_use]
     pub fn summary(&self) -> String {
         let c = &self.conditions;
         let mut text = format!(

@@ -5,9 +5,7 @@
 use super::Observability;
 
 impl Observability {
-    /// File names without ending, and their content: the twins over time, the ranks, the bounds over time, the bounds
-    /// over circumstances.
-    #[must_use]
+    /// File names without ending, and their content: the twins over time, the ranks, the bounds over time, the bounds over circumstances.
     pub fn tables(&self) -> Vec<(&'static str, String)> {
         vec![
             ("observability-twins", self.twin_table()),

@@ -22,28 +22,23 @@ const LOW: f64 = 0.5715;
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Twin {
-    /// What kind of tire, in words.
     pub label: String,
     /// Gauge pressure in kPa at each time.
     #[serde(skip)]
     pub pressure_kpa: Vec<f64>,
-    /// Road height in m at each time.
     #[serde(skip)]
     pub road_m: Vec<f64>,
-    /// Wheel acceleration in m/s² at each time.
     #[serde(skip)]
     pub wheel_accel_m_s2: Vec<f64>,
     /// Root mean square of the difference to the first tire's road in m.
     pub road_difference_rms_m: f64,
-    /// Largest difference of (body, wheel) acceleration to the first tire's at any step, over the largest
-    /// acceleration.
+    /// Largest difference of (body, wheel) acceleration to the first tire's at any step, over the largest acceleration.
     pub relative_difference: [f64; 2],
 }
 
 /// The first tire and those that cannot be distinguished from it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Twins {
-    /// Times in s.
     #[serde(skip)]
     pub time_s: Vec<f64>,
     /// The first drove an ISO 8608 road; the others the roads made for them.
@@ -52,7 +47,6 @@ pub struct Twins {
 
 impl Twins {
     /// Largest relative difference of any acceleration of any twin.
-    #[must_use]
     pub fn worst(&self) -> f64 {
         self.drives.iter().flat_map(|twin| twin.relative_difference).fold(0.0, f64::max)
     }

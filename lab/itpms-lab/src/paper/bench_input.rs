@@ -14,7 +14,6 @@ use itpms_analysis::plot::{Axis, Figure, Ink, Panel, Stroke};
 
 /// Time after which the segment starts again, s.
 const PERIOD_S: f64 = 0.66;
-/// Periods drawn.
 const PERIODS: f64 = 3.0;
 
 pub(super) fn section(request: &Request) -> Result<Section, PaperError> {

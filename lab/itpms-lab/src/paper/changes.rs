@@ -15,7 +15,6 @@ use itpms_analysis::plot::{Axis, Figure, Ink, Panel};
 
 /// What tells the three studies apart.
 pub(super) struct Study<'a> {
-    /// Number of its figure and of its table.
     pub(super) figure: u32,
     pub(super) table: u32,
     pub(super) title: &'static str,

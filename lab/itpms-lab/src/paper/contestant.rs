@@ -76,7 +76,6 @@ pub(super) struct Word {
     pub(super) diverged: bool,
 }
 
-/// A contestant on its way.
 // There are five at a time, on the heap.
 #[allow(clippy::large_enum_variant)]
 pub(super) enum Runner {

@@ -25,32 +25,27 @@ pub struct Data {
 }
 
 impl Data {
-    #[must_use]
     pub fn new(name: impl Into<String>, title: impl Into<String>) -> Self {
         Self { name: name.into(), title: title.into(), columns: vec![] }
     }
 
     /// One more column of numbers; what is not finite is an empty cell, and `null` in JSON.
-    #[must_use]
     pub fn numbers(mut self, name: impl Into<String>, values: impl IntoIterator<Item = f64>) -> Self {
         self.columns.push((name.into(), Values::Numbers(values.into_iter().map(rounded).collect())));
         self
     }
 
-    #[must_use]
     pub fn words(mut self, name: impl Into<String>, values: impl IntoIterator<Item = String>) -> Self {
         self.columns.push((name.into(), Values::Words(values.into_iter().collect())));
         self
     }
 
     /// Both coordinates of a curve as two columns.
-    #[must_use]
     pub fn curve(self, x: &str, y: &str, points: &[(f64, f64)]) -> Self {
         self.numbers(x, points.iter().map(|p| p.0)).numbers(y, points.iter().map(|p| p.1))
     }
 
     /// Comma-separated, a header line, a line feed after each row. Shorter columns end in empty cells.
-    #[must_use]
     pub fn csv(&self) -> String {
         let mut text = self.columns.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>().join(",");
         text.push('\n');
@@ -68,9 +63,7 @@ impl Data {
     }
 
     /// `{"name": .., "title": .., "columns": {name: [..]}}`, columns in their order.
-    ///
-    /// # Errors
-    /// Never for what can be put into it; the serializer's interface has an error.
+    /// Errors: never for what can be put into it; the serializer's interface has an error.
     pub fn json(&self) -> Result<String, serde_json::Error> {
         serde_json::to_string(self).map(|text| text + "\n")
     }

@@ -20,7 +20,6 @@ pub(super) enum Keep {
     Histories,
 }
 
-/// What one contestant achieved in one drive.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Achieved {
     /// Over t > 3 s, kPa; infinite once diverged.
@@ -29,7 +28,6 @@ pub(super) struct Achieved {
     pub(super) rmse_after_kpa: f64,
     /// Share of that time with the truth inside the 95 % interval.
     pub(super) coverage: f64,
-    /// When it diverged, s.
     pub(super) diverged_s: Option<f64>,
     /// Empty unless histories are kept.
     pub(super) trace: Trace,
@@ -47,7 +45,7 @@ pub(super) struct Trace {
     pub(super) road_m: Vec<f64>,
 }
 
-/// What was true, in the same form.
+/// The truth, in the same form.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Truth {
     pub(super) time_s: Vec<f64>,

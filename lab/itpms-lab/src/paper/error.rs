@@ -11,31 +11,22 @@ use itpms_analysis::spectrum::{FitError, WelchError};
 pub enum PaperError {
     #[error("0 seeds, expected at least one")]
     NoSeeds,
-    /// A scenario without the corner that the study drives.
     #[error("scenario {0} has no front left corner, expected one")]
     NoCorner(String),
-    /// The progress callback asked for it.
     #[error("stopped")]
     Stopped,
-    /// A scenario, or a parameter that it refuses.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
-    /// A history of pressure or speed.
     #[error(transparent)]
     Value(#[from] InvalidValue),
-    /// A parameter that an estimator refuses.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// The line through Table 1.
     #[error(transparent)]
     Regression(#[from] RegressionError),
-    /// The road's spectrum.
     #[error(transparent)]
     Welch(#[from] WelchError),
-    /// The line through the road's spectrum.
     #[error(transparent)]
     Fit(#[from] FitError),
-    /// A drive that has no bound.
     #[error(transparent)]
     Bound(#[from] BoundError),
     #[error("cannot be written as JSON: {0}")]

@@ -1,5 +1,4 @@
-//! Panels that several figures share: pressure, forgetting factor, error and covariance over time, all four
-//! estimators in each.
+//! Panels that several figures share: pressure, forgetting factor, error and covariance over time, all four estimators in each.
 //!
 //! Called by the sections of the estimator figures.
 
@@ -111,13 +110,11 @@ pub(super) fn error(letter: &str, title: &str, outcome: &Outcome, top_kpa: f64) 
     four(panel, outcome, |record| errors(outcome, record)).level(Ink::Muted, 0.0, "")
 }
 
-/// Error of a record over time in kPa.
 pub(super) fn errors(outcome: &Outcome, record: &Record) -> Vec<f64> {
     record.trace.pressure_kpa.iter().zip(&outcome.truth.pressure_kpa).map(|(p, truth)| p - truth).collect()
 }
 
-/// From the smallest variance that any claims to the largest, within what is not absurd: a filter about to diverge
-/// claims anything.
+/// From the smallest variance that any claims to the largest, within what is not absurd: a filter about to diverge claims anything.
 pub(super) fn variance_axis<'a>(outcomes: impl IntoIterator<Item = &'a Outcome>) -> Axis {
     let all =
         outcomes.into_iter().flat_map(Outcome::shown).flat_map(|record| &record.trace.stiffness_variance);
@@ -129,15 +126,13 @@ pub(super) fn variance_axis<'a>(outcomes: impl IntoIterator<Item = &'a Outcome>)
     axis.within(decade(low.max(1e-2) / 1.2, f64::floor), decade(high.min(1e11) * 1.2, f64::ceil))
 }
 
-/// Forgetting factors of a record; none while a reset holds the estimate, when every word about the pressure is followed
-/// by growth.
+/// Forgetting factors of a record; none while a reset holds the estimate, when every word about the pressure is followed by growth.
 pub(super) fn forgetting_factors(outcome: &Outcome, record: &Record) -> Vec<f64> {
     let held = |time_s: f64| record.who.reset_s > 0.0 && time_s <= record.who.reset_s + HELD_S;
     let times = outcome.truth.time_s.iter();
     times.zip(&record.trace.forgetting).map(|(&t, &lambda)| if held(t) { f64::NAN } else { lambda }).collect()
 }
 
-/// Variance of the stiffness that each claims.
 pub(super) fn covariance(letter: &str, title: &str, outcome: &Outcome) -> Panel {
     four(Panel::new(letter, title, time_axis(outcome), variance_axis([outcome])), outcome, |record| {
         record.trace.stiffness_variance.clone()

@@ -58,21 +58,18 @@ const CORNER: Corner = Corner::FrontLeft;
 /// Called after every drive with how many of how many are done; a break ends the study.
 pub type Progress<'a> = plan::Callback<'a>;
 
-/// What the paper leaves open, and how many drives.
+/// Open points of the paper, and the number of drives.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Request {
     pub seeds: usize,
     /// Seed of the first; the others follow. The first is the one that is drawn.
     pub first_seed: u64,
-    /// Sampling rate of the simulation study in Hz.
     pub rate_hz: f64,
     /// Accelerometer noise of the simulation study in m/s², rms per sample.
     pub noise_m_s2: f64,
     /// Level `Gd(n0)` of the road of both studies in m³; class A of ISO 8608 is 16e-6.
     pub road_gd_n0_m3: f64,
-    /// Sampling rate of the test bed in Hz.
     pub bench_rate_hz: f64,
-    /// Unsprung mass of the test bed in kg.
     pub bench_unsprung_mass_kg: f64,
     /// Natural frequency of the test bed's actuator in Hz.
     pub bench_actuator_hz: f64,
@@ -135,7 +132,6 @@ pub fn reproduce(request: &Request, progress: Progress<'_>) -> Result<Study, Pap
 
 impl Study {
     /// The paper's numbers and ours as text for a terminal.
-    #[must_use]
     pub fn summary(&self) -> String {
         let parts = self.sections.iter().flat_map(|section| &section.parts);
         let table = parts.into_iter().find_map(|part| match part {
@@ -151,10 +147,7 @@ impl Study {
         table.map_or_else(String::new, |table| format!("{head}\n\n{}", table.text(4)))
     }
 
-    /// The page, each figure as SVG, the data of each figure and table as CSV and JSON.
-    ///
-    /// # Errors
-    /// JSON that cannot be written.
+    /// The page, each figure as SVG, the data of each figure and table as CSV and JSON. Errors: JSON that cannot be written.
     pub fn files(&self) -> Result<Vec<File>, PaperError> {
         let file = |name: String, content: String| File { name, content };
         let mut files = vec![file("index.html".to_owned(), page::page(&self.sections, &self.request))];

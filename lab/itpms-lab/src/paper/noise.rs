@@ -15,7 +15,7 @@ use itpms_analysis::plot::{Axis, Figure, Ink, Panel, Stroke};
 /// Half-width in m/s² and number of the histogram's bars.
 const HALF_WIDTH: f64 = 2.5;
 const BARS: usize = 50;
-/// What the left panels show, s.
+/// Time range of the left panels in s.
 const DRAWN_S: f64 = 10.0;
 
 /// Noise of one setting, and its moments.

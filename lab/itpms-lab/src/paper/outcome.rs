@@ -15,22 +15,17 @@ pub(super) struct Record {
     pub(super) who: Contestant,
     /// RMSE over t > 3 s in kPa.
     pub(super) rmse: Spread,
-    /// RMSE after the reset drive in kPa.
     pub(super) after: Spread,
     /// Mean share of the time after the reset drive with the truth inside the 95 % interval, over the drives that
     /// did not diverge; NaN if all did.
     pub(super) coverage: f64,
-    /// How many drives diverged, of how many.
     pub(super) diverged: usize,
     pub(super) drives: usize,
-    /// When the drawn drive diverged, s.
     pub(super) drawn_diverged_s: Option<f64>,
     pub(super) trace: Trace,
-    /// RMSE of the drawn drive, kPa.
     pub(super) drawn_rmse_kpa: f64,
 }
 
-/// One case over all its drives.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Outcome {
     pub(super) truth: Truth,

@@ -70,7 +70,6 @@ fn html(section: &Section) -> String {
     text + "</section>\n"
 }
 
-/// Links to the files beside the page.
 fn files<'a>(svg: &str, data: impl IntoIterator<Item = &'a str>) -> String {
     let mut links = vec![];
     if !svg.is_empty() {

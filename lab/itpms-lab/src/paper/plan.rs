@@ -15,7 +15,7 @@ use super::{PaperError, Progress, Request, published::TABLE_3, published::TABLE_
 /// Reset drives in s: with `bench-drop` the loss comes at 38 s, with the other two at 5 s.
 pub(super) const RESET_LONG_S: f64 = 20.0;
 pub(super) const RESET_SHORT_S: f64 = 4.0;
-/// What the estimators are given in the mass studies, kg.
+/// The estimators' sprung mass in the mass studies, kg.
 pub(super) const TOLD_KG: f64 = 240.0;
 
 #[derive(Debug)]

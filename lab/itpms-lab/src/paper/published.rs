@@ -37,7 +37,6 @@ pub(super) const FIG_12: f64 = 4.22;
 pub(super) struct Row {
     /// Sprung mass in kg, or variance in (m/s²)².
     pub(super) setting: f64,
-    /// RMSE in kPa.
     pub(super) rmse_kpa: f64,
     /// As printed; empty for the nominal row.
     pub(super) printed: &'static str,

@@ -54,7 +54,6 @@ fn drive(case: &Case, seed: u64) -> Result<Vec<f64>, PaperError> {
     Ok(filters.iter().map(rmse).collect())
 }
 
-/// Errors of all readings over the seeds.
 pub(super) fn table(request: &Request) -> Result<Table, PaperError> {
     let case = Case::simulation("paper-drop", request)?;
     let seed = |turn: usize| request.first_seed.wrapping_add(turn as u64);

@@ -37,7 +37,6 @@ fn spectrum(road_m: &[f64], spacing_m: f64) -> Result<Option<Spectrum>, PaperErr
     Ok(Some(Spectrum { psd, fit }))
 }
 
-/// Slopes of the roads of all seeds.
 fn slopes(request: &Request) -> Result<Vec<f64>, PaperError> {
     let case = Case::simulation("paper-drop", request)?;
     let one = |turn: usize| {

@@ -31,28 +31,23 @@ pub(super) enum Part {
 
 impl Section {
     /// An empty section; `id` is its anchor.
-    #[must_use]
     pub fn new(id: impl Into<String>, title: impl Into<String>) -> Self {
         Self { id: id.into(), title: title.into(), parts: vec![] }
     }
 
     /// HTML of whole elements: paragraphs, lists.
-    #[must_use]
     pub fn text(mut self, html: impl Into<String>) -> Self {
         self.parts.push(Part::Text(html.into()));
         self
     }
 
-    /// A figure with its caption (HTML) and its data, each written under its own name; one of them should be named as
-    /// the figure.
-    #[must_use]
+    /// A figure with its caption (HTML) and its data, each written under its own name; one of them should be named as the figure.
     pub fn figure(mut self, figure: Figure, caption: impl Into<String>, data: Vec<Data>) -> Self {
         self.parts.push(Part::Figure { figure, caption: caption.into(), data });
         self
     }
 
     /// A table with its caption (HTML).
-    #[must_use]
     pub fn table(mut self, table: Table, caption: impl Into<String>) -> Self {
         self.parts.push(Part::Table { table, caption: caption.into() });
         self
@@ -69,14 +64,11 @@ pub struct Table {
 }
 
 impl Table {
-    /// Title, column heads, data.
-    #[must_use]
     pub fn new(title: impl Into<String>, head: &[&str], data: Data) -> Self {
         let head = head.iter().map(|&word| word.to_owned()).collect();
         Self { title: title.into(), head, rows: vec![], data }
     }
 
-    #[must_use]
     pub fn row(mut self, cells: impl IntoIterator<Item = String>) -> Self {
         self.rows.push(cells.into_iter().collect());
         self
@@ -127,7 +119,6 @@ impl Table {
     }
 }
 
-/// For terminals of any kind.
 fn ascii(text: &str) -> String {
     let plain = |c| match c {
         '–' | '\u{2212}' => "-".to_owned(),

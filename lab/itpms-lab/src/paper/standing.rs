@@ -28,8 +28,7 @@ fn name(record: &Record) -> String {
     }
 }
 
-/// Errors of all who drove these cases. `what` heads the first column where there is more than one case; `file` names
-/// the data.
+/// Errors of all who drove these cases. `what` heads the first column where there is more than one case; `file` names the data.
 pub(super) fn standing(file: &str, title: &str, what: &str, cases: &[(String, &Outcome)]) -> Table {
     let records: Vec<(&String, &Record)> = cases
         .iter()

@@ -12,10 +12,7 @@ use crate::observability::{Car, Observability, Situation, Sources, StudyError, S
 /// When the bounds are printed, in s.
 const TOLD_S: [f64; 3] = [2.0, 8.0, 40.0];
 
-/// The section; needs no drive.
-///
-/// # Errors
-/// None for the paper's car.
+/// The section; needs no drive. Errors: none for the paper's car.
 pub(super) fn section() -> Result<Section, PaperError> {
     let found = study(&Subject::paper(), &|_| ControlFlow::Continue(())).map_err(|error| match error {
         StudyError::Parameter(error) => PaperError::Parameter(error),

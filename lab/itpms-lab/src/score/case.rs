@@ -40,7 +40,6 @@ pub(super) struct Case {
 }
 
 impl Case {
-    /// One of the paper's scenarios by its built-in name.
     pub(super) fn paper(name: &str, kind: EstimatorKind) -> Result<Self, ScoreError> {
         let scenario = Scenario::builtin(name)?;
         let judged = Window::new(3.0, scenario.duration_s);

@@ -1,11 +1,10 @@
 //! Efficiency: how much of the information in the signals an estimator uses while nothing changes.
 //!
-//! Called by the score. The bound for a constant pressure `p` after `t` seconds is `1 / (J(p) t + 1/30²)`, `J` the
-//! information per second with the road's level and slope unknown, the second term the estimator's prior. The
-//! estimator's prior is nine tenths a normal one of sd 30 kPa about the pressure it starts from and one tenth anywhere;
-//! the interface knows no wider one. The bound holds for truths that scatter about the start as the prior says, so
-//! every other drive starts 30 kPa above the truth and the rest 30 kPa below: the mean square of the start's error is
-//! the prior's variance.
+//! Called by the score. The bound for a constant pressure `p` after `t` seconds is `1 / (J(p) t + 1/30²)`, `J` the information per second
+//! with the road's level and slope unknown, the second term the estimator's prior. The estimator's prior is nine tenths a normal one of sd
+//! 30 kPa about the pressure it starts from and one tenth anywhere; the interface knows no wider one. The bound holds for truths that
+//! scatter about the start as the prior says, so every other drive starts 30 kPa above the truth and the rest 30 kPa below: the mean square
+//! of the start's error is the prior's variance.
 
 use itpms_paper::EstimatorKind;
 
@@ -15,9 +14,7 @@ use super::row::{Cell, Column, Goal, Row};
 use super::runner::{Runner, Turn};
 use super::stats::Mean;
 
-/// True pressures in kPa.
 const PRESSURES_KPA: [f64; 3] = [241.3, 190.0, 140.0];
-/// When to look, in s.
 const TIMES_S: [f64; 2] = [16.0, 39.0];
 /// Bound over mean square error.
 const EFFICIENCY: f64 = 0.8;

@@ -1,8 +1,6 @@
-//! The accuracy table, recomputed: an estimator drives the standard scenarios over many seeds and is held against the
-//! goals.
+//! The accuracy table, recomputed: an estimator drives the standard scenarios over many seeds and is held against the goals.
 //!
-//! Called by the binary's `score`. Deterministic: the same request gives the same figures on any number of
-//! processors.
+//! Called by the binary's `score`. Deterministic: the same request gives the same figures on any number of processors.
 //!
 //! | module | idea |
 //! |---|---|
@@ -43,66 +41,46 @@ use runner::Runner;
 
 pub use runner::Progress;
 
-/// What can be asked for by itself, in the order of the table: cars with four wheels from `Drive` on, from `Ablation` on not in the usual one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Part {
-    PaperDrop,
-    /// The same down to 41.4 kPa.
-    PaperDeepDrop,
-    PaperDropRecover,
-    /// A sprung mass 8 % off.
-    Mass,
-    BiasGrid,
-    /// Honesty of the 95 % interval over all of the above.
-    Coverage,
-    /// The test bed, after a reset.
-    Bench,
-    /// Bound over variance at constant pressure.
-    Efficiency,
-    Road,
-    /// Four wheels, one of them punctured.
-    Drive,
-    /// The same with each source of information alone.
-    Ablation,
-    /// The same while something differs from what the estimator is given.
-    Disturbances,
-    /// How soon a loss is warned of.
-    Detection,
-    /// How soon tires are named that lose air together, or did before the drive.
-    Several,
-    /// Cars that are not their files.
-    Car,
-    /// What ten minutes at known pressures teach of a car.
-    Learn,
-    /// An owner's whole path.
-    Own,
+itpms_core::labelled! {
+    /// What can be asked for by itself, in the order of the table: cars with four wheels from `Drive` on, from `Ablation` on not in the usual one.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+    pub enum Part {
+        PaperDrop = "paper-drop",
+        /// The same down to 41.4 kPa.
+        PaperDeepDrop = "paper-deep-drop",
+        PaperDropRecover = "paper-drop-recover",
+        /// A sprung mass 8 % off.
+        Mass = "mass",
+        BiasGrid = "bias-grid",
+        /// Honesty of the 95 % interval over all of the above.
+        Coverage = "coverage",
+        /// The test bed, after a reset.
+        Bench = "bench",
+        /// Bound over variance at constant pressure.
+        Efficiency = "efficiency",
+        Road = "road",
+        /// Four wheels, one of them punctured.
+        Drive = "drive",
+        /// The same with each source of information alone.
+        Ablation = "ablation",
+        /// The same while something differs from what the estimator is given.
+        Disturbances = "disturbances",
+        /// How soon a loss is warned of.
+        Detection = "detection",
+        /// How soon tires are named that lose air together, or did before the drive.
+        Several = "several",
+        /// Cars that are not their files.
+        Car = "car",
+        /// What ten minutes at known pressures teach of a car.
+        Learn = "learn",
+        Own = "own",
+    }
 }
 
 impl Part {
-    /// In the order of the table.
-    pub const ALL: [Self; 17] = [
-        Self::PaperDrop,
-        Self::PaperDeepDrop,
-        Self::PaperDropRecover,
-        Self::Mass,
-        Self::BiasGrid,
-        Self::Coverage,
-        Self::Bench,
-        Self::Efficiency,
-        Self::Road,
-        Self::Drive,
-        Self::Ablation,
-        Self::Disturbances,
-        Self::Detection,
-        Self::Several,
-        Self::Car,
-        Self::Learn,
-        Self::Own,
-    ];
     pub const PAPER: [Self; 3] = [Self::PaperDrop, Self::PaperDeepDrop, Self::PaperDropRecover];
 
     /// Whether it belongs to the table that is computed when nothing is asked for by name.
-    #[must_use]
     pub fn is_usual(self) -> bool {
         self < Self::Ablation
     }
@@ -110,35 +88,6 @@ impl Part {
     /// Whether it is of cars with four wheels.
     fn is_of_cars(self) -> bool {
         self >= Self::Drive
-    }
-
-    /// The name on the command line.
-    #[must_use]
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::PaperDrop => "paper-drop",
-            Self::PaperDeepDrop => "paper-deep-drop",
-            Self::PaperDropRecover => "paper-drop-recover",
-            Self::Mass => "mass",
-            Self::BiasGrid => "bias-grid",
-            Self::Coverage => "coverage",
-            Self::Bench => "bench",
-            Self::Efficiency => "efficiency",
-            Self::Road => "road",
-            Self::Drive => "drive",
-            Self::Ablation => "ablation",
-            Self::Disturbances => "disturbances",
-            Self::Detection => "detection",
-            Self::Several => "several",
-            Self::Car => "car",
-            Self::Learn => "learn",
-            Self::Own => "own",
-        }
-    }
-
-    #[must_use]
-    pub fn from_label(label: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|part| part.label() == label)
     }
 
     /// What the table says above the rows of a part.
@@ -205,7 +154,6 @@ pub struct Request {
     pub first_seed: u64,
     /// One estimator; several are compared in the paper's scenarios alone.
     pub estimators: Vec<EstimatorKind>,
-    /// One part, or the usual ones.
     pub part: Option<Part>,
     /// Of the four-wheel parts, only rows whose names contain this.
     pub only: Option<String>,
@@ -248,42 +196,32 @@ fn labels<S: serde::Serializer>(kinds: &[EstimatorKind], serializer: S) -> Resul
 pub enum ScoreError {
     #[error("0 seeds or no estimator, expected at least one of each")]
     Nothing,
-    /// Several estimators are compared in the paper's scenarios alone.
     #[error("{part} is scored for one estimator at a time; several are compared in {}", paper_labels())]
     OneEstimator { part: &'static str },
-    /// Four wheels are the default estimator's.
     #[error("{part} is scored for {} alone: the paper's filters know one wheel", EstimatorKind::default().label())]
     DefaultEstimator { part: &'static str },
-    /// No row is called so.
     #[error(
         "no four-wheel row that was asked for has a name with `{only}` in it, such as `car, 80 km/h, reset`"
     )]
     NoRow { only: String },
-    /// The progress callback asked for it.
     #[error("stopped")]
     Stopped,
-    /// The operating system gives no threads.
     #[error("no threads to compute with: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
-    /// A parameter that an estimator refuses.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// What an owner knows makes no vehicle file.
     #[error(transparent)]
     File(#[from] itpms_data::vehicle::typical::TypicalCarError),
-    /// What was learned is no car, or too little.
     #[error(transparent)]
     Learn(#[from] itpms_analysis::learn::LearnError),
-    /// A calibration that does not fit its car.
     #[error(transparent)]
     Calibration(#[from] itpms_core::model::CalibrationError),
     #[error(transparent)]
     Bound(#[from] BoundError),
     #[error(transparent)]
     Memory(#[from] RecorderMemoryError),
-    /// The road's spectrum.
     #[error(transparent)]
     Welch(#[from] WelchError),
     #[error(transparent)]

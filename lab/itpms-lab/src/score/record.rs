@@ -17,9 +17,7 @@ use super::stats::Spread;
 use itpms_analysis::roughness::{Enveloping, iri_m_per_km};
 use itpms_analysis::spectrum::Welch;
 
-/// Speeds in km/h.
 const SPEEDS_KM_H: [f64; 2] = [20.0, 80.0];
-/// Length of a drive in s.
 const DURATION_S: f64 = 60.0;
 /// Left out at both ends, in s: the stiffness is being found, and the record's end has no look-ahead.
 const MARGIN_S: f64 = 6.0;
@@ -29,11 +27,10 @@ const BAND_PER_M: (f64, f64) = (0.1, 2.0);
 const SEGMENT_M: f64 = 100.0;
 /// Seconds between two words to the recorder about the stiffness: each costs it some work.
 const TELL_S: f64 = 0.1;
-/// Goals in percent.
 const ERROR_PERCENT: f64 = 8.0;
 const IRI_PERCENT: f64 = 5.0;
 
-/// What one drive gives, in percent.
+/// Result of one drive, in percent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Fidelity {
     /// Rms of the error over rms of the road, in the band.

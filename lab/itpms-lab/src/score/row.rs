@@ -15,7 +15,6 @@ pub enum Goal {
     /// Not further from zero.
     WithinOfZero(f64),
     AtLeast(f64),
-    /// From the first to the second.
     Between(f64, f64),
 }
 
@@ -31,7 +30,6 @@ pub enum Verdict {
 
 impl Goal {
     /// How `value` stands to it; NaN misses.
-    #[must_use]
     pub fn verdict(self, value: f64) -> Verdict {
         let met = match self {
             Goal::AtMost(limit) | Goal::AtMostStretch(limit, _) => value <= limit,
@@ -47,7 +45,6 @@ impl Goal {
     }
 
     /// In the table: `<= 14 (12.5)`.
-    #[must_use]
     pub fn text(self) -> String {
         match self {
             Goal::AtMost(limit) => format!("<= {limit}"),
@@ -62,7 +59,6 @@ impl Goal {
 /// What a figure is: its name in JSON, its heading in the table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Column {
-    /// Name with unit.
     pub name: &'static str,
     #[serde(skip)]
     pub heading: &'static str,
@@ -71,17 +67,14 @@ pub struct Column {
 }
 
 impl Column {
-    #[must_use]
     pub const fn new(name: &'static str, heading: &'static str, decimals: usize) -> Self {
         Self { name, heading, decimals }
     }
 
-    #[must_use]
     pub fn plain(self, value: f64) -> Cell {
         Cell { column: self, value, goal: None, verdict: None }
     }
 
-    #[must_use]
     pub fn judged(self, value: f64, goal: Goal) -> Cell {
         Cell { column: self, value, goal: Some(goal), verdict: Some(goal.verdict(value)) }
     }
@@ -114,7 +107,6 @@ pub struct Row {
 
 impl Row {
     /// A row, judged by its cells.
-    #[must_use]
     pub fn new(
         part: &'static str,
         name: impl Into<String>,
@@ -126,7 +118,6 @@ impl Row {
         Self { part, name: name.into(), estimator, drives, cells, verdict }
     }
 
-    /// A row of the default estimator.
     pub(super) fn of_default(
         part: &'static str,
         name: impl Into<String>,
@@ -136,8 +127,6 @@ impl Row {
         Self::new(part, name, EstimatorKind::default(), drives, cells)
     }
 
-    /// The cell of a column's name.
-    #[must_use]
     pub fn cell(&self, name: &str) -> Option<&Cell> {
         self.cells.iter().find(|cell| cell.column.name == name)
     }

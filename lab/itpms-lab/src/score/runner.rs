@@ -16,7 +16,6 @@ pub(super) const STACK_BYTES: usize = 32 << 20;
 /// Called after every drive with how many of how many are done; [`ControlFlow::Break`] ends the score.
 pub type Progress<'a> = &'a (dyn Fn(u64, u64) -> ControlFlow<()> + Sync);
 
-/// Which of its case's drives one is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Turn {
     /// From 0.

@@ -10,21 +10,15 @@ const HALF_95: f64 = 1.96;
 /// A stretch of time in s: later than `from_s`, not later than `to_s`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Window {
-    /// Begin, itself outside.
     pub from_s: f64,
-    /// End, itself inside.
     pub to_s: f64,
 }
 
 impl Window {
-    /// From and to in s.
-    #[must_use]
     pub fn new(from_s: f64, to_s: f64) -> Self {
         Self { from_s, to_s }
     }
 
-    /// Whether a time in s lies within.
-    #[must_use]
     pub fn contains(&self, time_s: f64) -> bool {
         time_s > self.from_s && time_s <= self.to_s
     }
@@ -56,23 +50,19 @@ impl ErrorSum {
         self.covered += u64::from(error.abs() <= HALF_95 * sd);
     }
 
-    #[must_use]
     pub fn count(&self) -> u64 {
         self.count
     }
 
-    #[must_use]
     pub fn rmse(&self) -> f64 {
         (self.squares / self.count as f64).sqrt()
     }
 
-    #[must_use]
     pub fn bias(&self) -> f64 {
         self.sum / self.count as f64
     }
 
     /// Share of errors within 1.96 sd, 0 to 1.
-    #[must_use]
     pub fn coverage(&self) -> f64 {
         self.covered as f64 / self.count as f64
     }
@@ -90,7 +80,6 @@ pub struct Spread {
 
 impl Spread {
     /// Of one figure per drive; see [`percentile`].
-    #[must_use]
     pub fn of(values: impl IntoIterator<Item = f64>) -> Self {
         let mut sorted: Vec<f64> = values.into_iter().map(worst_if_nan).collect();
         sorted.sort_by(f64::total_cmp);
@@ -100,7 +89,6 @@ impl Spread {
 
 /// The figure that a share (0 to 1) of drives does not exceed, straight between the two nearest ranks (type 7 of
 /// Hyndman and Fan, 1996). A drive without a figure (NaN) counts as infinitely bad; no drives give NaN.
-#[must_use]
 pub fn percentile(values: &[f64], share: f64) -> f64 {
     let mut sorted: Vec<f64> = values.iter().copied().map(worst_if_nan).collect();
     sorted.sort_by(f64::total_cmp);
@@ -128,7 +116,6 @@ pub struct Mean {
 
 impl Mean {
     /// Of one figure per drive.
-    #[must_use]
     pub fn of(values: &[f64]) -> Self {
         let n = values.len() as f64;
         let value = values.iter().sum::<f64>() / n;

@@ -7,7 +7,6 @@ use super::{Part, Score};
 
 impl Score {
     /// The table, ending in a line that says what its marks mean.
-    #[must_use]
     pub fn table(&self) -> String {
         let names: Vec<&str> = self.estimators.iter().map(|kind| kind.label()).collect();
         let last = self.first_seed.saturating_add(self.seeds as u64).saturating_sub(1);

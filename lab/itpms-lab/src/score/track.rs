@@ -1,5 +1,4 @@
-//! How closely an estimate follows a pressure that drops: the paper's scenarios, a wrong mass, the grid of roads, the
-//! test bed.
+//! How closely an estimate follows a pressure that drops: the paper's scenarios, a wrong mass, the grid of roads, the test bed.
 //!
 //! Called by the score. The rows on coverage are drawn from the same drives.
 
@@ -26,7 +25,6 @@ const MASS_FACTORS: [f64; 2] = [0.92, 1.08];
 const SLOPES: [f64; 3] = [1.6, 2.1, 2.6];
 const CLASSES: [RoadClass; 3] = [RoadClass::A, RoadClass::B, RoadClass::C];
 const NOISES: [f64; 2] = [0.05, 0.3];
-/// Goals of the grid in kPa.
 const GRID_BIAS_KPA: f64 = 8.0;
 const GRID_RMSE_KPA: f64 = 17.0;
 
@@ -129,8 +127,7 @@ pub(super) struct Plan {
 }
 
 impl Plan {
-    /// `wanted` parts with `drives` each, by these estimators. More than one estimator is compared in the paper's
-    /// scenarios alone.
+    /// `wanted` parts with `drives` each, by these estimators. More than one estimator is compared in the paper's scenarios alone.
     pub(super) fn new(
         wanted: impl Fn(Part) -> bool,
         kinds: &[EstimatorKind],
@@ -233,7 +230,6 @@ fn bench_row(summary: &Summary) -> Row {
     summary.row("bench", cells)
 }
 
-/// The first is the nominal one.
 fn mass_rows(summaries: &[&Summary]) -> Vec<Row> {
     const NOMINAL: Column = Column::new("nominal_rmse_median_kpa", "nominal", 2);
     const CHANGE: Column = Column::new("rmse_change_percent", "change %", 1);

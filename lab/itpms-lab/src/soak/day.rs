@@ -31,7 +31,6 @@ const LOSES_IN_S: f64 = 60.0;
 /// Time in s between two points of a pressure.
 const STEP_S: f64 = 10.0;
 
-/// What the days of a plan are like.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Days {
     /// Roads, weather, trailer, differential.

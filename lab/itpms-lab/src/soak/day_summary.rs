@@ -17,7 +17,6 @@ pub struct DaySummary {
     pub conditions: BTreeMap<&'static str, OfCondition>,
     /// Losses by change of the radius, each class with its limits.
     pub losses: Vec<OfLosses>,
-    /// The same by which tires.
     pub kinds: BTreeMap<String, OfLosses>,
     /// Good yaw rates, and those of them that were left out.
     pub good_yaw: [usize; 2],
@@ -30,7 +29,6 @@ pub struct OfCondition {
     /// Hours driven on later days.
     pub hours: f64,
     pub false_warnings: usize,
-    /// Seeds of the drives with one.
     pub seeds: Vec<u64>,
 }
 

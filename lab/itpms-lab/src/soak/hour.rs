@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Car, Plan, SoakError};
 
-/// What the monitor says when it cannot know; honest, and no false warning.
+/// The monitor's report where nothing can be known; no false warning.
 pub(super) const NO_INFORMATION: &str = "no-information";
 
 /// Rows between two questions whether to go on.
@@ -31,11 +31,9 @@ pub(super) const HALF_95: f64 = 1.96;
 /// What is kept of a drive: a line of a file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Hour {
-    /// Of the drive, and of the car.
     pub seed: u64,
     /// Length of the drive in s, stops included.
     pub driven_s: f64,
-    /// Distance in km.
     pub km: f64,
     /// Everything that was reported, in the order of time: nothing, if all is well.
     pub said: Vec<Said>,
@@ -47,7 +45,6 @@ pub struct Hour {
     /// Of the day, where there were a calibration and a later day.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub day: Option<DayHour>,
-    /// Time in s it took to compute.
     pub wall_s: f64,
 }
 
@@ -74,10 +71,8 @@ pub struct WheelHour {
     pub rmse_kpa: Option<f64>,
     /// Largest error over its standard deviation, with its sign.
     pub worst_z: Option<f64>,
-    /// Smallest distance in kPa of the 95 % upper limit (p + 1.645 sd) from the limit of a warning; negative where a
-    /// warning was due.
+    /// Smallest distance in kPa of the 95 % upper limit (p + 1.645 sd) from the limit of a warning; negative where a warning was due.
     pub low_margin_kpa: Option<f64>,
-    /// When that was, in s.
     pub low_margin_s: Option<f64>,
     /// Smallest 95 % lower limit (p - 1.645 sd) in kPa.
     pub lowest_kpa: Option<f64>,
@@ -88,11 +83,9 @@ pub struct WheelHour {
 pub struct RadiusHour {
     /// Time in s in which differences were known, and in which a loss of 30 % of any single tire would have been found.
     pub known_s: f64,
-    /// The latter.
     pub informed_s: f64,
     /// Largest probability of any low tire, and when that was, in s.
     pub most_probable: f64,
-    /// When, in s.
     pub most_probable_s: f64,
     /// Shares of the time in which the true change of each ratio of radii was within its 95 % interval: front left over right, rear
     /// left over right, front over rear.
@@ -106,7 +99,6 @@ pub struct DayHour {
     pub condition: Condition,
     /// `d ln R / d ln p` of its tires.
     pub radius_per_ln_pressure: f64,
-    /// Distance since the calibration in km.
     pub since_km: f64,
     /// Whether a calibration taught anything.
     pub calibrated: bool,
@@ -127,28 +119,24 @@ pub struct YawHour {
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LossHour {
-    /// Which tires, in one word.
     pub kind: String,
     pub wheels: Vec<String>,
     /// Change of `ln` of their radius: `-beta ln p`.
     pub radius_change: f64,
     /// When a warning named one of them, alone or among others, in s after the loss began.
     pub found_s: Option<f64>,
-    /// Whether one named just them.
     pub exact: bool,
     /// Whether one named a tire that had not lost air.
     pub wrong: bool,
 }
 
 impl Hour {
-    #[must_use]
     pub fn to_line(&self) -> String {
         // Numbers, texts and lists can always be written.
         serde_json::to_string(self).unwrap_or_default()
     }
 
     /// From such a line; `None` if it is no such thing.
-    #[must_use]
     pub fn from_line(line: &str) -> Option<Self> {
         serde_json::from_str(line).ok()
     }

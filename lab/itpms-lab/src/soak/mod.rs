@@ -37,30 +37,17 @@ pub use summary::Summary;
 /// value while it is set up.
 const STACK_BYTES: usize = 32 << 20;
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Car {
-    /// Another one with every seed.
-    Varied,
-    /// That of `drive-normal`, which is nearly the one the estimator is given.
-    Nominal,
-    /// Another one with every seed, and its wheels not joined by a body: four quarter cars, whose rear wheels meet the
-    /// front wheels' road. No bends and no loads, but nothing that rests on a rigid body may be taken for granted.
-    Quarters,
-}
-
-impl Car {
-    /// All, the usual one first.
-    pub const ALL: [Self; 3] = [Self::Varied, Self::Nominal, Self::Quarters];
-
-    /// The name on the command line.
-    #[must_use]
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Varied => "varied",
-            Self::Nominal => "nominal",
-            Self::Quarters => "quarters",
-        }
+itpms_core::labelled! {
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+    #[serde(rename_all = "lowercase")]
+    pub enum Car {
+        /// Another one with every seed.
+        Varied = "varied",
+        /// That of `drive-normal`, which is nearly the one the estimator is given.
+        Nominal = "nominal",
+        /// Another one with every seed, and its wheels not joined by a body: four quarter cars, whose rear wheels meet the
+        /// front wheels' road. No bends and no loads, but nothing that rests on a rigid body may be taken for granted.
+        Quarters = "quarters",
     }
 }
 
@@ -68,7 +55,6 @@ impl Car {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Plan {
     pub rate_hz: f64,
-    /// Length of a drive in s.
     pub drive_s: f64,
     pub car: Car,
     /// Length in s of a calibration at the beginning of every drive, `None`: never calibrated.
@@ -100,22 +86,16 @@ impl Default for Plan {
 pub enum SoakError {
     #[error("stopped")]
     Stopped,
-    /// The operating system gives no threads.
     #[error("no threads to compute with: {0}")]
     Threads(#[from] std::io::Error),
-    /// The scenario: a rate or a length out of range.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
-    /// A parameter that the estimator or the monitor refuses.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
 }
 
 /// Drives these seeds, `jobs` at a time. Each drive is handed to `done` when it is complete, in whatever order;
 /// `flow` is asked every few seconds of driving, and by both [`ControlFlow::Break`] ends the whole.
-///
-/// # Errors
-/// See [`SoakError`]; drives that were not complete are lost.
 pub fn soak(
     plan: &Plan,
     seeds: &[u64],

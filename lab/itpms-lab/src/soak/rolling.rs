@@ -92,7 +92,6 @@ fn rolling(plan: &Plan, seed: u64) -> Result<Scenario, SoakError> {
     Ok(scenario)
 }
 
-/// Follows the radii of a drive.
 pub(super) struct Watch {
     calibrated_s: f64,
     /// Sum of the true `ln` radii over the calibration's driving, and its samples.

@@ -15,9 +15,7 @@ pub struct Summary {
     pub drives: usize,
     /// Hours driven, stops included.
     pub hours: f64,
-    /// Distance in km.
     pub km: f64,
-    /// Hours it took, drive by drive on one thread each.
     pub drive_wall_h: f64,
     /// Warnings though nothing was wrong, of pressures and of sensors.
     pub false_warnings: usize,
@@ -56,7 +54,6 @@ pub struct RadiusSummary {
     pub most_probable_seed: u64,
 }
 
-/// A worst value and where it was.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Extreme {
     /// The value; null if there is none.
@@ -67,7 +64,6 @@ pub struct Extreme {
 
 impl Summary {
     /// Of drives in any order.
-    #[must_use]
     pub fn of(hours: &[Hour]) -> Self {
         let mut hours: Vec<&Hour> = hours.iter().collect();
         hours.sort_by_key(|hour| hour.seed);
@@ -106,7 +102,6 @@ impl Summary {
         }
     }
 
-    #[must_use]
     pub fn text(&self) -> String {
         let mut text = format!(
             "{:.1} h, {:.0} km in {} drives; {:.2} h of one thread\n",

@@ -7,7 +7,6 @@ const LETTERS: [&str; 8] = ["a", "b", "c", "d", "e", "f", "g", "h"];
 
 impl BumpResult {
     /// Two panels per corner, with the masses four: body and residual, force on the road and residual.
-    #[must_use]
     pub fn figure(&self) -> Figure {
         let mut figure = Figure::new("identify-bump", "Spring, damper, friction and tire from a drop")
             .describe("Measured and fitted motion of each corner below 16 Hz, and what is left.")

@@ -20,7 +20,6 @@ pub(super) struct BandRows {
     pub(super) target: Vec<f64>,
 }
 
-/// Coefficients with their covariance.
 #[derive(Debug, Clone)]
 pub(super) struct Fit {
     /// Once from blocks of equal time, once from blocks of equal way. What dies away with the motion is known from its beginning,
@@ -58,7 +57,6 @@ impl Fit {
         Ok(Self { cut: [by_time, by_way], explained })
     }
 
-    /// A coefficient times a factor.
     pub(super) fn coefficient(&self, index: usize, factor: f64) -> Estimate {
         self.of_factors(&[(index, factor)])
     }
@@ -75,7 +73,6 @@ impl Fit {
         Estimate { standard_error: chosen.standard_error.hypot(METHOD * chosen.value), ..chosen }
     }
 
-    /// What the fit makes of a band's regressors.
     pub(super) fn fitted(&self, band: &BandRows) -> Vec<f64> {
         band.fitted(&self.cut[0].coefficients)
     }
@@ -106,7 +103,6 @@ fn mean_square(values: &[f64]) -> f64 {
     values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64
 }
 
-/// The sum of all bands over some rows.
 fn summed(bands: &[BandRows], weights: &[f64], rows: std::ops::Range<usize>) -> Option<Block> {
     bands
         .iter()

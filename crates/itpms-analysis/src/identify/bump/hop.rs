@@ -1,9 +1,8 @@
 //! The wheel's own oscillation, from the spectrum of its acceleration while nothing shakes it (docs/math/identification.md,
 //! section 6). Called by `corner`.
 //!
-//! `A(s) (s² + 2 ζ ω s + ω²) = b(s)`: the spectrum of a decaying oscillation is a polynomial over its characteristic one. Linear in ω²,
-//! 2 ζ ω and b; the weights 1/|s² + 2 ζ ω s + ω²| of the round before make the residual that of the spectrum
-//! (Sanathanan and Koerner 1963).
+//! `A(s) (s² + 2 ζ ω s + ω²) = b(s)`: the spectrum of a decaying oscillation is a polynomial over its characteristic one. Linear in ω², 2 ζ
+//! ω and b; the weights 1/|s² + 2 ζ ω s + ω²| of the round before make the residual that of the spectrum (Sanathanan and Koerner 1963).
 
 use nalgebra::{Complex, DMatrix, DVector, Matrix2, Vector2};
 

@@ -33,46 +33,29 @@ use motion::Motion;
 #[derive(Debug, Clone, Copy)]
 pub enum BumpSignals<'a> {
     /// Heights in m of body and wheel, up positive, from any zero.
-    Heights {
-        /// Of the body.
-        body_m: &'a [f64],
-        /// Of the wheel.
-        wheel_m: &'a [f64],
-    },
+    Heights { body_m: &'a [f64], wheel_m: &'a [f64] },
     /// Accelerations in m/s² of body and wheel, up positive, with or without gravity.
-    Accelerations {
-        /// Of the body.
-        body_m_s2: &'a [f64],
-        /// Of the wheel.
-        wheel_m_s2: &'a [f64],
-    },
+    Accelerations { body_m_s2: &'a [f64], wheel_m_s2: &'a [f64] },
 }
 
-/// One corner of a record.
 #[derive(Debug, Clone, Copy)]
 pub struct BumpCorner<'a> {
     /// `fl`, `fr`, `rl` or `rr`.
     pub label: &'a str,
-    /// What was measured.
     pub signals: BumpSignals<'a>,
 }
 
-/// Masses of one corner in kg.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BumpMasses {
-    /// Sprung.
     pub sprung_kg: f64,
-    /// Unsprung.
     pub unsprung_kg: f64,
 }
 
 /// What a drop says about the corners of a car.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BumpResult {
-    /// The corners, as they were given.
     pub corners: Vec<BumpFit>,
-    /// Where both corners of an axle were measured, their mean motion as one corner: the roll that couples them is not in
-    /// it.
+    /// Where both corners of an axle were measured, their mean motion as one corner: the roll that couples them is not in it.
     pub axles: Vec<BumpFit>,
 }
 
@@ -81,17 +64,13 @@ pub struct BumpResult {
 pub struct BumpFit {
     /// `fl`, `fr`, `rl`, `rr`, or `front`, `rear`.
     pub label: String,
-    /// Frequency in Hz of the body on its spring.
     pub body_hz: Estimate,
     /// Damping ratio of the body on its spring, without friction.
     pub body_damping_ratio: Estimate,
-    /// Friction over sprung mass in m/s².
     pub friction_m_s2: Estimate,
     /// Frequency in Hz of the wheel's hop, from the wheel's motion alone; `None` where it was hardly excited.
     pub hop_hz: Option<Estimate>,
-    /// Its damping ratio.
     pub hop_damping_ratio: Option<Estimate>,
-    /// What needs the masses.
     pub parts: Option<BumpParts>,
     /// Share of the body's acceleration (below 4 Hz) that the model explains.
     pub body_explained: f64,
@@ -99,25 +78,18 @@ pub struct BumpFit {
     pub used_s: (f64, f64),
     /// What a careful reader should know before using the numbers.
     pub concerns: Vec<String>,
-    /// For figures.
     traces: Traces,
 }
 
 /// Spring, damper, friction and tire.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BumpParts {
-    /// The masses they were computed with.
     #[serde(skip)]
     pub masses: BumpMasses,
-    /// Suspension spring in N/m.
     pub spring_n_per_m: Estimate,
-    /// Damping in N s/m.
     pub damping_n_s_per_m: Estimate,
-    /// Coulomb friction in N.
     pub friction_n: Estimate,
-    /// Vertical stiffness of the tire in N/m.
     pub tire_n_per_m: Estimate,
-    /// Vertical damping of the tire in N s/m.
     pub tire_damping_n_s_per_m: Estimate,
     /// Share of the force on the road (below 4 Hz) that the model explains.
     pub tire_explained: f64,
@@ -126,7 +98,6 @@ pub struct BumpParts {
 /// Measured and fitted over time: (s, measured, fitted), below 16 Hz.
 #[derive(Debug, Clone, PartialEq, Default)]
 struct Traces {
-    /// Body acceleration in m/s².
     body: Vec<(f64, f64, f64)>,
     /// Force on the road in N, less its mean; empty without masses.
     tire: Vec<(f64, f64, f64)>,
@@ -135,17 +106,11 @@ struct Traces {
 /// Where to look; the free motion is found unless given.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BumpWindow {
-    /// Use the motion from this time in s.
     pub from_s: Option<f64>,
-    /// Use the motion until this time in s.
     pub until_s: Option<f64>,
 }
 
 /// Identifies the corners of a record of one drop or bump.
-///
-/// # Errors
-/// See [`IdentifyError`]: columns of unequal length or with gaps, time that does not increase, a rate below 100 Hz, nothing
-/// that moves, too short a motion, a spring that cannot be distinguished from zero.
 pub fn bump(
     time_s: &[f64],
     corners: &[BumpCorner<'_>],

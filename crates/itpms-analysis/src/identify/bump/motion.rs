@@ -49,12 +49,9 @@ pub(super) struct Band {
 #[derive(Debug, Clone)]
 pub(super) struct Motion {
     pub(super) step_s: f64,
-    /// Time in s of row zero.
     pub(super) first_s: f64,
     pub(super) bands: Vec<Band>,
-    /// Acceleration of the wheel in all its bandwidth.
     pub(super) wheel_acceleration: Vec<f64>,
-    /// Rows of the free motion.
     pub(super) rows: std::ops::Range<usize>,
 }
 
@@ -62,7 +59,6 @@ pub(super) struct Motion {
 struct Whole {
     body: [Vec<f64>; 3],
     wheel: [Vec<f64>; 3],
-    /// Row of the beginning.
     begins: usize,
     /// Rows that padding put before the record.
     padding: usize,
@@ -71,7 +67,6 @@ struct Whole {
 }
 
 impl Motion {
-    /// The motion of one corner.
     pub(super) fn of(
         time_s: &[f64],
         corner: &BumpCorner<'_>,
@@ -175,7 +170,6 @@ impl Motion {
         self.rows.clone().map(|row| self.bands.iter().map(|band| quantity(band)[row]).sum()).collect()
     }
 
-    /// Time in s of a row.
     pub(super) fn time_s(&self, row: usize) -> f64 {
         self.first_s + row as f64 * self.step_s
     }

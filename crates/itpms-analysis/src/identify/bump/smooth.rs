@@ -39,7 +39,6 @@ pub(super) fn bands(x: &[f64], step_s: f64) -> [Vec<f64>; BANDS] {
     below
 }
 
-/// Central differences.
 pub(super) fn derivative(x: &[f64], step_s: f64) -> Vec<f64> {
     let last = x.len().saturating_sub(1);
     (0..x.len())

@@ -7,15 +7,12 @@ use super::super::text::{interval, line, shown};
 use super::{BumpFit, BumpResult};
 
 impl BumpResult {
-    /// A block per corner and per axle.
-    #[must_use]
     pub fn table(&self) -> String {
         self.corners.iter().chain(&self.axles).map(BumpFit::table).collect::<Vec<_>>().join("\n")
     }
 
     /// `corners` and `axles`, by label. Every number stands beside its standard error, which has the same key with `_se`;
     /// what could not be had is null.
-    #[must_use]
     pub fn json(&self) -> Value {
         let by_label = |fits: &[BumpFit]| -> Map<String, Value> {
             fits.iter().map(|fit| (fit.label.clone(), fit.json())).collect()

@@ -84,7 +84,6 @@ impl<T: Real> FrameQueue<T> {
         self.unit_s = if sample_rate_hz > FAST_HZ { FAST_UNIT_S } else { UNIT_S };
     }
 
-    /// Forgets its frames.
     pub(super) fn clear(&mut self) {
         self.frames.iter_mut().for_each(Placed::clear);
         self.measured.clear();
@@ -131,7 +130,6 @@ impl<T: Real> Fusion<T> {
         has_room && self.is_at_rest()
     }
 
-    /// Whether the next unit is one of the large ones.
     pub(in crate::car) fn is_large_next(&self) -> bool {
         let next = ORDER.get(self.queue.done);
         !self.queue.is_empty() && matches!(next, Some(Unit::Predict(_) | Unit::Update(_)))

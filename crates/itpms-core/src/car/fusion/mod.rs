@@ -45,7 +45,6 @@ const APART_S: f64 = 20.0;
 /// Sd in s of the first delay that was found.
 const FOUND_SD_S: f64 = 1e-3;
 
-/// See the [module](self).
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Fusion<T: Real> {
@@ -71,7 +70,6 @@ impl<T: Real> Fusion<T> {
         InterAxle::wheelbase_m(config)
     }
 
-    /// For a car of that wheelbase.
     pub(super) fn configure(
         &mut self,
         config: &CarConfig<T>,
@@ -177,7 +175,6 @@ impl<T: Real> Fusion<T> {
         self.belief.set_friction_error(corner, FrictionError { damping, spring, damped });
     }
 
-    /// Takes over what a corner finds by itself.
     pub(super) fn set_single_wheel(&mut self, corner: Corner, estimate: SingleWheelEstimate<T>) {
         self.single_wheel[corner] = estimate;
     }
@@ -192,7 +189,6 @@ impl<T: Real> Fusion<T> {
         self.queue.clear();
     }
 
-    /// A calibration begins with the next frame.
     pub(super) fn begin_calibration(&mut self) {
         self.belief.begin_calibration();
         self.calibration_reading = CalibrationReading::new();
@@ -209,7 +205,7 @@ impl<T: Real> Fusion<T> {
         self.belief.set_calibrating(active);
     }
 
-    /// What the last calibration taught.
+    /// The result of the last calibration.
     pub(super) fn calibration(&self) -> Option<VehicleCalibration<T>> {
         self.belief.calibration().copied()
     }
@@ -247,13 +243,11 @@ impl<T: Real> Fusion<T> {
         known && !self.inter_axle.pairs.iter().any(aligned)
     }
 
-    /// Whether a corner has a partner on its side.
     pub(super) fn has_partner(&self, corner: Corner) -> bool {
         self.inter_axle.has_partner(corner)
     }
 
-    /// Whether the belief is better than what the corners find by themselves: while the shared road may still be found, and
-    /// from then on.
+    /// Whether the belief is better than what the corners find by themselves: while the shared road may still be found, and from then on.
     pub(super) fn is_trusted(&self) -> bool {
         self.learned_s() >= ENOUGH_S || self.inter_axle.travel().unshared_s() < T::lit(PATIENCE_S)
     }
@@ -268,7 +262,6 @@ impl<T: Real> Fusion<T> {
         self.inter_axle.pairs[side].track(self.inter_axle.travel().time_s())
     }
 
-    /// Seconds by which the speed was found to be late.
     pub(super) fn speed_latency_s(&self) -> f64 {
         self.inter_axle.speed_latency_s()
     }

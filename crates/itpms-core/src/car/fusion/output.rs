@@ -9,7 +9,6 @@ use crate::real::Real;
 
 /// Share by which a tire's sd grows while it surely changes: hypotheses are few, leaks are not.
 const CHANGING_SD: f64 = 0.5;
-/// Stiffnesses of the car's tires.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::car) struct FusedEstimate<T: Real> {
     /// Stiffnesses in N/m, in the order of the corners.
@@ -24,10 +23,8 @@ pub(in crate::car) struct FusedEstimate<T: Real> {
     pub(in crate::car) losses: Option<FusedLosses<T>>,
 }
 
-/// What the tires have lost in this drive, as stiffnesses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::car) struct FusedLosses<T: Real> {
-    /// Stiffnesses in N/m when the losses began to be counted.
     pub(in crate::car) level_n_per_m: SVector<T, 4>,
     /// What of them was lost since then, its covariance in (N/m)², and that of losses (rows) with the stiffnesses now.
     pub(in crate::car) lost_n_per_m: SVector<T, 4>,

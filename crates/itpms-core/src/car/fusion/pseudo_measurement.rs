@@ -1,5 +1,4 @@
-//! Pseudo-measurements: what the spectrum of the road under a corner tells of its tire's stiffness
-//! (docs/math/shared-road.md, section 6).
+//! Pseudo-measurements: what the spectrum of the road under a corner tells of its tire's stiffness (docs/math/shared-road.md, section 6).
 
 use super::Fusion;
 use crate::belief::state::{COMMON_BIAS, OWN_BIAS};
@@ -10,8 +9,7 @@ use crate::suspension::MEMORY_S;
 
 /// Speed in m/s from which a spectrum counts.
 const SLOWEST_M_S: f64 = 4.0;
-/// Logarithm of the speed over its mean at which a pseudo-measurement counts half: a spectrum that changes while it is taken
-/// tells little.
+/// Logarithm of the speed over its mean at which a pseudo-measurement counts half: a spectrum that changes while it is taken tells little.
 const CHANGING: f64 = 0.15;
 /// Seconds between two pseudo-measurements of a corner.
 const EVERY_S: f64 = 0.72;

@@ -1,7 +1,6 @@
 //! Wheel sensors with a wrong gain. Below the body's own swing body and wheel go up and down together, so their ratio is the same at all
-//! corners, and more so at both of an axle, which stand at the same distance from where the body pitches about. What both sides of
-//! one axle differ by shows at the other one, too, where it is the road's
-//! (docs/math/monitor.md, section 3, "Gain of a wheel").
+//! corners, and more so at both of an axle, which stand at the same distance from where the body pitches about. What both sides of one axle
+//! differ by shows at the other one, too, where it is the road's (docs/math/monitor.md, section 3, "Gain of a wheel").
 
 use crate::diagnosis::debounce::{DebounceTimes, Evidence};
 use crate::diagnosis::fault_latch::FaultLatch;
@@ -52,16 +51,7 @@ pub(crate) struct WheelGainBalance<T: Real> {
 
 impl<T: Real> WheelGainBalance<T> {
     pub(crate) fn new() -> Self {
-        let nothing = [T::zero(); 4];
-        Self {
-            over_median: nothing,
-            over_partner: nothing,
-            as_reported: nothing,
-            filled: T::zero(),
-            hop: nothing,
-            largest_deviation: nothing,
-            words: [FaultLatch::new(); 4],
-        }
+        Self { words: [FaultLatch::new(); 4], ..Self::BLANK }
     }
 
     /// Takes a block of a car that drives; `has_signal`: the slow band is louder than the sensors' noise in it.
@@ -118,7 +108,6 @@ impl<T: Real> WheelGainBalance<T> {
         }
     }
 
-    /// What is reported, of any wheel.
     pub(crate) fn faults(&self) -> impl Iterator<Item = Fault<T>> {
         self.words.iter().filter_map(FaultLatch::fault)
     }
@@ -179,7 +168,6 @@ mod tests {
         }
     }
 
-    /// Front right reads this much, in both bands.
     fn front_right(log: f64) -> [f64; 4] {
         [0.0, log, 0.0, 0.0]
     }

@@ -21,8 +21,7 @@ const NEWEST: usize = 9;
 /// Log of powers by which a corner's ratio is off from its usual one, more than the others', from which it has jumped,
 /// and below which it has not. A gain of one half or two makes 1.39.
 const JUMPED: f64 = 0.75;
-/// The same while another corner's hop frequency has changed: a wheel on a flat tire shakes the other bodies,
-/// too.
+/// The same while another corner's hop frequency has changed: a wheel on a flat tire shakes the other bodies, too.
 const JUMPED_BESIDE: f64 = 1.1;
 const AS_EVER: f64 = 0.5;
 const JUMP: DebounceTimes = DebounceTimes { set_s: 0.0, clear_s: 1.0 };
@@ -31,8 +30,7 @@ const JUMP: DebounceTimes = DebounceTimes { set_s: 0.0, clear_s: 1.0 };
 const SLOWER: f64 = 0.2;
 /// A single block moves the usual ratio by no more than this, over their number.
 const LARGEST: f64 = 1.0;
-/// Seconds of driving after which a jump that nothing else explains is taken for another car: a load that was moved, a
-/// damper that broke.
+/// Seconds of driving after which a jump that nothing else explains is taken for another car: a load that was moved, a damper that broke.
 pub(crate) const LONGEST_S: f64 = 120.0;
 
 /// How a corner's hop looks in a block, as logs of powers.
@@ -91,10 +89,8 @@ impl<T: Real> WheelGainJump<T> {
         Self {
             strut_over_body: Baseline::new(),
             wheel_over_strut: Baseline::new(),
-            blocks: 0,
             debouncer: Debouncer::new(),
-            hop_shifted: false,
-            lasted_s: 0.0,
+            ..Self::BLANK
         }
     }
 
@@ -135,7 +131,7 @@ impl<T: Real> WheelGainJump<T> {
         }
     }
 
-    /// What stays unexplained for so long is another car.
+    /// A misfit that lasts so long is another car.
     fn give_up_in_time(&mut self) {
         if self.lasted_s > LONGEST_S {
             *self = Self::new();

@@ -17,8 +17,7 @@ const BLOCKS: f64 = 12.0;
 const FILLED: f64 = 0.6;
 /// What a wheel does to the body over another one, as a share of the power that it gives the one over itself.
 const TO_OTHERS: f64 = 0.05;
-/// Averages that the usual one is the mean of; after which the usual hop frequency is known; and after which
-/// all of it is.
+/// Averages that the usual one is the mean of; after which the usual hop frequency is known; and after which all of it is.
 const USUAL_BLOCKS: u32 = 60;
 const TUNED_BLOCKS: u32 = 16;
 const KNOWN_BLOCKS: u32 = 48;
@@ -50,7 +49,6 @@ pub(crate) struct WheelGainShift<T> {
     corners: [Shift<T>; 4],
 }
 
-/// A corner's usual hop, and whether it has left it.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Shift<T> {
@@ -69,14 +67,7 @@ struct Shift<T> {
 impl<T: Real> Shift<T> {
     fn new() -> Self {
         let baseline = Hop { strut_over_body: T::zero(), wheel_over_strut: T::zero() };
-        Self {
-            baseline,
-            blocks: 0,
-            debouncer: Debouncer::new(),
-            hop_shifted: false,
-            lasted_s: 0.0,
-            pending_since_s: f64::NAN,
-        }
+        Self { baseline, debouncer: Debouncer::new(), pending_since_s: f64::NAN, ..Self::BLANK }
     }
 
     fn learn(&mut self, hop: Hop<T>) {
@@ -90,8 +81,7 @@ impl<T: Real> Shift<T> {
         self.hop_shifted = wheel_over_strut > T::lit(if self.hop_shifted { 0.5 * SLOWER } else { SLOWER });
     }
 
-    /// Takes the newest average and its deviation from the usual one. `beside`: another corner's hop
-    /// frequency has changed.
+    /// Takes the newest average and its deviation from the usual one. `beside`: another corner's hop frequency has changed.
     fn judge(
         &mut self,
         [time_s, step_s]: [f64; 2],
@@ -127,14 +117,7 @@ impl<T: Real> Shift<T> {
 
 impl<T: Real> WheelGainShift<T> {
     pub(crate) fn new() -> Self {
-        let nothing = [T::zero(); 4];
-        Self {
-            bodies: nothing,
-            struts: nothing,
-            wheels: nothing,
-            filled: T::zero(),
-            corners: [Shift::new(); 4],
-        }
+        Self { corners: [Shift::new(); 4], ..Self::BLANK }
     }
 
     /// Whether a corner is not to be learned from.
@@ -147,7 +130,6 @@ impl<T: Real> WheelGainShift<T> {
         now_s - self.corners[corner].pending_since_s < WAIT_S
     }
 
-    /// Drops the suspicions.
     pub(crate) fn drop_suspicions(&mut self) {
         for corner in self.corners.iter_mut().filter(|corner| corner.debouncer.is_active()) {
             *corner = Shift::new();
@@ -231,8 +213,7 @@ mod tests {
 
     const BLOCK_S: f64 = 0.5;
 
-    /// How rough each wheel's road is, the masses over the wheels, their sensors' gains and the change of
-    /// their hop frequency, as a log.
+    /// How rough each wheel's road is, the masses over the wheels, their sensors' gains and the change of their hop frequency, as a log.
     struct Drive {
         rough: [f64; 4],
         masses: [f64; 4],
@@ -261,7 +242,6 @@ mod tests {
             car
         }
 
-        /// With the wheels' gains.
         fn read(&mut self, gains: [f64; 4], explained: [bool; 4]) {
             self.block(&Drive { gains, ..Drive::BASELINE }, explained);
         }

@@ -27,7 +27,6 @@ pub(super) const TOLERATED_SHARE: f64 = 0.01;
 pub(super) trait Stamped: Copy {
     /// The stamp in s, finite.
     fn time_s(&self) -> f64;
-    /// The same at another time.
     fn at(self, time_s: f64) -> Self;
     /// Whether it holds the same values, so that with an equal stamp it is the same sample written twice.
     fn has_values_of(&self, other: &Self) -> bool;
@@ -36,7 +35,6 @@ pub(super) trait Stamped: Copy {
 /// What becomes of a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Fate<T> {
-    /// It goes on.
     Kept(T),
     /// Its stamp contradicts the others.
     Stray(T),
@@ -48,7 +46,6 @@ pub(super) enum Fate<T> {
 pub(super) mod tests {
     use super::*;
 
-    /// A stamp and a value.
     pub(in crate::log) type Sample = (f64, u32);
 
     impl Stamped for Sample {

@@ -28,14 +28,11 @@ const MANY: usize = 16;
 /// Share of spread samples whose stamps do not fit an even rate; beyond, nothing is sure.
 const UNSURE_SHARE: f64 = 0.05;
 
-/// A clock that is coarser than the samples.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(in crate::log) struct Coarse {
-    /// The longest step of the clock in s.
     pub(in crate::log) step_s: f64,
     /// Samples a second under that step.
     pub(in crate::log) rate_hz: f64,
-    /// Samples that were spread evenly.
     pub(in crate::log) spread: u64,
     /// Samples of which it is not sure where they belong.
     unsure: u64,
@@ -50,7 +47,6 @@ impl Coarse {
     }
 }
 
-/// See the [module](self).
 #[derive(Debug)]
 pub(in crate::log) struct Series<T> {
     /// The last sample in the file, and the last time that was given out.
@@ -80,7 +76,6 @@ enum Back {
 
 #[derive(Debug)]
 enum State<T> {
-    /// Stamps rise.
     Fine,
     /// One stood still: what follows is looked at.
     Looking(Vec<T>),
@@ -208,7 +203,6 @@ impl<T: Stamped> Series<T> {
         }
     }
 
-    /// Decides on the samples that were looked at.
     fn judge(&mut self, sink: &mut impl FnMut(Fate<T>)) {
         let State::Looking(samples) = std::mem::replace(&mut self.state, State::Fine) else { return };
         let mut steps: Vec<f64> =

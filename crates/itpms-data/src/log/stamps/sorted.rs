@@ -9,11 +9,9 @@ use super::{Stamped, WINDOW_S};
 /// While samples are out of order they wait so much longer, in s, and are sorted in one go.
 const BATCH_S: f64 = 0.5 * WINDOW_S;
 
-/// See the [module](self).
 #[derive(Debug)]
 pub(in crate::log) struct Sorted<T> {
     waiting: VecDeque<T>,
-    /// Samples that wait at most.
     most: usize,
     in_order: bool,
     oldest_s: f64,

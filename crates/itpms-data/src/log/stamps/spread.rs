@@ -10,13 +10,11 @@ use super::Stamped;
 /// Half the length over which stamps are averaged, in s, and at least in steps of the clock.
 const HALF_S: f64 = 0.5;
 const HALF_STEPS: f64 = 8.0;
-/// The same in samples.
 const FEWEST_HALF: usize = 16;
 
 /// A stretch without gaps.
 #[derive(Debug)]
 pub(super) struct Spread<T> {
-    /// Step of the clock in s.
     step_s: f64,
     half: usize,
     /// The samples under the mean, and those behind its middle that have no time yet.
@@ -49,7 +47,6 @@ impl<T: Stamped> Spread<T> {
         }
     }
 
-    /// Step of the clock in s.
     pub(super) fn step_s(&self) -> f64 {
         self.step_s
     }

@@ -12,7 +12,6 @@ const LONGEST_PAUSE_S: f64 = 86_400.0;
 /// Samples that wait at most: more of them without a second passing are a clock that stands still.
 const MOST_WAITING: usize = 65_536;
 
-/// See the [module](self).
 #[derive(Debug)]
 pub(in crate::log) struct Strays<T> {
     /// The latest stamp that was believed; NaN before the first.

@@ -51,7 +51,6 @@ use super::row::{LogCorner, LogRow};
 use super::stand_in::stand_in;
 use crate::error::Problem;
 
-/// Whether the reader doubts the unit of the accelerations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum UnitCheck {
     /// Refuse a log whose accelerations are not in m/s² by all appearance.
@@ -90,10 +89,8 @@ const HALF_HOP_S: f64 = 0.04;
 const GARBAGE: f64 = 0.01;
 /// Gravity in m/s², within what tilt, offset and scale make of it.
 const GRAVITY_M_S2: std::ops::RangeInclusive<f64> = 8.3..=11.3;
-/// Values a statistic needs.
 const ENOUGH: usize = 200;
 
-/// Mean and rms about it of one sensor.
 #[derive(Debug, Clone, Copy)]
 struct Spread {
     mean: f64,
@@ -135,7 +132,6 @@ fn column<'a>(
     rows.filter_map(move |row| row.corners[corner.index()].as_ref()).map(value)
 }
 
-/// Body and wheel of one corner.
 #[derive(Debug, Clone, Copy)]
 struct Pair {
     corner: Corner,
@@ -151,10 +147,7 @@ fn pairs<'a>(rows: impl Iterator<Item = &'a LogRow> + Clone) -> Vec<Pair> {
     Corner::ALL.into_iter().filter_map(pair).collect()
 }
 
-/// Refuses numbers that cannot be in m/s², m/s and kPa. See the module.
-///
-/// # Errors
-/// [`Problem::Units`], with what they seem to be and why.
+/// Refuses numbers that cannot be in m/s², m/s and kPa. See the module. Errors: [`Problem::Units`], with what they seem to be and why.
 pub fn check<'a>(rows: impl Iterator<Item = &'a LogRow> + Clone) -> Result<(), Problem> {
     let speeds = || rows.clone().map(|row| row.speed_m_s).filter(|speed| speed.is_finite());
     let fast = speeds().filter(|speed| *speed > FASTEST_M_S).count();

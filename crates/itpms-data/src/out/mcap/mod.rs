@@ -35,7 +35,6 @@ impl<W: Write> std::fmt::Debug for McapWriter<W> {
     }
 }
 
-/// A topic of a file.
 #[derive(Debug)]
 pub struct Topic {
     channel: u16,
@@ -44,9 +43,6 @@ pub struct Topic {
 
 impl<W: Write> McapWriter<W> {
     /// Starts the file.
-    ///
-    /// # Errors
-    /// `target` cannot be written.
     pub fn new(target: W) -> io::Result<Self> {
         let options = WriteOptions::new()
             .library(concat!("itpms ", env!("CARGO_PKG_VERSION")))
@@ -63,9 +59,6 @@ impl<W: Write> McapWriter<W> {
     }
 
     /// Adds a topic, whose messages have these fields besides `time_s`.
-    ///
-    /// # Errors
-    /// The file cannot be written.
     pub fn add_topic(
         &mut self,
         name: &str,
@@ -79,9 +72,6 @@ impl<W: Write> McapWriter<W> {
     }
 
     /// Adds a message. What is null in it is left out: JSON has no NaN, and readers take a null for anything.
-    ///
-    /// # Errors
-    /// The file cannot be written.
     pub fn write(
         &mut self,
         topic: &mut Topic,
@@ -124,17 +114,11 @@ impl<W: Write> McapWriter<W> {
     }
 
     /// Ends the chunk, so that whoever reads the growing file finds everything written so far.
-    ///
-    /// # Errors
-    /// The file cannot be written.
     pub fn flush(&mut self) -> io::Result<()> {
         self.writer.flush().map_err(io_error)
     }
 
     /// Writes the index and gives back what was written to.
-    ///
-    /// # Errors
-    /// The file cannot be written.
     pub fn finish(mut self) -> io::Result<W> {
         self.writer.finish().map_err(io_error)?;
         Ok(self.writer.into_inner().into_inner())

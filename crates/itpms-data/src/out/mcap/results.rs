@@ -28,9 +28,6 @@ pub struct McapResults {
 
 impl McapResults {
     /// Starts the file for the drive of this log.
-    ///
-    /// # Errors
-    /// The file cannot be created.
     pub fn create(
         path: &Path,
         log: &LogReader,
@@ -53,17 +50,11 @@ impl McapResults {
     }
 
     /// Adds a row of the log.
-    ///
-    /// # Errors
-    /// The file cannot be written.
     pub fn write_signals(&mut self, row: &LogRow) -> Result<(), DataError> {
         self.log.write(row)
     }
 
     /// Adds what [`EstimateWriter::write`](crate::out::EstimateWriter::write) writes.
-    ///
-    /// # Errors
-    /// The file cannot be written.
     pub fn write_estimate(
         &mut self,
         time_s: f64,
@@ -77,9 +68,6 @@ impl McapResults {
     }
 
     /// Adds what [`RoadWriter::write`](crate::out::RoadWriter::write) writes, half a minute later than the rest.
-    ///
-    /// # Errors
-    /// The file cannot be written.
     pub fn write_road(
         &mut self,
         time_s: f64,
@@ -92,18 +80,12 @@ impl McapResults {
     }
 
     /// Adds an alert that began or ended.
-    ///
-    /// # Errors
-    /// The file cannot be written.
     pub fn write_transition(&mut self, time_s: f64, change: &Change<f64>) -> Result<(), DataError> {
         let alerts = &mut self.alerts;
         self.log.add(|writer| writer.write(alerts, time_s, transition_object(time_s, change)))
     }
 
     /// Everything onto the disk; [`AtomicFile::commit`] then gives the file its name.
-    ///
-    /// # Errors
-    /// The file cannot be written.
     pub fn finish(self) -> Result<AtomicFile, DataError> {
         self.log.finish()
     }

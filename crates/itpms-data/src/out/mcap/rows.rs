@@ -22,9 +22,6 @@ struct RowTopic {
 impl RowTopics {
     /// Adds the topics of these columns: `{c}_x` is field `x` of topic `root/{c}`, every other one is a field of `root`. `time_s` is in
     /// all of them; a topic without anything else is none.
-    ///
-    /// # Errors
-    /// The file cannot be written.
     pub fn create<W: Write>(
         writer: &mut McapWriter<W>,
         root: &str,
@@ -51,9 +48,6 @@ impl RowTopics {
     }
 
     /// Adds a row, a message in each topic, its cells in the order of the columns.
-    ///
-    /// # Errors
-    /// The file cannot be written.
     pub fn write<W: Write>(
         &mut self,
         writer: &mut McapWriter<W>,

@@ -4,16 +4,11 @@ use serde_json::{Map, Value, json};
 
 use crate::out::cell::Kind;
 
-/// What a field holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FieldType {
-    /// A number.
     Number,
-    /// True or false.
     Flag,
-    /// A word or a sentence.
     Label,
-    /// Several of them.
     Labels,
 }
 

@@ -12,7 +12,6 @@ const LEAP_S: f64 = 1.0;
 pub(super) struct Ahead {
     /// Time of the last reading that was passed on; NaN before the first.
     last_s: f64,
-    /// Of one stamp.
     waiting: Vec<Reading>,
     /// Readings that nothing followed.
     pub(super) strays: u64,

@@ -1,5 +1,4 @@
-//! From readings with clocks of their own to rows: what a bus or a measurement file tells signal by signal becomes what
-//! an estimator takes.
+//! From readings with clocks of their own to rows: what a bus or a measurement file tells signal by signal becomes what an estimator takes.
 //!
 //! Called by the log reader and by whoever listens to a bus. Nothing is invented on the way:
 //!
@@ -51,7 +50,6 @@ enum Stage {
 
 impl Aligner {
     /// Rows of these columns; readings of others are passed over.
-    #[must_use]
     pub fn new(slots: &[Slot]) -> Self {
         let mut wanted = [false; SLOTS];
         for slot in slots {
@@ -67,7 +65,6 @@ impl Aligner {
     }
 
     /// The columns of the rows: corners without one of their accelerations are left out.
-    #[must_use]
     pub fn columns(&self) -> &LogColumns {
         &self.columns
     }
@@ -115,7 +112,6 @@ impl Aligner {
     }
 
     /// What was found and done so far; `None` until the rates are known.
-    #[must_use]
     pub fn report(&self) -> Option<AlignmentReport> {
         match &self.stage {
             Stage::Surveying(_) => None,

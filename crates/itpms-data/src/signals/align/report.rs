@@ -5,14 +5,12 @@ use crate::log::Slot;
 /// How a signal came into the rows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SlotMethod {
-    /// Its times are the rows'.
     Clock,
     /// As it is; its readings lie this many seconds behind the clock's.
     AsItIs {
         /// In s, within three quarters of a period.
         offset_s: f64,
     },
-    /// Through the low-pass.
     LowPass,
     /// On the line between two readings.
     Interpolated,
@@ -22,29 +20,22 @@ pub enum SlotMethod {
     Sent,
 }
 
-/// One signal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SlotAlignment {
-    /// Which.
     pub slot: Slot,
     /// Readings per second; NaN while unknown.
     pub rate_hz: f64,
-    /// How it came into the rows.
     pub method: SlotMethod,
-    /// Readings taken.
     pub readings: u64,
     /// Readings that found their place in a row already taken.
     pub left_over: u64,
 }
 
-/// Everything about an alignment.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AlignmentReport {
-    /// Rows per second.
     pub rate_hz: f64,
     /// The signals, in the order of [`Slot::all`].
     pub signals: Vec<SlotAlignment>,
-    /// Readings without a time.
     pub without_time: u64,
     /// Readings stamped far ahead of all others that none followed.
     pub strays: u64,
@@ -56,13 +47,11 @@ pub struct AlignmentReport {
 
 impl AlignmentReport {
     /// What was done beyond taking every reading as it is: one sentence each.
-    #[must_use]
     pub fn remarks(&self) -> Vec<String> {
         self.signals.iter().filter_map(|signal| self.remark(signal)).collect()
     }
 
-    /// What was left out: one sentence each.
-    #[must_use]
+    /// Omissions, a sentence each.
     pub fn warnings(&self) -> Vec<String> {
         let mut out = Vec::new();
         for (count, what) in [

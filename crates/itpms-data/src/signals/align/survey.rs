@@ -5,7 +5,6 @@ use itpms_core::model::Corner;
 use crate::log::{Field, LogColumns, SLOTS, Slot};
 use crate::signals::Reading;
 
-/// Length of the survey in s.
 const LENGTH_S: f64 = 2.0;
 /// Readings after which it ends all the same: nine signals of 2 kHz for two seconds are 36 000.
 const MOST: usize = 65_536;
@@ -14,7 +13,6 @@ pub(super) const FEWEST: usize = 8;
 /// A step of more than this many typical ones is a gap and does not count for the mean.
 const GAP_PERIODS: f64 = 3.0;
 
-/// The readings that wait.
 #[derive(Debug, Default)]
 pub(super) struct Survey {
     readings: Vec<Reading>,
@@ -67,7 +65,6 @@ impl Survey {
 pub(super) struct Clock {
     /// The acceleration whose times are the rows'.
     pub(super) slot: Slot,
-    /// Its period in s.
     pub(super) period_s: f64,
     /// Period of each signal in s; NaN where too few readings came.
     pub(super) periods_s: [f64; SLOTS],

@@ -77,13 +77,11 @@ impl Row {
     }
 }
 
-/// See the [module](self).
 #[derive(Debug)]
 pub(super) struct Timeline {
     clock: Slot,
     period_s: f64,
     signals: Vec<Signal>,
-    /// Place of each slot among the signals.
     places: [Option<usize>; SLOTS],
     rows: VecDeque<Row>,
     /// Rows before this time cannot be made: a low-pass would reach before the first reading.

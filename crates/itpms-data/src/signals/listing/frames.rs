@@ -33,7 +33,6 @@ struct Seen {
     clock: Clock,
     bytes: (usize, usize),
     ranges: Vec<Range>,
-    /// Frames too short for all of their signals.
     short: u64,
 }
 

@@ -54,7 +54,6 @@ impl McapLister {
         self.messages.progress()
     }
 
-    /// The list, and what it was made of.
     pub(crate) fn into_parts(self) -> (Listing, Topics, Vec<(usize, usize)>) {
         let Self { messages, topics, mut clocks, whole, span_s } = self;
         clocks.resize_with(topics.topics.len(), Default::default);

@@ -27,7 +27,6 @@ pub(super) struct Mdf4Lister {
 
 #[derive(Debug)]
 struct Group {
-    /// Place among the file's groups.
     place: usize,
     channels: Vec<usize>,
     clock: Clock,

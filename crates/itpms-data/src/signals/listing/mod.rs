@@ -1,8 +1,7 @@
 //! What is in a log, whatever its format: every signal with its rate and range, read once from beginning to end.
 //!
-//! Called by `itpms signals`, a stretch at a time so that it can show progress and be interrupted. Memory grows with the
-//! number of signals, not with the length of the log. Knows nothing of columns; [`resolve`](super::resolve) says which
-//! signal is which.
+//! Called by `itpms signals`, a stretch at a time so that it can show progress and be interrupted. Memory grows with the number of signals,
+//! not with the length of the log. Knows nothing of columns; [`resolve`](super::resolve) says which signal is which.
 
 #[cfg(feature = "can")]
 mod frames;
@@ -46,16 +45,13 @@ enum Source {
     Mcap(Box<McapLister>),
 }
 
-/// Everything in a log.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Listing {
-    /// Messages, channel groups, topics or the one table.
     pub groups: Vec<ListedGroup>,
     /// What the groups are: `message`, `group`, `topic` or `table`.
     pub kind: &'static str,
     /// First and last time in s, if there is any.
     pub span_s: Option<(f64, f64)>,
-    /// Samples, frames or rows.
     pub samples: u64,
     /// The column of a table that is taken for its clock.
     pub clock: Option<String>,
@@ -76,32 +72,25 @@ pub struct ListedGroup {
     pub id: Option<String>,
     /// The bus it came on, where a log has several.
     pub bus: Option<u16>,
-    /// Whether a description knows it.
     pub is_known: bool,
-    /// How often it came.
     pub samples: u64,
     /// Samples per second, gaps left out.
     pub rate_hz: Option<f64>,
     /// Standard deviation of the time from one to the next in s, gaps left out.
     pub jitter_s: Option<f64>,
-    /// The rate the description states, in Hz.
     pub stated_hz: Option<f64>,
     /// The group of which this one is a later stretch, by its place in the list.
     pub stretch_of: Option<usize>,
     /// Shortest and longest data in bytes, of messages.
     pub bytes: Option<(usize, usize)>,
-    /// Its signals.
     pub signals: Vec<ListedSignal>,
 }
 
-/// One signal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ListedSignal {
-    /// Its name.
     pub name: String,
     /// Its unit as the log has it; may be empty.
     pub unit: String,
-    /// Values.
     pub samples: u64,
     /// Places without a value: empty, invalid, not available.
     pub missing: u64,
@@ -113,9 +102,7 @@ pub struct ListedSignal {
 
 impl Lister {
     /// Opens a log by its extension. `dbc`: what the frames of a CAN log mean; `rows`: which rows of a table.
-    ///
-    /// # Errors
-    /// The log or the description cannot be read, or a description is given for something else than a CAN log.
+    /// Errors: the log or the description cannot be read, or a description is given for something else than a CAN log.
     pub fn open(path: &Path, dbc: Option<&Path>, rows: &[Selection]) -> Result<Self, DataError> {
         let fail = |problem| DataError::new(path, problem);
         let format = LogFormat::of_log(path, dbc)?;
@@ -145,9 +132,6 @@ impl Lister {
     }
 
     /// Reads on for a stretch of some thousand values; false at the end.
-    ///
-    /// # Errors
-    /// The log cannot be read on.
     pub fn step(&mut self) -> Result<bool, DataError> {
         match &mut self.source {
             Source::Table(source) => source.step().map_err(|problem| DataError::new(&self.path, problem)),
@@ -163,7 +147,6 @@ impl Lister {
     }
 
     /// Share of the log that has been read, 0 to 1.
-    #[must_use]
     pub fn progress(&self) -> f64 {
         match &self.source {
             Source::Table(source) => source.progress(),
@@ -178,8 +161,6 @@ impl Lister {
         }
     }
 
-    /// What was found so far.
-    #[must_use]
     pub fn finish(self) -> Listing {
         match self.source {
             Source::Table(source) => source.finish(),
@@ -197,7 +178,6 @@ impl Lister {
 
 impl Listing {
     /// The unit of a table's clock, where it does not say one and counts in none of seconds.
-    #[must_use]
     pub fn clock_unit(&self) -> Option<&'static str> {
         let rate_hz = self.clock.as_ref().and(self.groups.first()?.rate_hz)?;
         likely_unit(1.0 / rate_hz).map(|(_, unit)| unit)
@@ -205,7 +185,6 @@ impl Listing {
 
     /// All signals, group by group and then those of `absent`, as candidates for columns. A message that came on several
     /// buses, or a recording in stretches, is there once.
-    #[must_use]
     pub fn candidates(&self) -> Vec<Candidate> {
         let mut candidates: Vec<Candidate> = Vec::new();
         for (group, first) in self.groups.iter().zip(self.first_candidates()) {
@@ -222,7 +201,6 @@ impl Listing {
     }
 
     /// For each of [`Listing::candidates`], whether it has samples in this log.
-    #[must_use]
     pub fn has_samples(&self) -> Vec<bool> {
         let mut has_samples = vec![false; self.candidates().len()];
         for (group, first) in self.groups.iter().zip(self.first_candidates()) {
@@ -234,7 +212,6 @@ impl Listing {
     }
 
     /// For each group the number of its first signal among [`Listing::candidates`]; the others follow.
-    #[must_use]
     pub fn first_candidates(&self) -> Vec<usize> {
         let mut next = 0;
         let mut by_id: HashMap<&str, usize> = HashMap::new();

@@ -21,7 +21,6 @@ pub(super) struct ParquetLister {
     time: Option<(usize, f64)>,
     clock: Clock,
     counter: Counter,
-    /// The other ones, and what they hold.
     others: Vec<String>,
 }
 

@@ -93,7 +93,6 @@ impl Clock {
     }
 }
 
-/// The values of a signal.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Range {
     pub(super) samples: u64,
@@ -119,7 +118,6 @@ impl Range {
         self.max = self.max.max(value);
     }
 
-    /// Of both together.
     #[cfg(feature = "can")]
     pub(super) fn and(self, other: &Self) -> Self {
         Self {

@@ -1,17 +1,15 @@
 //! What cars of a class have in common (docs/vehicle.md, table 1). A row per class; knows no particular car.
 
-/// A kind of car.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum CarClass {
-    /// Small and compact cars, hatchbacks.
-    Compact,
-    /// Sedans and station wagons.
-    #[default]
-    Sedan,
-    /// Sport utility vehicles and crossovers.
-    Suv,
-    /// Vans and minibuses.
-    Van,
+itpms_core::labelled! {
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+    pub enum CarClass {
+        Compact = "compact",
+        #[default]
+        Sedan = "sedan",
+        /// Sport utility vehicles and crossovers.
+        Suv = "suv",
+        Van = "van",
+    }
 }
 
 /// Typical figures of a class, front then rear where there are two.
@@ -19,35 +17,13 @@ pub enum CarClass {
 pub(super) struct ClassFigures {
     /// Four unsprung masses over the car's mass.
     pub(super) unsprung_share: f64,
-    /// Frequency of the body on its springs alone, in Hz.
     pub(super) body_hz: [f64; 2],
-    /// Damping ratio of the body on its springs.
     pub(super) damping_ratio: [f64; 2],
     /// Wheelbase in m, where it is not given.
     pub(super) wheelbase_m: f64,
 }
 
 impl CarClass {
-    /// All classes.
-    pub const ALL: [Self; 4] = [Self::Compact, Self::Sedan, Self::Suv, Self::Van];
-
-    /// The word on the command line.
-    #[must_use]
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Compact => "compact",
-            Self::Sedan => "sedan",
-            Self::Suv => "suv",
-            Self::Van => "van",
-        }
-    }
-
-    /// The class of this word.
-    #[must_use]
-    pub fn from_label(label: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|class| class.label() == label)
-    }
-
     pub(super) fn figures(self) -> ClassFigures {
         let row = |unsprung_share, body_hz, wheelbase_m| ClassFigures {
             unsprung_share,

@@ -3,30 +3,22 @@
 use std::fmt;
 use std::str::FromStr;
 
-/// A value of the front axle and one of the rear axle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrontRear<T> {
-    /// Of the front axle.
     pub front: T,
-    /// Of the rear axle.
     pub rear: T,
 }
 
 impl<T: Copy> FrontRear<T> {
-    /// The same on both axles.
     pub fn both(value: T) -> Self {
         Self { front: value, rear: value }
     }
 
-    /// Front, then rear.
     pub fn axles(self) -> [T; 2] {
         [self.front, self.rear]
     }
 
-    /// `230`, or `230,250`: front, rear. `parse` reads one value.
-    ///
-    /// # Errors
-    /// Those of `parse`.
+    /// `230`, or `230,250`: front, rear. `parse` reads one value. Errors: those of `parse`.
     pub fn read<E>(text: &str, parse: impl Fn(&str) -> Result<T, E>) -> Result<Self, E> {
         match text.split_once(',') {
             None => parse(text.trim()).map(Self::both),

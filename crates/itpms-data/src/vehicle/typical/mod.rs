@@ -28,8 +28,7 @@ pub use front_rear::FrontRear;
 pub use tire_size::{TireSize, TireSizeError};
 pub use wheels::WheelsOfACar;
 
-/// Relative standard deviations of a class's typical values: how much the published cars of docs/vehicle.md scatter
-/// about it.
+/// Relative standard deviations of a class's typical values: how much the published cars of docs/vehicle.md scatter about it.
 const SPRUNG_MASS_SD: f64 = 0.08;
 const UNSPRUNG_MASS_SD: f64 = 0.15;
 const SPRING_SD: f64 = 0.25;
@@ -46,7 +45,7 @@ const FRONT_HEAVIER: f64 = 0.04;
 /// What an owner knows of a car.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TypicalCar {
-    /// What people call it; made up of the rest unless given.
+    /// Its name; made up of the rest unless given.
     pub name: Option<String>,
     /// Mass ready to drive, in kg.
     pub mass_kg: f64,
@@ -86,9 +85,7 @@ struct Axle {
 
 impl TypicalCar {
     /// The text of its vehicle file, with a comment on every value, and the vehicle it reads as.
-    ///
-    /// # Errors
-    /// A mass, share or pressure that no car has, in the words of the vehicle file's own check.
+    /// Errors: a mass, share or pressure that no car has, in the words of the vehicle file's own check.
     pub fn vehicle_file(&self) -> Result<(String, Vehicle), TypicalCarError> {
         let ranges = [
             ("mass", "kg", self.mass_kg, 300.0, 20_000.0),
@@ -139,15 +136,12 @@ fn guess(value: f64) -> String {
 
 /// A car that no file can be made of.
 #[derive(Debug, thiserror::Error)]
-#[allow(missing_docs, reason = "the messages say it")]
 pub enum TypicalCarError {
-    /// A value that no car has.
     #[error(
         "the {what} is {value}{}{unit}, expected {low} to {high}{}{unit}{}",
         blank(.unit), blank(.unit), if *.unit == "kPa" { guess(*.value) } else { String::new() }
     )]
     Range { what: &'static str, unit: &'static str, value: f64, low: f64, high: f64 },
-    /// Values that are possible one by one but not together.
     #[error("these values make no car: {0}")]
     Implausible(Box<Problem>),
 }

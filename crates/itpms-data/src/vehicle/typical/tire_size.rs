@@ -8,11 +8,9 @@ use thiserror::Error;
 /// A size such as `205/55R16`: section width in mm, section height in per cent of it, rim diameter in inches.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TireSize {
-    /// Nominal section width in mm.
     pub width_mm: f64,
     /// Section height in per cent of the width.
     pub aspect_percent: f64,
-    /// Rim diameter in inches.
     pub rim_inch: f64,
 }
 
@@ -66,14 +64,10 @@ const MM_PER_INCH: f64 = 25.4;
 const ROLLING_SHARE: f64 = 3.05 / std::f64::consts::PI;
 
 impl TireSize {
-    /// Outer diameter in mm.
-    #[must_use]
     pub fn outer_diameter_mm(&self) -> f64 {
         MM_PER_INCH * self.rim_inch + 0.02 * self.aspect_percent * self.width_mm
     }
 
-    /// Effective rolling radius in m.
-    #[must_use]
     pub fn rolling_radius_m(&self) -> f64 {
         0.5e-3 * ROLLING_SHARE * self.outer_diameter_mm()
     }
@@ -85,23 +79,13 @@ impl TireSize {
     }
 
     /// Vertical stiffness per pressure in N/m per kPa.
-    #[must_use]
     pub fn stiffness_per_kpa(&self) -> f64 {
         SLOPE_PER_MM * self.scale_mm()
     }
 
     /// Vertical stiffness in N/m at zero gauge pressure, on the line that holds between 150 and 300 kPa.
-    #[must_use]
     pub fn stiffness_at_zero(&self) -> f64 {
         STRUCTURE_KPA * self.stiffness_per_kpa()
-    }
-
-    /// Vertical stiffness in N/m by Rhyne's own relation, fitted over many tires each at one pressure:
-    /// `K = 0.00028 p sqrt(W D) + 3.45` kg/mm. For comparison: pressure changes one tire less than that.
-    #[must_use]
-    pub fn rhyne_n_per_m(&self, pressure_kpa: f64) -> f64 {
-        const KG_PER_MM: f64 = 9_806.65;
-        KG_PER_MM * (0.000_28 * pressure_kpa * self.scale_mm() + 3.45)
     }
 }
 
@@ -141,12 +125,5 @@ mod tests {
                 assert!((by_size / n_per_m - 1.0).abs() < 0.05, "{size} at {kpa} kPa: {by_size:.0}");
             }
         }
-    }
-
-    #[test]
-    fn rhynes_relation_is_the_printed_one() {
-        // 205/60R15 at 220 kPa: W = 0.79 * 205 = 161.95 mm, D = 627 mm, K = 0.00028 * 220 * 318.66 + 3.45 = 23.079 kg/mm.
-        let size: TireSize = "205/60R15".parse().unwrap();
-        assert!((size.rhyne_n_per_m(220.0) / (23.079 * 9_806.65) - 1.0).abs() < 1e-4);
     }
 }

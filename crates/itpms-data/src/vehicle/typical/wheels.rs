@@ -15,13 +15,10 @@ const TRACK_M: f64 = 1.55;
 /// What an owner knows of a car whose wheel speeds are read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WheelsOfACar {
-    /// What people call it; made up of the rest unless given.
+    /// Its name; made up of the rest unless given.
     pub name: Option<String>,
-    /// Size of the tires by axle.
     pub tire: FrontRear<TireSize>,
-    /// Distance between the axles in m.
     pub wheelbase_m: f64,
-    /// Its axles.
     pub axles: AxleWheels,
     /// Pressures on the placard in kPa gauge, by axle.
     pub placard_kpa: FrontRear<f64>,
@@ -29,9 +26,7 @@ pub struct WheelsOfACar {
 
 impl WheelsOfACar {
     /// The text of its vehicle file, with a comment on every value, and the vehicle it reads as.
-    ///
-    /// # Errors
-    /// A length or a pressure that no car has, in the words of the vehicle file's own check.
+    /// Errors: a length or a pressure that no car has, in the words of the vehicle file's own check.
     pub fn vehicle_file(&self) -> Result<(String, Vehicle), TypicalCarError> {
         let text = self.text();
         let vehicle =

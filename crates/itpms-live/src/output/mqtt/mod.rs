@@ -27,7 +27,6 @@ use crate::input::{Note, NoteSink};
 /// How long the end of the monitor waits for the broker to take what is left.
 const LAST_PATIENCE: Duration = Duration::from_secs(3);
 
-/// The output in the making.
 pub struct Mqtt {
     shared: Arc<Shared>,
     prefix: String,
@@ -37,9 +36,7 @@ pub struct Mqtt {
 
 impl Mqtt {
     /// Starts to connect; a broker that is not there yet is waited for.
-    ///
-    /// # Errors
-    /// The prefix has a wildcard, which a broker answers by hanging up; or the system gives no thread.
+    /// Errors: the prefix has a wildcard, which a broker answers by hanging up; or the system gives no thread.
     pub fn open(address: BrokerAddress, say: &NoteSink) -> Result<Self, LiveError> {
         if address.topic.contains(['#', '+']) {
             return Err(LiveError::BrokerAddress { found: address.topic });
@@ -54,8 +51,6 @@ impl Mqtt {
         Ok(Self { shared, prefix, say: Arc::clone(say), link: link.map_err(failed)? })
     }
 
-    /// The output at work.
-    #[must_use]
     pub fn start(self) -> Output {
         Output::start(WhenSlow::LoseEstimates, self, Self::write, Self::end)
     }

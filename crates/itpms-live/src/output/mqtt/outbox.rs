@@ -13,7 +13,6 @@ pub(super) const MOST: usize = 4096;
 /// Messages that are on their way at once.
 const ON_THEIR_WAY: usize = 16;
 
-/// A message that has to arrive.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Message {
     pub(super) topic: String,
@@ -78,7 +77,6 @@ impl Outbox {
         }
     }
 
-    /// The broker has it.
     pub(super) fn acknowledged(&mut self, number: u16) {
         self.sent.retain(|(known, _)| *known != Some(number));
     }
@@ -119,7 +117,6 @@ impl Outbox {
     }
 }
 
-/// The state of this publisher.
 pub(super) fn status(prefix: &str, state: &str) -> Message {
     Message { topic: format!("{prefix}/status"), payload: format!("{{\"state\":\"{state}\"}}").into_bytes() }
 }

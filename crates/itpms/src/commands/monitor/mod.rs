@@ -97,7 +97,6 @@ fn failure(error: LiveError) -> Failure {
     }
 }
 
-/// From any thread to the screen.
 fn notes(screen: Screen) -> NoteSink {
     Arc::new(move |note| match note {
         Note::Remark(text) => screen.remark(text),
@@ -190,8 +189,7 @@ fn saved(
     })
 }
 
-/// Gives a state that is refused another name: it may be another car's, or this one's under another regulation. What is empty is
-/// not kept.
+/// Gives a state that is refused another name: it may be another car's, or this one's under another regulation. What is empty is not kept.
 fn set_aside(path: &Path) -> Result<Option<PathBuf>, Failure> {
     let failure = |error: std::io::Error| Failure::Usage(format!("{}: {error}", path.display()));
     if fs::metadata(path).map_err(failure)?.len() == 0 {

@@ -50,7 +50,6 @@ pub(super) fn open(
     Ok(outputs)
 }
 
-/// Starts the page.
 pub(super) fn serve(args: &MonitorArgs, hub: &Arc<Hub>, screen: &Screen) -> Result<Option<Server>, Failure> {
     let Some(address) = args.http else { return Ok(None) };
     let options = http::Options {

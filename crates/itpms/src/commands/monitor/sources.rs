@@ -25,7 +25,6 @@ pub(super) struct Source {
     kind: Kind,
     /// Tooth pulses beside a log.
     pulses: Option<Pulses>,
-    /// What makes rows of its frames.
     pub(super) feed: Option<Feed>,
 }
 
@@ -38,7 +37,6 @@ enum Kind {
     Bus(itpms_live::source::socketcan::Interface, String),
 }
 
-/// Opens what was asked for.
 pub(super) fn open(args: &MonitorArgs, screen: &Screen) -> Result<Source, Failure> {
     if let Some(path) = &args.replay {
         let pulses = args.pulses.as_deref().map(Pulses::open).transpose()?;
@@ -80,7 +78,6 @@ fn bus(interface: &str) -> Result<Kind, Failure> {
     )))
 }
 
-/// What the frames mean.
 fn feed(args: &MonitorArgs, screen: &Screen) -> Result<Feed, Failure> {
     let needed = || Failure::Usage("frames need --dbc CAR.dbc, which says what they mean".to_owned());
     let (path, dbc) = match (&args.reading.dbc, &args.replay) {

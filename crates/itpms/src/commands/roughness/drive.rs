@@ -114,7 +114,6 @@ impl Wheels {
         Ok(Self { surveys, way: Way::default(), distance_m: 0.0 })
     }
 
-    /// All rows whose road is there.
     fn take(&mut self, road: &mut RoadTrack) {
         while let Some(late) = road.pop() {
             if late.distance_m.is_finite() {

@@ -23,16 +23,15 @@ const MOST_LINES: usize = 60;
 /// Rougher than anything that is driven on: 25 m/km is a track that can hardly be passed.
 const ROUGHEST_M_PER_KM: f64 = 60.0;
 
-/// What was found, with a line that says where.
+/// The findings, with a line that names the place.
 struct Found {
-    /// What was read, in a few words.
+    /// The input in a few words.
     about: String,
     table: RoughnessTable,
     /// Holes and bumps of the left and the right track, of a drive.
     anomalies: [Vec<SideAnomaly>; 2],
     /// Where the car was, of a drive.
     way: Way,
-    /// What was repaired or is doubtful.
     warnings: Vec<String>,
 }
 
@@ -137,7 +136,6 @@ pub(crate) fn run(args: &RoughnessArgs, screen: &Screen, interrupt: &Interrupt) 
     Ok(())
 }
 
-/// Writes a file that was begun.
 fn write(file: Option<AtomicFile>, content: impl FnOnce() -> String) -> Result<(), Failure> {
     let Some(mut file) = file else { return Ok(()) };
     file.append(content().as_bytes())?;

@@ -146,7 +146,6 @@ fn converse(mut client: TcpStream, shared: &Shared) -> Option<()> {
     }
 }
 
-/// The first byte and the contents of a packet.
 fn packet(client: &mut TcpStream) -> io::Result<(u8, Vec<u8>)> {
     let mut byte = [0];
     client.read_exact(&mut byte)?;

@@ -20,7 +20,6 @@ use serde_json::json;
 use crate::args::FaultsArgs;
 use subject::Subject;
 
-/// What came of one kind of fault.
 #[derive(Debug)]
 struct Outcome {
     tried: u64,

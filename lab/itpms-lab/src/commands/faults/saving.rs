@@ -102,7 +102,6 @@ fn killed(campaign: &mut Campaign<'_>, kind: &str, files: &[PathBuf; 2]) -> Resu
     Ok(Outcome { tried, lost, found })
 }
 
-/// Temporaries beside a file.
 fn beside(target: &Path) -> u64 {
     let prefix = format!(".{}.", target.file_name().unwrap_or_default().to_string_lossy());
     let Some(Ok(entries)) = target.parent().map(fs::read_dir) else { return 0 };

@@ -23,7 +23,6 @@ pub(super) const RATE_HZ: f64 = 200.0;
 
 /// A car on which nothing is wrong in its first two minutes.
 const DRIVE: &str = "drive-diffusion";
-/// Seconds of it.
 const DRIVE_S: f64 = 120.0;
 /// Seconds of the older and of the newer calibration.
 const CALIBRATIONS_S: [f64; 2] = [30.0, 60.0];
@@ -64,7 +63,6 @@ impl Subject {
         Ok(subject)
     }
 
-    /// An engine of this car that waits for rows.
     pub(super) fn engine(&self, saved: Option<SavedDrive>, say: NoteSink) -> Engine {
         let source = SourceName { name: "faults".to_owned(), kind: "replay" };
         let mut engine = Engine::new(self.vehicle.clone(), options(), source, saved, say);
@@ -73,7 +71,6 @@ impl Subject {
         engine
     }
 
-    /// A new name in the folder of the subject.
     pub(super) fn at(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
@@ -88,7 +85,6 @@ pub(super) fn silent() -> NoteSink {
     Arc::new(|_| {})
 }
 
-/// This very program, with other words.
 pub(super) fn program() -> Result<Command, Failure> {
     let own = env::current_exe().map_err(|error| Failure::Usage(format!("this program: {error}")))?;
     let mut command = Command::new(own);

@@ -83,7 +83,7 @@ pub(crate) fn run(args: &SoakArgs, screen: &Screen, interrupt: &Interrupt) -> Re
     finish(args, &Summary::of(&asked), record.path(), screen)
 }
 
-/// What the later days are like, if there are some.
+/// Conditions of the later days, if there are some.
 fn days(args: &SoakArgs) -> Result<Option<Days>, Failure> {
     let Some(condition) = args.condition else { return Ok(None) };
     if args.sensors != Sensors::WheelSpeeds {
@@ -95,7 +95,6 @@ fn days(args: &SoakArgs) -> Result<Option<Days>, Failure> {
     Ok(Some(Days { condition, loses: args.lose, bad_yaw: args.bad_yaw }))
 }
 
-/// How many drives the hours are.
 fn drives(args: &SoakArgs) -> Result<u64, Failure> {
     let drives = (args.hours * 3600.0 / args.drive_s - 1e-9).ceil().max(1.0);
     if !(drives <= MOST_DRIVES) {

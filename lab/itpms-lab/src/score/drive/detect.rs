@@ -1,7 +1,6 @@
 //! How soon a loss of a fifth is warned of, and whether the right wheel is named: by the monitor as it is shipped.
 //!
-//! Called by the plan of the four-wheel parts. Speed, road, wheel, kind of car and how fast the tire goes down change from
-//! drive to drive.
+//! Called by the plan of the four-wheel parts. Speed, road, wheel, kind of car and how fast the tire goes down change from drive to drive.
 
 use itpms_core::model::Corner;
 use itpms_sim::road::{RoadClass, RoadSpec};
@@ -20,7 +19,6 @@ use itpms_sim::simulation::Simulation;
 /// Pressures in kPa, before and after.
 const FROM_KPA: f64 = 241.3;
 const TO_KPA: f64 = 0.8 * FROM_KPA;
-/// Classes of road, speeds in km/h.
 const CLASSES: [RoadClass; 4] = [RoadClass::A, RoadClass::B, RoadClass::C, RoadClass::D];
 const SPEED_KM_H: [f64; 2] = [20.0, 120.0];
 /// Seconds driven after a warning, to see whether more is reported.
@@ -31,7 +29,6 @@ struct Loss {
     name: &'static str,
     /// All four or, from drive to drive, the next one.
     all: bool,
-    /// When it begins, in s.
     begins_s: f64,
     /// How long it takes, in s: drawn in between.
     takes_s: [f64; 2],
@@ -81,7 +78,6 @@ struct Found {
     early: bool,
 }
 
-/// Losses with their setups and numbers of drives.
 #[derive(Default)]
 pub(super) struct Plan {
     cases: Vec<((Loss, Setup), usize)>,

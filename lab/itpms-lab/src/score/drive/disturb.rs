@@ -10,7 +10,6 @@ use itpms_sim::sensor::SensorSpec;
 use super::super::ScoreError;
 use super::{Drive, Plant, Setup};
 
-/// Speeds in km/h.
 const SPEEDS_KM_H: [f64; 2] = [80.0, 20.0];
 /// A car's way through bends: points [s, m/s²], to the left and to the right, before, in and after the drop.
 const BENDS_S_M_S2: [[f64; 2]; 12] = [
@@ -106,7 +105,6 @@ fn corners(drive: Drive, edit: impl FnMut(Corner, &mut CornerSpec)) -> Drive {
     drive.each_corner(edit)
 }
 
-/// Changes the wheels' accelerometers.
 fn wheel_sensor(drive: Drive, mut edit: impl FnMut(Corner, &mut SensorSpec)) -> Drive {
     let usual = drive.scenario.sensor;
     drive.each_corner(|corner, spec| edit(corner, spec.wheel_sensor.get_or_insert(usual)))

@@ -15,7 +15,6 @@ const COVERAGE: Goal = Goal::Between(0.93, 0.98);
 /// Median RMSE in kPa of a wheel whose pressure holds.
 const HOLDING_KPA: f64 = 3.5;
 
-/// Median RMSE by wheel.
 const RMSE: [Column; 4] = [
     Column::new("fl_rmse_median_kpa", "fl", 2),
     Column::new("fr_rmse_median_kpa", "fr", 2),
@@ -42,7 +41,6 @@ struct Wheel {
     change: ErrorSum,
 }
 
-/// What one drive gives, by setup and corner.
 type Errors = Vec<[Wheel; 4]>;
 
 fn errors(drive: &Drive, turn: Turn) -> Result<Errors, ScoreError> {
@@ -161,7 +159,6 @@ mod tests {
     use super::super::{Plant, Setup};
     use super::*;
 
-    /// A wheel that is always off by one error.
     fn off_by(error: f64, sd: f64) -> Wheel {
         let mut sum = ErrorSum::default();
         sum.push(error, sd);

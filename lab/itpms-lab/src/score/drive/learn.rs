@@ -58,7 +58,6 @@ struct Later {
 }
 
 struct Found {
-    /// By parameter, then by corner.
     parameters: Vec<Vec<Learnt>>,
     slope: Learnt,
     later: Vec<Option<Later>>,

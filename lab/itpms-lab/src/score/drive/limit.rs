@@ -1,7 +1,6 @@
 //! What cannot be done better: the Cramer-Rao bound of both sides of a car, for drives it holds for.
 //!
-//! Called where the cells of a row are made. It is that of four quarter cars on one spectrum which are what the estimator
-//! is given.
+//! Called where the cells of a row are made. It is that of four quarter cars on one spectrum which are what the estimator is given.
 
 use itpms_core::model::Corner;
 use itpms_sim::plant::Deviations;

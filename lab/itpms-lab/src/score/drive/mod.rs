@@ -44,22 +44,13 @@ use crate::sensors::{equipped, take_row, wheel_speeds_beside};
 /// Length in s of the reset that a row's `reset` stands for.
 const RESET_S: f64 = 10.0;
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Plant {
-    /// One rigid body over four wheels.
-    Car,
-    /// Four quarter cars on two independent tracks.
-    Quarters,
-}
-
-impl Plant {
-    const ALL: [Self; 2] = [Self::Car, Self::Quarters];
-
-    fn label(self) -> &'static str {
-        match self {
-            Self::Car => "car",
-            Self::Quarters => "quarters",
-        }
+itpms_core::labelled! {
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    enum Plant {
+        /// One rigid body over four wheels.
+        Car = "car",
+        /// Four quarter cars on two independent tracks.
+        Quarters = "quarters",
     }
 }
 
@@ -162,7 +153,6 @@ impl Drive {
         self
     }
 
-    /// The name of the row of one of its setups.
     fn row_name(&self, setup: &Setup) -> String {
         if setup.label.is_empty() { self.name.clone() } else { format!("{}, {}", self.name, setup.label) }
     }

@@ -21,9 +21,7 @@ use crate::sensors::take_row;
 
 const KM_H: f64 = 80.0;
 const RATE_HZ: f64 = 200.0;
-/// Classes of road, in turn.
 const CLASSES: [RoadClass; 3] = [RoadClass::A, RoadClass::B, RoadClass::C];
-/// Length of the calibration in s.
 const CALIBRATION_S: f64 = 40.0;
 /// The drives end, in s; errors count from the end of the calibration on.
 const END_S: f64 = 160.0;
@@ -44,7 +42,7 @@ struct Wheel {
     rows: u64,
 }
 
-/// What one drive showed by one estimator.
+/// Result of one drive with one estimator.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Level {
     wheels: [Wheel; 4],

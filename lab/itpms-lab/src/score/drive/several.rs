@@ -95,7 +95,6 @@ impl Case {
         format!("{loss}, {known}")
     }
 
-    /// Seconds within which all have to be named.
     fn goal_s(self) -> f64 {
         match (self.loss, self.known) {
             (Loss::None, _) => f64::INFINITY,
@@ -119,7 +118,6 @@ impl Case {
         }
     }
 
-    /// When it has been lost.
     fn complete_s(self) -> f64 {
         if self.loss == Loss::OneBefore { 0.0 } else { BEGINS_S + TAKES_S }
     }

@@ -52,9 +52,7 @@ const SENSOR_NOISE_M_S2: f64 = 0.05;
 
 #[derive(Debug, Clone)]
 pub(super) struct OwnCar {
-    /// What its owner has written about it.
     pub(super) file: Vehicle,
-    /// The corners as they are, at placard pressures.
     pub(super) corners: [CornerSpec; 4],
     pub(super) wheelbase_m: f64,
     pub(super) rear_offset_m: f64,

@@ -88,7 +88,6 @@ impl Owned {
         Ok(Self { index, car, later, learned, file })
     }
 
-    /// Whether the way has what it is named after.
     pub(super) fn has_reference(&self, way: Way) -> bool {
         match way {
             Way::LearnedAndReference => self.learned.calibration.is_some(),
