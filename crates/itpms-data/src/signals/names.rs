@@ -49,6 +49,14 @@ enum Word {
     Gps,
     Latitude,
     Longitude,
+    Axle,
+    /// Of a second rear axle and so on.
+    FurtherAxle,
+    /// Against another speed.
+    Relative,
+    Location,
+    /// A vehicle's speed that is based on its wheels'.
+    Based,
     /// As a group's name: what other instruments have measured.
     Reference,
     /// A unit in which nothing but a speed over ground is given, so that of a corner it is its wheel's.
@@ -63,7 +71,7 @@ enum Word {
 }
 
 #[rustfmt::skip]
-const WORDS: [(&str, Word); 197] = [
+const WORDS: [(&str, Word); 209] = [
     ("fl", Word::Corner(Corner::FrontLeft)), ("lf", Word::Corner(Corner::FrontLeft)), ("vl", Word::Corner(Corner::FrontLeft)),
     ("fr", Word::Corner(Corner::FrontRight)), ("rf", Word::Corner(Corner::FrontRight)), ("vr", Word::Corner(Corner::FrontRight)),
     ("rl", Word::Corner(Corner::RearLeft)), ("lr", Word::Corner(Corner::RearLeft)), ("hl", Word::Corner(Corner::RearLeft)),
@@ -87,6 +95,9 @@ const WORDS: [(&str, Word); 197] = [
     ("air", Word::Air), ("luft", Word::Air), ("atmospheric", Word::Ambient), ("barometric", Word::Barometer), ("barometer", Word::Barometer), ("baro", Word::Barometer),
     ("luftdruck", Word::Barometer), ("altitude", Word::Altitude), ("alt", Word::Altitude),
     ("gps", Word::Gps), ("gnss", Word::Gps), ("latitude", Word::Latitude), ("longitude", Word::Longitude),
+    // SAE J1939 and ISO 11992-2.
+    ("axle", Word::Axle), ("axle1", Word::Axle), ("axle2", Word::FurtherAxle), ("axle3", Word::FurtherAxle), ("relative", Word::Relative), ("rel", Word::Relative),
+    ("rltv", Word::Relative), ("rlv", Word::Relative), ("location", Word::Location), ("loc", Word::Location), ("position", Word::Location), ("based", Word::Based),
     ("temperatur", Word::Temperature), ("druck", Word::Pressure),
     // A speed of rotation, as in `WhlFl_W_Meas` and `VehYaw_W_Actl`.
     ("w", Word::Speed), ("meas", Word::Filler), ("actl", Word::Filler), ("esp", Word::Filler), ("abs", Word::Filler),
@@ -126,7 +137,12 @@ pub(crate) fn meaning(group: &str, name: &str) -> Option<(Slot, Fit)> {
 pub(crate) fn meaning_in(group: &str, name: &str, unit: &str) -> Option<(Slot, Fit)> {
     // A table's column may carry its message's name, as `ESP_Status::VehicleSpeed`.
     let (group, name) = name.rsplit_once("::").filter(|_| group.is_empty()).unwrap_or((group, name));
-    let (own, around) = (words(name.strip_prefix(MESSAGE).unwrap_or(name)), words(group));
+    // A speed against another is none until that is added.
+    let (spoken, is_sum) = name.split_once(" + ").map_or((name, false), |(first, _)| (first, true));
+    let (own, around) = (words(spoken.strip_prefix(MESSAGE).unwrap_or(spoken)), words(group));
+    if own.contains(&Word::FurtherAxle) || own.contains(&Word::Relative) && !is_sum {
+        return None;
+    }
     // `v_FL` is a damper's as well as a wheel's, unless its unit tells; without one it is asked for.
     let over_ground = own.contains(&Word::OverGround) || words(unit).contains(&Word::OverGround);
     let alone = |word: &Word| *word == Word::Speed || is_of_a_corner(word);
@@ -157,8 +173,10 @@ pub(crate) fn meaning_in(group: &str, name: &str, unit: &str) -> Option<(Slot, F
         Word::Gps,
         Word::Latitude,
         Word::Longitude,
+        Word::Location,
     ];
-    let complete = !stranger.into_iter().any(has);
+    // A wheel's speed of two signals stands behind that of one: it is coarser.
+    let complete = !stranger.into_iter().any(has) && !is_sum;
     let fit = |sure: bool| if sure && complete { Fit::AllWords } else { Fit::SomeWords };
     if [Word::Yaw, Word::Rate, Word::Lateral, Word::Longitudinal].into_iter().any(has) {
         let of_the_car = corner.is_none() && !says(Word::Wheel) && !names_corner(&own);
@@ -184,11 +202,50 @@ pub(crate) fn meaning_in(group: &str, name: &str, unit: &str) -> Option<(Slot, F
         };
         return field.map(|(field, fit)| (Slot::Corner(corner, field), fit));
     }
-    let of_a_wheel = says(Word::Wheel) || names_corner(&own);
+    let of_a_wheel = says(Word::Wheel) && !has(Word::Based) || names_corner(&own);
     if has(Word::Speed) && !of_a_wheel && !has(Word::Vertical) {
         return Some((Slot::Speed, fit(says(Word::Vehicle))));
     }
     None
+}
+
+/// What a signal is part of, where a column is made of two of a message.
+#[cfg(feature = "can")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Part {
+    FrontAxleSpeed,
+    /// Of a wheel against the front axle's.
+    RelativeSpeed,
+    /// The same of a wheel of a second rear axle.
+    FurtherSpeed,
+    TireLocation,
+    TirePressure,
+    TireTemperature,
+}
+
+/// The same by its name.
+#[cfg(feature = "can")]
+pub(crate) fn part(name: &str) -> Option<Part> {
+    let own = words(name);
+    let has = |word| own.contains(&word);
+    if has(Word::Other) || has(Word::Machine) {
+        return None;
+    }
+    match (has(Word::Speed), has(Word::Relative), has(Word::Tire)) {
+        (true, true, _) if has(Word::FurtherAxle) => Some(Part::FurtherSpeed),
+        (true, true, _) => corner(&own).map(|_| Part::RelativeSpeed),
+        (true, false, false) if has(Word::Front) && has(Word::Axle) && corner(&own).is_none() => {
+            Some(Part::FrontAxleSpeed)
+        }
+        (false, false, true) if names_corner(&own) || has(Word::Unknown) => None,
+        (false, false, true) => match (has(Word::Location), has(Word::Pressure), has(Word::Temperature)) {
+            (true, false, false) => Some(Part::TireLocation),
+            (false, true, false) => Some(Part::TirePressure),
+            (false, false, true) => Some(Part::TireTemperature),
+            _ => None,
+        },
+        _ => None,
+    }
 }
 
 /// What of the air it is, if it is of that: all by its own name, and nothing of a corner or an engine in it.
@@ -406,6 +463,12 @@ mod tests {
             ("", "az_Aufbau_VR", "fr_body_accel_m_s2"),
             ("", "Gierrate", "yaw_rate_rad_s"),
             ("", "LongitudinalAcceleration", "accel_x_m_s2"),
+            // SAE J1939: HRW, EBC2 as it is put together, CCVS.
+            ("HRW", "FrontAxleLeftWheelSpeed", "fl_wheel_speed_m_s"),
+            ("HRW", "RearAxleRightWheelSpeed", "rr_wheel_speed_m_s"),
+            ("EBC2", "RelativeSpeedRearAxle1LeftWheel + FrontAxleSpeed", "rl_wheel_speed_m_s"),
+            ("TIRE", "TirePressure rear right", "rr_tpms_kpa"),
+            ("CCVS1", "WheelBasedVehicleSpeed", "speed_m_s"),
         ] {
             assert_eq!(column(group, name).unwrap_or_default(), expected, "{group}.{name}");
         }
@@ -444,6 +507,11 @@ mod tests {
             ("AMB", "RoadSurfaceTemp"),
             ("", "AmbientAirTempStatus"),
             ("", "AirPressure"),
+            ("EBC2", "FrontAxleSpeed"),
+            ("EBC2", "RelativeSpeedFrontAxleLeftWheel"),
+            ("EBC2", "RelativeSpeedRearAxle2LeftWheel + FrontAxleSpeed"),
+            ("TIRE", "TireLocation"),
+            ("TIRE", "TirePressure"),
             ("", "counter"),
             ("", ""),
         ] {
