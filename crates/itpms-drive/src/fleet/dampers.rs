@@ -24,8 +24,8 @@ pub(super) fn judge(drives: &mut [DriveRecord]) {
             rows.retain(|(car, _), _| *car != drive.car);
         }
         let mut sentences = Vec::new();
-        for wheel in &drive.wheels {
-            let Some(damper) = &wheel.damper else { continue };
+        for wheel in &mut drive.wheels {
+            let Some(damper) = &mut wheel.damper else { continue };
             let way = match damper.state.as_str() {
                 "weak" | "worn" => Some(Way::Less),
                 "stiff" => Some(Way::More),
@@ -39,7 +39,8 @@ pub(super) fn judge(drives: &mut [DriveRecord]) {
             };
             let row = rows.entry(key).or_insert((way, 0));
             *row = if row.0 == way { (way, row.1 + 1) } else { (way, 1) };
-            if row.1 >= ROW {
+            damper.reported = row.1 >= ROW;
+            if damper.reported {
                 let does = if way == Way::Less { "less" } else { "more" };
                 let now =
                     damper.over_reference.map_or_else(String::new, |over| format!(", {over:.2} of it now"));
