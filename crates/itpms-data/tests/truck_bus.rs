@@ -32,6 +32,9 @@ BO_ 2566845694 TIRE: 8 X
  SG_ TirePressure : 8|8@1+ (4,0) [0|1000] "kPa" X
  SG_ TireTemperature : 16|16@1+ (0.03125,-273) [-273|1734.97] "degC" X
  SG_ TireStatus : 34|2@1+ (1,0) [0|3] "" X
+BO_ 2566843134 VW: 8 X
+ SG_ AxleLocation : 0|8@1+ (1,0) [0|250] "" X
+ SG_ AxleWeight : 8|16@1+ (0.5,0) [0|32127.5] "kg" X
 BA_DEF_ BO_ "VFrameFormat" ENUM "StandardCAN","ExtendedCAN","reserved","J1939PG";
 BA_DEF_ "ProtocolType" STRING;
 BA_ "ProtocolType" "J1939";
@@ -162,8 +165,8 @@ fn tires(k: u32, locations: &[u8]) -> Vec<(u32, [u8; 8])> {
 
 fn last(rows: &[LogRow]) -> [f64; 4] {
     [0, 1, 2, 3].map(|wheel| {
-        let sent = rows.iter().map(|row| row.motion.tire_sensor_kpa[wheel]);
-        sent.filter(|kpa| kpa.is_finite()).next_back().unwrap_or(f64::NAN)
+        let mut sent = rows.iter().map(|row| row.motion.tire_sensor_kpa[wheel]);
+        sent.rfind(|kpa| kpa.is_finite()).unwrap_or(f64::NAN)
     })
 }
 
@@ -188,4 +191,19 @@ fn two_tires_on_a_side_and_a_third_axle_are_left_out_and_counted() {
     assert!(repairs.contains("two tires on a side, which are not read"), "{repairs}");
     let (rows, _, _) = read(&dbc, &log(|k| tires(k, &[0xFF, 0x00])));
     assert_eq!(last(&rows)[0], 720.0);
+}
+
+#[test]
+fn axle_loads_are_where_their_location_says() {
+    let frames = |k: u32| {
+        let (axle, [low, high]) = ((k % 3) as u8, (10_000 + 2_000 * (k % 3) as u16).to_le_bytes());
+        vec![
+            (0x18FE_BF0B, ebc2(k, false)),
+            (0x18FE_EA2F, [axle << 4, low, high, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF]),
+        ]
+    };
+    let (rows, repairs, _) = read(&format!("{EBC2}{REST}"), &log(frames));
+    let last = |axle: usize| rows.iter().map(|row| row.motion.axle_kg[axle]).rfind(|kg| kg.is_finite());
+    assert_eq!([last(0), last(1)], [Some(5000.0), Some(6000.0)]);
+    assert!(repairs.contains("300 frames have wheels or tires of a third axle"), "{repairs}");
 }

@@ -78,5 +78,5 @@ pub use run::{Done, Heights, Job, Sink, Watch, estimate};
 pub use sensor_watch::{SensorState, WatchedSensor};
 pub use settings::Settings;
 pub use summary::{corner_lines, summary_json, torsion_line, wheel_speed_lines};
-pub use suspension::{left_right_lines, suspension_lines};
+pub use suspension::{SentLoads, left_right_lines, suspension_lines};
 pub use wheel_speeds::wheel_speed_use;

@@ -25,7 +25,7 @@ use crate::reference::{self, Taught};
 use crate::road::{LateRow, RoadTrack};
 use crate::rotation::{self, Rotation};
 use crate::sensor_watch::{SensorWatch, WatchedSensor};
-use crate::suspension::SuspensionWatch;
+use crate::suspension::{SentLoads, SuspensionWatch};
 use crate::time_axis::TimeAxis;
 use crate::wheel_speeds::YawFault;
 use crate::wheel_speeds::wheel_speed_use;
@@ -107,6 +107,8 @@ pub struct Done {
     pub sensors_kpa: [f64; 4],
     /// What is known of the tires' own sensors, in the same order.
     pub sensors: [WatchedSensor; 4],
+    /// Loads of the axles by the car's own sensors.
+    pub sent_loads: SentLoads,
     /// What turns with the wheels, of corners with accelerations, in the same order.
     pub once_per_turn: [Option<OncePerTurn>; 4],
     /// Dampers and load, where all four corners are measured.
@@ -189,6 +191,7 @@ pub(crate) fn begin(log: &LogReader, job: &Job<'_>) -> Result<(Drive, Record), D
             plausibility: Plausibility::default(),
             rolling_radius_m: job.vehicle.rolling_radius_m().unwrap_or(f64::NAN),
             sensors_kpa: [f64::NAN; 4],
+            axle_kg: [f64::NAN; 2],
             sensors: SensorWatch::new(Corner::ALL.map(|corner| job.vehicle.placard_kpa(corner))),
             rotation: Rotation::new(job.vehicle, job.corners),
             air: AirCheck::default(),
@@ -221,6 +224,7 @@ pub(crate) fn conclude(
     let has_temperature = log.columns().motion.air.temperature && !job.corners.is_empty();
     let of_air: Vec<String> = record.air.concerns(has_temperature).collect();
     let of_pulses = pulses.finish(log.path(), log.last_time_s().unwrap_or(f64::NAN))?;
+    let sent_loads = SentLoads { axle_kg: record.axle_kg, gross_axle_kg: job.vehicle.details.gross_axle_kg };
     let once_per_turn = record.rotation.conclude(&drive);
     let (sensors_kpa, sensors) = (record.sensors_kpa, record.sensors.conclude());
     let suspension = record.suspension.as_ref().map(SuspensionWatch::conclude);
@@ -257,6 +261,7 @@ pub(crate) fn conclude(
         has_temperature,
         sensors_kpa,
         sensors,
+        sent_loads,
         once_per_turn,
         suspension,
     })
@@ -272,6 +277,7 @@ pub(crate) struct Record {
     rolling_radius_m: f64,
     /// What the tires' own sensors sent last, in kPa; NaN: nothing.
     sensors_kpa: [f64; 4],
+    axle_kg: [f64; 2],
     sensors: SensorWatch,
     rotation: Rotation,
     air: AirCheck,
@@ -297,7 +303,8 @@ impl Record {
         if let Some(suspension) = &mut self.suspension {
             suspension.take(row);
         }
-        for (last, sent) in self.sensors_kpa.iter_mut().zip(row.motion.tire_sensor_kpa) {
+        let sent = row.motion.tire_sensor_kpa.into_iter().chain(row.motion.axle_kg);
+        for (last, sent) in self.sensors_kpa.iter_mut().chain(&mut self.axle_kg).zip(sent) {
             if sent.is_finite() {
                 *last = sent;
             }

@@ -40,7 +40,7 @@ pub fn summary_json(done: &Done, rows: u64) -> Map<String, Value> {
         ("wheel_speeds", json!(done.radii.as_ref().map(wheels_json))),
         ("torsion", json!(done.torsion.as_ref().map(torsion_json))),
         ("dampers", dampers_json(done.suspension.as_ref())),
-        ("load", load_json(done.suspension.as_ref())),
+        ("load", load_json(done.suspension.as_ref(), &done.sent_loads)),
         ("once_per_turn", rotation::json(&done.once_per_turn)),
         ("tire_sensors_kpa", sensors_json(&done.sensors_kpa)),
         ("tire_sensors", sensor_watch::sensors_json(&done.sensors)),

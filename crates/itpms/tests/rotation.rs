@@ -8,7 +8,7 @@ use crate::common::Bench;
 /// In kg m, of each wheel.
 const IMBALANCE: [(&str, f64); 4] = [("fl", 0.006), ("fr", 0.0), ("rl", 0.010), ("rr", 0.0)];
 
-/// A sweep of speeds, with the wheels' own speeds beside the accelerations.
+/// A sweep of speeds; a simulated imbalance turns with the way of the car, so that its speed is each wheel's own.
 fn swept() -> Bench {
     let bench = Bench::new();
     let corners: String = IMBALANCE
@@ -22,7 +22,7 @@ fn swept() -> Bench {
         "sweep.toml",
         format!(
             "name = \"sweep\"\nduration_s = 300.0\nrate_hz = 200.0\nwheelbase_m = 2.7\n[speed]\npoints_s_km_h = [[0, 50], [60, 120], [120, 50], [180, 120], [240, 50], [300, 120]]\n\
-             [road.surface.iso8608]\nroughness = \"A\"\nslope = 2.0\n[sensor]\nnoise_m_s2 = 0.05\n[car]\n[wheel_speeds]\n{corners}"
+             [road.surface.iso8608]\nroughness = \"A\"\nslope = 2.0\n[sensor]\nnoise_m_s2 = 0.05\n[car]\n{corners}"
         ),
     );
     bench.run("simulate sweep.toml --seed 5 -o drive.csv --vehicle-out car.toml").success();

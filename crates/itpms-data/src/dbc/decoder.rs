@@ -216,6 +216,13 @@ impl Decoder {
                         continue;
                     }
                 }
+                Some(How::OnAxle(location, axle)) => {
+                    let raw = wanted.message.raw(*location, data).unwrap_or(u64::MAX);
+                    further |= raw >> 4 > 1 && raw < 0xFB;
+                    if raw != *axle << 4 {
+                        continue;
+                    }
+                }
             }
             let Some(signal) = wanted.message.signals.get(*place) else { continue };
             let Some(raw) = wanted.message.raw(*place, data) else {

@@ -27,6 +27,8 @@ pub(super) enum How {
     Plus(usize),
     /// The signal at this place says of which tire it is; it has to be of this corner.
     At(usize, Corner),
+    /// The same of an axle, from the front.
+    OnAxle(usize, u64),
 }
 
 /// All of a description's, after its own signals.
@@ -37,6 +39,7 @@ pub(crate) fn compounds(dbc: &Dbc) -> Vec<Compound> {
         let parts = parts(message);
         let place_of = |wanted: Part| parts.iter().find(|(_, part)| *part == wanted).map(|(place, _)| *place);
         let (axle, location) = (place_of(Part::FrontAxleSpeed), place_of(Part::TireLocation));
+        let axle_location = place_of(Part::AxleLocation);
         for (place, part) in &parts {
             let signal = &message.signals[*place];
             let mut push = |name: String, how| {
@@ -54,6 +57,13 @@ pub(crate) fn compounds(dbc: &Dbc) -> Vec<Compound> {
                         Corner::ALL.into_iter().zip(["front left", "front right", "rear left", "rear right"])
                     {
                         push(format!("{} {at}", signal.name), How::At(location, corner));
+                    }
+                }
+                (Part::AxleWeight, ..) => {
+                    for (axle, at) in (0..).zip(["front", "rear"]) {
+                        if let Some(location) = axle_location {
+                            push(format!("{} {at}", signal.name), How::OnAxle(location, axle));
+                        }
                     }
                 }
                 _ => {}

@@ -21,6 +21,8 @@ pub(crate) enum Quantity {
     Temperature,
     /// In degrees.
     Angle,
+    /// In kg.
+    Mass,
     /// 0 or 1.
     Switch,
 }
@@ -42,6 +44,7 @@ impl Quantity {
             Slot::Air(AirField::Pressure) => Quantity::Pressure,
             Slot::Air(AirField::Altitude) => Quantity::Length,
             Slot::Position(_) => Quantity::Angle,
+            Slot::Axle(_) => Quantity::Mass,
         }
     }
 
@@ -56,6 +59,7 @@ impl Quantity {
             Quantity::Rotation => "rad/s",
             Quantity::Temperature => "degC",
             Quantity::Angle => "deg",
+            Quantity::Mass => "kg",
             Quantity::Switch => "1",
         }
     }
@@ -71,6 +75,7 @@ impl Quantity {
             Quantity::Rotation => "a speed of rotation",
             Quantity::Temperature => "a temperature",
             Quantity::Angle => "an angle",
+            Quantity::Mass => "a mass",
             Quantity::Switch => "0 or 1",
         }
     }
@@ -86,6 +91,7 @@ impl Quantity {
             Quantity::Rotation => "rad/s, deg/s or rpm",
             Quantity::Temperature => "degC, K or degF",
             Quantity::Angle => "deg or rad",
+            Quantity::Mass => "kg, t or lb",
             Quantity::Switch => "1",
         }
     }

@@ -6,7 +6,7 @@
 
 use itpms_core::model::Corner;
 
-use crate::log::{AirField, Field, Motion, PositionField, Slot};
+use crate::log::{AirField, AxleField, Field, Motion, PositionField, Slot};
 
 /// How sure the words are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -55,6 +55,8 @@ enum Word {
     /// Against another speed.
     Relative,
     Location,
+    /// On an axle.
+    Weight,
     /// A vehicle's speed that is based on its wheels'.
     Based,
     /// As a group's name: what other instruments have measured.
@@ -71,7 +73,7 @@ enum Word {
 }
 
 #[rustfmt::skip]
-const WORDS: [(&str, Word); 209] = [
+const WORDS: [(&str, Word); 211] = [
     ("fl", Word::Corner(Corner::FrontLeft)), ("lf", Word::Corner(Corner::FrontLeft)), ("vl", Word::Corner(Corner::FrontLeft)),
     ("fr", Word::Corner(Corner::FrontRight)), ("rf", Word::Corner(Corner::FrontRight)), ("vr", Word::Corner(Corner::FrontRight)),
     ("rl", Word::Corner(Corner::RearLeft)), ("lr", Word::Corner(Corner::RearLeft)), ("hl", Word::Corner(Corner::RearLeft)),
@@ -97,7 +99,7 @@ const WORDS: [(&str, Word); 209] = [
     ("gps", Word::Gps), ("gnss", Word::Gps), ("latitude", Word::Latitude), ("longitude", Word::Longitude),
     // SAE J1939 and ISO 11992-2.
     ("axle", Word::Axle), ("axle1", Word::Axle), ("axle2", Word::FurtherAxle), ("axle3", Word::FurtherAxle), ("relative", Word::Relative), ("rel", Word::Relative),
-    ("rltv", Word::Relative), ("rlv", Word::Relative), ("location", Word::Location), ("loc", Word::Location), ("position", Word::Location), ("based", Word::Based),
+    ("rltv", Word::Relative), ("rlv", Word::Relative), ("location", Word::Location), ("loc", Word::Location), ("position", Word::Location), ("weight", Word::Weight), ("load", Word::Weight), ("based", Word::Based),
     ("temperatur", Word::Temperature), ("druck", Word::Pressure),
     // A speed of rotation, as in `WhlFl_W_Meas` and `VehYaw_W_Actl`.
     ("w", Word::Speed), ("meas", Word::Filler), ("actl", Word::Filler), ("esp", Word::Filler), ("abs", Word::Filler),
@@ -162,6 +164,10 @@ pub(crate) fn meaning_in(group: &str, name: &str, unit: &str) -> Option<(Slot, F
     if has(Word::Other) || says(Word::Machine) || has(Word::Temperature) && !says(Word::Tire) {
         return None;
     }
+    if let (true, true, Some(field)) = (has(Word::Weight), has(Word::Axle), axle(&own)) {
+        let sure = !has(Word::Unknown) && !has(Word::Reference);
+        return Some((Slot::Axle(field), if sure { Fit::AllWords } else { Fit::SomeWords }));
+    }
     let corner = corner(&own).or_else(|| if names_corner(&own) { None } else { corner(&around) });
     let stranger = [
         Word::Unknown,
@@ -174,6 +180,7 @@ pub(crate) fn meaning_in(group: &str, name: &str, unit: &str) -> Option<(Slot, F
         Word::Latitude,
         Word::Longitude,
         Word::Location,
+        Word::Weight,
     ];
     // A wheel's speed of two signals stands behind that of one: it is coarser.
     let complete = !stranger.into_iter().any(has) && !is_sum;
@@ -221,6 +228,8 @@ pub(crate) enum Part {
     TireLocation,
     TirePressure,
     TireTemperature,
+    AxleLocation,
+    AxleWeight,
 }
 
 /// The same by its name.
@@ -236,6 +245,13 @@ pub(crate) fn part(name: &str) -> Option<Part> {
         (true, true, _) => corner(&own).map(|_| Part::RelativeSpeed),
         (true, false, false) if has(Word::Front) && has(Word::Axle) && corner(&own).is_none() => {
             Some(Part::FrontAxleSpeed)
+        }
+        (false, false, false) if has(Word::Axle) && !names_corner(&own) && !has(Word::Unknown) => {
+            match (has(Word::Location), has(Word::Weight)) {
+                (true, false) => Some(Part::AxleLocation),
+                (false, true) => Some(Part::AxleWeight),
+                _ => None,
+            }
         }
         (false, false, true) if names_corner(&own) || has(Word::Unknown) => None,
         (false, false, true) => match (has(Word::Location), has(Word::Pressure), has(Word::Temperature)) {
@@ -296,6 +312,16 @@ fn motion(words: &[Word]) -> Option<Motion> {
         _ if has(Word::Rate) || has(Word::Speed) || !has(Word::Acceleration) => None,
         (false, true, false) => Some(Motion::AccelY),
         (false, false, true) => Some(Motion::AccelX),
+        _ => None,
+    }
+}
+
+/// The one axle that is named, if no wheel of it is.
+fn axle(words: &[Word]) -> Option<AxleField> {
+    let has = |word| words.contains(&word);
+    match (has(Word::Front), has(Word::Rear), has(Word::Left) || has(Word::Right)) {
+        (true, false, false) => Some(AxleField::Front),
+        (false, true, false) => Some(AxleField::Rear),
         _ => None,
     }
 }
@@ -469,6 +495,8 @@ mod tests {
             ("EBC2", "RelativeSpeedRearAxle1LeftWheel + FrontAxleSpeed", "rl_wheel_speed_m_s"),
             ("TIRE", "TirePressure rear right", "rr_tpms_kpa"),
             ("CCVS1", "WheelBasedVehicleSpeed", "speed_m_s"),
+            ("", "FrontAxleLoad", "front_axle_kg"),
+            ("VW", "AxleWeight rear", "rear_axle_kg"),
         ] {
             assert_eq!(column(group, name).unwrap_or_default(), expected, "{group}.{name}");
         }
@@ -511,6 +539,8 @@ mod tests {
             ("EBC2", "RelativeSpeedFrontAxleLeftWheel"),
             ("EBC2", "RelativeSpeedRearAxle2LeftWheel + FrontAxleSpeed"),
             ("TIRE", "TireLocation"),
+            ("VW", "AxleWeight"),
+            ("", "LoadFrontLeft"),
             ("TIRE", "TirePressure"),
             ("", "counter"),
             ("", ""),

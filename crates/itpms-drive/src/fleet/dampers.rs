@@ -57,6 +57,7 @@ pub(super) fn judge(drives: &mut [DriveRecord]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fleet::damper_cell::is_reported;
     use crate::fleet::record::sample;
 
     fn drive(state: &str) -> DriveRecord {
@@ -66,6 +67,11 @@ mod tests {
     fn reported(states: &[&str]) -> Vec<bool> {
         let mut drives: Vec<_> = states.iter().map(|state| drive(state)).collect();
         judge(&mut drives);
+        let beside = |n: usize| is_reported(&drives[..=n].iter().collect::<Vec<_>>());
+        let judged = |n: &usize| drives[*n].wheels[0].damper.as_ref().unwrap().state != "unknown";
+        for n in (0..drives.len()).filter(judged) {
+            assert_eq!(beside(n), !drives[n].alerts.is_empty(), "the badge of drive {n}");
+        }
         drives.iter().map(|drive| !drive.alerts.is_empty()).collect()
     }
 

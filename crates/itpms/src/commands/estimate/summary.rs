@@ -34,6 +34,7 @@ pub(crate) fn corner_lines(estimated: &Estimated) -> Vec<String> {
     lines.extend(done.radii.iter().flat_map(wheel_speed_lines));
     lines.extend(torsion_line(done, unit));
     lines.extend(suspension_lines(done.suspension.as_ref()));
+    lines.extend(done.sent_loads.line());
     lines.extend(rotation_line(&done.once_per_turn));
     lines.extend(done.alerts.sentences(origin_s, unit));
     lines
