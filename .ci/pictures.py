@@ -10,6 +10,7 @@ import base64
 import contextlib
 import io
 import json
+import math
 import os
 import shutil
 import socket
@@ -156,6 +157,50 @@ def reports(browser):
         browser.page("example-wheel-speeds.png", Path("out/wheels.html").resolve(), 1100, 800)
 
 
+CORNERS = ("fl", "fr", "rl", "rr")
+
+
+def drive_with(name, head, corners, columns):
+    """Simulates a drive of a car, and adds columns to its log: what `columns` makes of the time, once a second."""
+    scenario = f'name = "{name}"\nrate_hz = 200.0\nwheelbase_m = 2.7\nconfidence = "measured"\n{head}[car]\n'
+    Path(f"out/{name}.toml").write_text(scenario + "".join(f"[corner.{c}]\n{corners(c)}" for c in CORNERS))
+    itpms("lab", "simulate", f"out/{name}.toml", "--seed", 5, "--no-truth", "-o", f"out/{name}.csv", "--vehicle-out", f"out/{name}-car.toml")
+    head, *lines = Path(f"out/{name}.csv").read_text().splitlines()
+    names = columns(0.0)
+    rows = (",".join([line, *(str(value) if number % 200 == 0 else "" for value in columns(float(line.split(",")[0])).values())])
+        for number, line in enumerate(lines))
+    Path(f"out/{name}.csv").write_text("\n".join([",".join([head, *names]), *rows]) + "\n")
+
+
+def condition(browser):
+    """Cold pressures and dampers: a calibration at 20 C, a morning of -10 C with a worn damper. A road with holes and bumps, from above."""
+    car = "sprung_mass_kg = {}\nunsprung_mass_kg = 40.0\ndamping_n_s_per_m = 1500.0\nspring_n_per_m = {}\npressure.constant_kpa = {}\n"
+    if wanted("example-cold-pressure.png", "example-dampers.png"):
+        head = "duration_s = 150.0\n[speed]\npoints_s_km_h = [[0.0, 60.0], [75.0, 90.0], [150.0, 60.0]]\n[road]\ncontact_length_m = 0.1\nsurface.iso8608 = { roughness = \"B\", slope = 2.0 }\n"
+        body = lambda c: (330.0, 24000.0) if c[0] == "f" else (270.0, 22000.0)
+        drive_with("summer", head, lambda c: car.format(*body(c), 241.3), lambda _: {"ambient_temperature_c": 20})
+        drive_with("winter", head, lambda c: car.format(*body(c), 219.0 if c != "fr" else 238.0) + ("truth = { damping_factor = 0.45 }\n" if c == "rl" else ""),
+            lambda _: {"ambient_temperature_c": -10, "barometric_kpa": 101.3})
+        itpms("estimate", "out/summer.csv", "--vehicle", "out/summer-car.toml", "-o", "out/est.csv", "--calibrate-s", 150, "--save-reference", "out/summer.reference")
+        itpms("estimate", "out/winter.csv", "--vehicle", "out/summer-car.toml", "--reference", "out/summer.reference", "-o", "out/est.csv", "--report", "out/winter.html")
+        browser.page("example-cold-pressure.png", Path("out/winter.html").resolve(), 1100, 900)
+        browser.page("example-dampers.png", Path("out/winter.html").resolve(), 1100, 760, from_heading="Dampers and load")
+    if wanted("example-road.png"):
+        holes = [(300, 0.03, "left"), (620, -0.025, "right"), (930, 0.04, "right"), (1250, -0.02, "both")]
+        head = "duration_s = 80.0\n[speed]\nconstant_km_h = 72.0\n[road]\ncontact_length_m = 0.1\nsurface.segments = { after_last = \"repeat\", list = [" + ", ".join(
+            f"{{ length_m = {m}.0, roughness = {gd}, slope = 2.0 }}" for m, gd in ((500, "12e-6"), (300, "40e-6"), (400, "20e-6"), (200, "100e-6"))) + "] }\n" + "".join(
+            f"[[road.pothole]]\nat_m = {at}.0\nlength_m = 0.6\ndepth_m = {depth}\nedge_m = 0.15\ntracks = \"{tracks}\"\n" for at, depth, tracks in holes)
+        # A bend of 350 m radius, then one of 500 m the other way.
+        def place(time_s):
+            way, (east, north, heading) = 20.0 * time_s, (0.0, 0.0, 0.3)
+            for _ in range(int(way)):
+                east, north, heading = east + math.sin(heading), north + math.cos(heading), heading + (1 / 350 if _ < 700 else -1 / 500)
+            return {"latitude_deg": 48.0 + north / 111195, "longitude_deg": 11.0 + east / 74400}
+        drive_with("road", head, lambda _: "pressure.constant_kpa = 241.3\n", lambda time_s: place(time_s) if time_s % 1 < 0.004 else {"latitude_deg": "", "longitude_deg": ""})
+        itpms("roughness", "out/road.csv", "--vehicle", "out/road-car.toml", "--map", "out/road.html")
+        browser.page("example-road.png", Path("out/road.html").resolve(), 1100, 900)
+
+
 def live(browser):
     """The live page late in a replay, three times within moments."""
     if not wanted("dashboard-desktop.png", "dashboard-dark.png", "dashboard-phone.png"):
@@ -243,6 +288,7 @@ def main():
         drives()
         with Browser() as browser:
             reports(browser)
+            condition(browser)
             live(browser)
         notebook()
         session()

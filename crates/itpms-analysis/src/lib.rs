@@ -26,6 +26,7 @@ pub mod overview;
 pub mod page;
 pub mod plot;
 pub mod report;
+pub mod rotation;
 pub mod roughness;
 pub mod spectrum;
 pub mod suspension;

@@ -59,8 +59,6 @@ pub struct itpms_cold_report {
     pub wheels: [itpms_cold_wheel; 4],
 }
 
-/// Less than this many kPa short is not worth a pump.
-const WORTH_KPA: itpms_real = 5.0;
 const NAN: itpms_real = itpms_real::NAN;
 const UNKNOWN: itpms_cold_wheel = itpms_cold_wheel {
     state: itpms_cold_state::Unknown as u32,
@@ -88,10 +86,8 @@ pub(crate) fn report(
 
 fn wheel(corner: &CornerEstimate<itpms_real>, placard_kpa: itpms_real) -> itpms_cold_wheel {
     let Some(cold) = corner.cold.filter(|_| corner.validity.is_valid()) else { return UNKNOWN };
-    let short_kpa = placard_kpa - cold.pressure_kpa;
-    let lacks = short_kpa > cold.sd_kpa && short_kpa > WORTH_KPA;
-    let (state, add_kpa) =
-        if lacks { (itpms_cold_state::Add, short_kpa) } else { (itpms_cold_state::Fine, NAN) };
+    let lacks = cold.air_to_add_kpa(placard_kpa);
+    let (state, add_kpa) = lacks.map_or((itpms_cold_state::Fine, NAN), |kpa| (itpms_cold_state::Add, kpa));
     itpms_cold_wheel {
         state: state as u32,
         pressure_kpa: cold.pressure_kpa,

@@ -24,6 +24,7 @@ mod stamps;
 mod stored;
 mod text_tables;
 mod tire_sensors;
+mod truck_bus;
 mod typical_cars;
 mod vehicle_details;
 mod vehicle_file;

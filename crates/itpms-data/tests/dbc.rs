@@ -66,7 +66,7 @@ fn the_example_car_is_mapped() {
     // Everything but the time.
     let of_the_car = |slot: &Slot| {
         let others = ["_wheel_speed_", "_tpms_"];
-        matches!(slot, Slot::Motion(_) | Slot::Air(_) | Slot::Position(_))
+        matches!(slot, Slot::Motion(_) | Slot::Air(_) | Slot::Position(_) | Slot::Axle(_))
             || others.iter().any(|other| slot.name().contains(other))
     };
     let all: Vec<Slot> = Slot::all().filter(|slot| *slot != Slot::Time && !of_the_car(slot)).collect();

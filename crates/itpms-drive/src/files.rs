@@ -13,7 +13,7 @@ use itpms_data::out::{
     transition_object,
 };
 use itpms_data::{LogReader, LogRow, Vehicle};
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 use crate::drive::Estimates;
 use crate::error::DriveError;
@@ -184,5 +184,10 @@ impl Sink for Files {
             mcap.write_transition(time_s, change)?;
         }
         Ok(())
+    }
+
+    fn notice(&mut self, event: &Map<String, Value>) -> Result<(), DriveError> {
+        let line = |event| format!("{}\n", Value::Object(event));
+        Ok(self.events.as_mut().map_or(Ok(()), |file| file.append(line(event.clone()).as_bytes()))?)
     }
 }

@@ -19,6 +19,8 @@
 //! | [`fleet`] | many drives of many cars |
 //! | [`simulated`] | simulated drives as logs hold them |
 //! | [`wheel_speeds`](wheel_speed_use) | wheel speeds under their monitor, alone or beside accelerations |
+//! | `rotation` | what turns with the wheels |
+//! | `sensor_watch` | the tires' own sensors: slow leaks, and sensors that are wrong |
 //! | `air` | what a log says of the air that cannot be |
 //! | `pulses` | tooth pulses read along with a log |
 //! | [`error`] | why there is no result |
@@ -46,7 +48,9 @@ mod provenance;
 mod pulses;
 pub mod reference;
 pub mod road;
+mod rotation;
 pub mod run;
+mod sensor_watch;
 pub mod settings;
 pub mod simulated;
 pub mod summary;
@@ -64,15 +68,16 @@ pub use drive::{Drive, Estimates, QuarterCars};
 pub use error::DriveError;
 pub use field::{FieldCheck, FieldNotes, check_field};
 pub use files::{FilePaths, Files};
-pub use itpms_analysis::report::air_to_add_kpa;
 pub use itpms_paper::EstimatorKind;
 pub use learn::{KnownDrive, LearnedVehicle, learn, learn_with};
 pub use learn_radius::{LearnedRadius, learn_radius};
 pub use pipeline::estimate_in_pipeline;
 pub use reference::Taught;
 pub use road::{LateRow, RoadTrack};
+pub use rotation::rotation_line;
 pub use run::{Done, Heights, Job, Sink, Watch, estimate};
+pub use sensor_watch::{SensorState, WatchedSensor};
 pub use settings::Settings;
 pub use summary::{corner_lines, summary_json, torsion_line, wheel_speed_lines};
-pub use suspension::{left_right_lines, suspension_lines};
+pub use suspension::{SentLoads, left_right_lines, suspension_lines};
 pub use wheel_speeds::wheel_speed_use;

@@ -1,6 +1,6 @@
 //! What is known at the end of a drive, as JSON and in lines.
 
-use itpms_analysis::report::{CornerReport, Reading, air_to_add_kpa, cold_words, found, unseen, wheel_line};
+use itpms_analysis::report::{CornerReport, Reading, cold_words, found, unseen, wheel_line};
 use itpms_core::model::{Corner, Level, PressureUnit, Warning};
 use itpms_core::torsion::TorsionChange;
 use itpms_core::wheel_speed::{SlowLeak, WheelRadius};
@@ -9,6 +9,7 @@ use serde_json::{Map, Value, json};
 
 use crate::run::{Done, Fit};
 use crate::suspension::{dampers_json, load_json};
+use crate::{rotation, sensor_watch};
 
 /// Seconds before the end for which a reading counts as the one at the end.
 const FRESH_S: f64 = 1.0;
@@ -38,8 +39,10 @@ pub fn summary_json(done: &Done, rows: u64) -> Map<String, Value> {
         ("wheel_speeds", json!(done.radii.as_ref().map(wheels_json))),
         ("torsion", json!(done.torsion.as_ref().map(torsion_json))),
         ("dampers", dampers_json(done.suspension.as_ref())),
-        ("load", load_json(done.suspension.as_ref())),
+        ("load", load_json(done.suspension.as_ref(), &done.sent_loads)),
+        ("once_per_turn", rotation::json(&done.once_per_turn)),
         ("tire_sensors_kpa", sensors_json(&done.sensors_kpa)),
+        ("tire_sensors", sensor_watch::sensors_json(&done.sensors)),
         ("alerts", alerts.json()),
         ("rows", json!(rows)),
         ("warnings", json!(concerns)),
@@ -185,7 +188,7 @@ fn corner_json(corner: &CornerReport, fit: Option<&Fit>) -> Value {
 /// What the tire would have cold, and what is to be added.
 fn cold_json(corner: &CornerReport) -> Value {
     let Some(cold) = corner.figures.cold else { return json!({ "state": "unknown" }) };
-    let add_kpa = air_to_add_kpa(&cold, corner.placard_kpa);
+    let add_kpa = cold.air_to_add_kpa(corner.placard_kpa);
     json!({
         "pressure_kpa": cold.pressure_kpa,
         "sd_kpa": cold.sd_kpa,

@@ -89,12 +89,45 @@ pub(crate) fn dampers_json(verdict: Option<&SuspensionVerdict>) -> Value {
     Value::Object(Corner::ALL.iter().zip(&verdict.dampers).map(damper).collect())
 }
 
-/// What the axles carry; null where that is not looked at.
-pub(crate) fn load_json(verdict: Option<&SuspensionVerdict>) -> Value {
-    let Some(SuspensionVerdict { load: Load { masses, state, because, .. }, .. }) = verdict else {
-        return Value::Null;
-    };
+/// Loads of front and rear axle by the car's own sensors, and what may be on them.
+#[derive(Debug, Clone, Copy)]
+pub struct SentLoads {
+    /// What was sent last, in kg; NaN: nothing.
+    pub axle_kg: [f64; 2],
+    /// The vehicle file's `gross_axle_kg`.
+    pub gross_axle_kg: Option<[f64; 2]>,
+}
+
+impl SentLoads {
+    /// Whether an axle carries more than it may.
+    fn is_over(&self) -> bool {
+        self.gross_axle_kg
+            .is_some_and(|gross| self.axle_kg.iter().zip(gross).any(|(sent, gross)| *sent > gross))
+    }
+
+    /// That in a line, where anything was sent.
+    #[must_use]
+    pub fn line(&self) -> Option<String> {
+        let one = |(name, kg): (&str, f64)| kg.is_finite().then(|| format!("{name} axle {kg:.0} kg"));
+        let axles: Vec<String> = ["front", "rear"].into_iter().zip(self.axle_kg).filter_map(one).collect();
+        let over = if self.is_over() { ": OVERLOAD" } else { "" };
+        (!axles.is_empty()).then(|| format!("load by the car's own sensors: {}{over}", axles.join(", ")))
+    }
+}
+
+/// What the axles carry; null where that is not looked at, and nothing was sent.
+pub(crate) fn load_json(verdict: Option<&SuspensionVerdict>, sent: &SentLoads) -> Value {
     let mut object = Map::new();
+    if sent.line().is_some() {
+        let [front, rear] = sent.axle_kg.map(|kg| Some(kg).filter(|kg| kg.is_finite()));
+        object.insert(
+            "sent".to_owned(),
+            json!({ "front_axle_kg": front, "rear_axle_kg": rear, "overload": sent.is_over() }),
+        );
+    }
+    let Some(SuspensionVerdict { load: Load { masses, state, because, .. }, .. }) = verdict else {
+        return if object.is_empty() { Value::Null } else { Value::Object(object) };
+    };
     let of = |of: fn(&Masses) -> Measured| masses.as_ref().map(of);
     measured(&mut object, "front_axle_kg", "front_axle_sd_kg", of(|masses| masses.axles_kg[0]));
     measured(&mut object, "rear_axle_kg", "rear_axle_sd_kg", of(|masses| masses.axles_kg[1]));

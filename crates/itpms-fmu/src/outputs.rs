@@ -4,7 +4,6 @@ use itpms_core::CornerEstimate;
 use itpms_core::model::Warning;
 use itpms_core::warning::{Doubt, MonitorReport, WheelState};
 use itpms_data::Vehicle;
-use itpms_drive::air_to_add_kpa;
 
 /// What the tire would have cold, with its standard deviation, in kPa.
 pub(crate) fn cold_pressure(estimate: &CornerEstimate<f64>) -> [f64; 2] {
@@ -15,7 +14,7 @@ pub(crate) fn cold_pressure(estimate: &CornerEstimate<f64>) -> [f64; 2] {
 pub(crate) fn cold_add(estimate: Option<&CornerEstimate<f64>>, placard_kpa: f64) -> [f64; 2] {
     let cold = estimate.filter(|estimate| estimate.validity.is_valid()).and_then(|estimate| estimate.cold);
     let Some(cold) = cold else { return [f64::NAN, 0.0] };
-    air_to_add_kpa(&cold, placard_kpa).map_or([f64::NAN, 1.0], |kpa| [kpa, 2.0])
+    cold.air_to_add_kpa(placard_kpa).map_or([f64::NAN, 1.0], |kpa| [kpa, 2.0])
 }
 
 pub(crate) fn state(state: WheelState) -> f64 {

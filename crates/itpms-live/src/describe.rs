@@ -1,6 +1,5 @@
 //! What is known of the car, put into the words and numbers of a snapshot. Called by the engine; decides nothing.
 
-use itpms_analysis::report::air_to_add_kpa;
 use itpms_core::model::{Corner, Level};
 use itpms_core::warning::{Cause, Doubt, MonitorReport, WheelState};
 use itpms_data::Vehicle;
@@ -84,7 +83,7 @@ fn wheel(drive: &Drive, vehicle: &Vehicle, corner: Corner) -> Option<Wheel> {
         cold_add_kpa: estimate
             .cold
             .filter(|_| estimate.validity.is_valid())
-            .and_then(|cold| air_to_add_kpa(&cold, placard_kpa)),
+            .and_then(|cold| cold.air_to_add_kpa(placard_kpa)),
         lost_share: None,
         lost_share_sd: None,
         detectable_loss: None,

@@ -173,6 +173,11 @@ impl Sink for Kept {
         self.transitions.push(Value::Object(transition_object(time_s, change)));
         Ok(())
     }
+
+    fn notice(&mut self, event: &serde_json::Map<String, Value>) -> Result<(), DriveError> {
+        self.transitions.push(Value::Object(event.clone()));
+        Ok(())
+    }
 }
 
 /// What was found in a drive.

@@ -281,3 +281,82 @@ fn what_is_not_as_it_was_written_is_estimated_again_and_odd_names_are_harmless()
     assert!(again.stderr.contains("drives.jsonl: 1 line damaged"), "{again:?}");
     assert_eq!(bench.read("out/fleet.csv"), fleet);
 }
+
+/// Cars that are not quite as their file says, on one road.
+const ROAD_CARS: [(&str, f64, &str); 3] = [
+    ("ada", 64.0, "tire_stiffness_factor = 1.08\nunsprung_mass_factor = 0.95\nspring_factor = 1.1\n"),
+    ("bob", 72.0, "tire_stiffness_factor = 0.93\nsprung_mass_factor = 1.1\n"),
+    ("cyd", 83.0, "unsprung_mass_factor = 1.07\ndamping_factor = 1.15\nspring_factor = 0.9\n"),
+];
+
+/// Their drives, a folder a car; 1100 m due north-east, a position a second.
+fn cars_on_one_road() -> Bench {
+    let bench = Bench::new();
+    for (car, km_h, truth) in ROAD_CARS {
+        fs::create_dir_all(bench.path(&format!("logs/{car}"))).unwrap();
+        let corners: String = ["fl", "fr", "rl", "rr"]
+            .map(|corner| {
+                format!("[corner.{corner}]\npressure.constant_kpa = 241.3\n[corner.{corner}.truth]\n{truth}")
+            })
+            .concat();
+        bench.write(
+            "road.toml",
+            format!(
+                "name = \"road\"\nduration_s = {}\nrate_hz = 200.0\nsettle_s = 5.0\nwheelbase_m = 2.7\n[speed]\nconstant_km_h = {km_h}\n\
+                 [road.surface.segments]\nafter_last = \"repeat\"\nlist = [{{ length_m = 150.0, roughness = \"A\", slope = 2.0 }}, {{ length_m = 120.0, roughness = \"B\", slope = 2.0 }}, \
+                 {{ length_m = 100.0, roughness = 30e-6, slope = 2.0 }}]\n[sensor]\nnoise_m_s2 = 0.05\n[car]\n{corners}",
+                3960.0 / km_h
+            ),
+        );
+        bench.run("--quiet simulate road.toml --seed 9 -o drive.csv --vehicle-out car.toml").success();
+        let m_s = km_h / 3.6;
+        bench.edit_drive(|line, cells| {
+            let way_m = m_s * cells[0].parse::<f64>().unwrap_or(0.0);
+            let degrees = |share: f64| format!("{:.8}", share + 0.707 * way_m / 111_195.0);
+            cells.extend(match (line, line % 200) {
+                (1, _) => ["latitude_deg".to_owned(), "longitude_deg".to_owned()],
+                (_, 2) => [degrees(0.01), degrees(0.01)],
+                _ => [String::new(), String::new()],
+            });
+        });
+        bench.write(&format!("logs/{car}/drive.csv"), bench.read("drive.csv"));
+    }
+    bench
+}
+
+#[test]
+fn the_roads_of_a_fleet_are_one_map_with_a_factor_for_each_car() {
+    let bench = cars_on_one_road();
+    let line = "--quiet fleet logs/**/*.csv --vehicle car.toml --vehicle-dir cars --out out";
+    fs::create_dir_all(bench.path("cars")).unwrap();
+    for (car, ..) in ROAD_CARS {
+        bench.write(&format!("cars/{car}.toml"), bench.read("car.toml"));
+    }
+    let line = line.replace("--vehicle car.toml ", "");
+    // Nobody has asked for it.
+    bench.run(&line).success();
+    assert!(!bench.path("out/road.geojson").exists());
+    assert!(
+        !bench.read("out/index.html").contains("id=\"roads\"")
+            && !bench.read("out/drives.jsonl").contains("\"road\"")
+    );
+    bench.run(&format!("{line} --map")).success();
+    let page = bench.read("out/index.html");
+    // Nothing is asked of a network.
+    let page = page.replace("http://www.w3.org/2000/svg", "");
+    assert!(page.contains("id=\"roads\"") && !page.contains("http:") && !page.contains("https:"));
+    let road: Value = serde_json::from_str(&bench.read("out/road.geojson")).unwrap();
+    let factors: Vec<f64> =
+        road["cars"].as_array().unwrap().iter().map(|car| car["factor"].as_f64().unwrap()).collect();
+    let between = road["between_cars"].as_f64().unwrap();
+    assert_eq!(factors.len(), 3);
+    assert!(between < 0.03, "{between} {factors:?}");
+    let mean = factors.iter().map(|factor| factor.ln()).sum::<f64>() / 3.0;
+    assert!(mean.abs() < 1e-6, "{factors:?}");
+    let cells = road["features"].as_array().unwrap();
+    let shared = cells.iter().filter(|cell| cell["properties"]["cars"] == 3).count();
+    assert!(shared > 30, "{shared} of {}", cells.len());
+    // Without it again the page has none.
+    bench.run(&line).success();
+    assert!(!bench.read("out/index.html").contains("id=\"roads\""));
+}

@@ -4,15 +4,6 @@
 
 use itpms_core::model::{ColdPressure, PressureUnit};
 
-/// Less than this many kPa short is not worth a pump.
-const WORTH_KPA: f64 = 5.0;
-
-/// Air that a tire lacks, in kPa, to have its placard pressure cold; `None` where that is less than its standard deviation or hardly any.
-pub fn air_to_add_kpa(cold: &ColdPressure<f64>, placard_kpa: f64) -> Option<f64> {
-    let short_kpa = placard_kpa - cold.pressure_kpa;
-    (short_kpa > cold.sd_kpa.max(WORTH_KPA)).then_some(short_kpa)
-}
-
 /// As people read it: `218 cold at -10 C`, and `add 22` where that is so.
 pub fn cold_words(
     cold: &ColdPressure<f64>,
@@ -20,7 +11,7 @@ pub fn cold_words(
     unit: PressureUnit,
 ) -> (String, Option<String>) {
     let at = format!("{} cold at {:.0} C", unit.number(cold.pressure_kpa, 0), cold.ambient_temperature_c);
-    (at, air_to_add_kpa(cold, placard_kpa).map(|kpa| format!("add {}", unit.number(kpa, 0))))
+    (at, cold.air_to_add_kpa(placard_kpa).map(|kpa| format!("add {}", unit.number(kpa, 0))))
 }
 
 #[cfg(test)]

@@ -271,6 +271,7 @@ impl ReportCollector {
             watch,
             wheel_speeds,
             suspension: None,
+            once_per_turn: [None; 4],
             not_estimated: Vec::new(),
             concerns: Vec::new(),
             pressure_unit: options.pressure_unit,

@@ -36,7 +36,7 @@ pub(super) fn page(data: &ReportData) -> io::Result<String> {
     let headline = escape(&title(data));
     let curves = json::curves(data)?;
     let (roads, wheels, parameters) = (roads_section(data), wheels::section(data), parameters::section(data));
-    let suspension = suspension::section(data);
+    let suspension = suspension::section(data) + &suspension::once_per_turn(data);
     let parts: [(&str, String); 22] = [
         (
             "contents",

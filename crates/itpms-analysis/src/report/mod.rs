@@ -25,7 +25,7 @@ mod wheels;
 mod witness;
 mod words;
 
-pub use cold::{air_to_add_kpa, cold_words};
+pub use cold::cold_words;
 pub use collector::{CornerRow, ReportCollector, ReportOptions};
 pub use figures::{CornerFigures, DriveFigures, Reading, TruthFigures};
 pub use html::{PLOT_LICENSE, PLOT_SCRIPT, PLOT_STYLE};
@@ -40,6 +40,7 @@ use std::io;
 use itpms_core::model::{Corner, CornerConfig, Level, PressureUnit};
 use itpms_core::warning::WheelState;
 
+use crate::rotation::OncePerTurn;
 use crate::spectrum::RoadFit;
 use crate::suspension::SuspensionVerdict;
 
@@ -85,6 +86,8 @@ pub struct ReportData {
     pub wheel_speeds: Option<WheelSpeedReport>,
     /// Dampers and load; `None` where not all four corners are measured.
     pub suspension: Option<SuspensionVerdict>,
+    /// What turns with the wheels, in the order of [`Corner::ALL`].
+    pub once_per_turn: [Option<OncePerTurn>; 4],
 }
 
 #[derive(Debug, Clone)]

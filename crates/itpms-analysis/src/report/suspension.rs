@@ -10,6 +10,7 @@ use itpms_core::model::Corner;
 use super::ReportData;
 use super::words::corner_name;
 use crate::page::whole_percent;
+use crate::rotation::OncePerTurn;
 use crate::suspension::{
     Because, DamperHealth, DamperState, Load, LoadState, Masses, Measured, SuspensionVerdict,
 };
@@ -43,6 +44,34 @@ pub(super) fn section(data: &ReportData) -> String {
     load_card(&mut out, &verdict.load);
     let _ = writeln!(out, "</div>{}</section>", axles_apart(&verdict.dampers));
     out
+}
+
+/// What turns with the wheels, a row each; empty where nothing stands out of the road.
+pub(super) fn once_per_turn(data: &ReportData) -> String {
+    let measured = |of: Option<Measured>| {
+        of.map_or_else(|| "–".to_owned(), |of| format!("{:.0} ± {:.0}", of.value, of.sd))
+    };
+    let row = |(corner, one): (Corner, &Option<OncePerTurn>)| {
+        let one = one.as_ref().filter(|one| one.force_n.is_some())?;
+        let turns = one.at_rad_per_s / std::f64::consts::TAU;
+        let rise = measured(one.rise.map(|(rise, _)| rise));
+        let name = corner_name(corner);
+        Some(format!(
+            "<tr><th scope=\"row\">{name}</th><td>{}</td><td>{turns:.1}</td><td>{}</td><td>{rise}</td></tr>\n",
+            measured(one.force_n),
+            measured(one.imbalance_g)
+        ))
+    };
+    let rows: Vec<String> = Corner::ALL.into_iter().zip(&data.once_per_turn).filter_map(row).collect();
+    if rows.is_empty() {
+        return String::new();
+    }
+    format!(
+        "<section id=\"rotation\"><h2>What turns with the wheels</h2><div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Forces once per turn\"><table class=\"numbers\"><thead><tr><th scope=\"col\" class=\"words\">Wheel</th>\
+         <th scope=\"col\">Force once per turn, N</th><th scope=\"col\">At turns per s</th><th scope=\"col\">Imbalance, g at 0.2 m</th><th scope=\"col\">Risen in this drive, N</th></tr></thead><tbody>\n{}</tbody></table></div>\
+         <p class=\"note\">Amplitude of the force on the wheel, from an imbalance and a tire that is not round together; the imbalance alone is known where the speed was swept.</p></section>\n",
+        rows.concat()
+    )
 }
 
 fn quiet(says: &str) -> String {

@@ -30,6 +30,8 @@ const STYLE: &str = "
 .road-map .smooth, .key .smooth { stroke: var(--fine); } .road-map .fair, .key .fair { stroke: var(--estimate); }
 .road-map .rough, .key .rough { stroke: var(--warn); } .road-map .bad, .key .bad { stroke: var(--low); stroke-width: 7; }
 .road-map .spot, .key .spot { fill: var(--panel); stroke: var(--ink); stroke-width: 2; }
+.road-map rect { fill: var(--quiet); } .road-map rect.smooth { fill: var(--fine); } .road-map rect.fair { fill: var(--estimate); }
+.road-map rect.rough { fill: var(--warn); } .road-map rect.bad { fill: var(--low); }
 .road-map text { font-size: 14px; fill: var(--soft); }
 .road-map .scale { fill: none; stroke: var(--soft); stroke-width: 2; }
 .key { list-style: none; display: flex; flex-wrap: wrap; gap: 4px 20px; margin: 10px 0 0; padding: 0; font-size: 14px; color: var(--soft); }
@@ -112,6 +114,68 @@ pub fn map_page(name: &str, about: &str, map: &Value) -> String {
     figures_page(&format!("The road of {name}"), STYLE, content)
 }
 
+/// A square of road.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MapCell {
+    /// Its corners, longitude first, in degrees: south-west and north-east.
+    pub corners_deg: [[f64; 2]; 2],
+    /// Its roughness in m/km.
+    pub iri_m_per_km: f64,
+    /// What it is, in words.
+    pub title: String,
+}
+
+/// Style of the [`cells_picture`].
+pub const MAP_STYLE: &str = STYLE;
+
+/// Squares of road from above, by roughness, with a key; empty where there are none.
+#[must_use]
+pub fn cells_picture(cells: &[MapCell]) -> String {
+    let all: Vec<[f64; 2]> = cells.iter().flat_map(|cell| cell.corners_deg).collect();
+    let Some(to) = Projection::of(&all) else { return String::new() };
+    let mut out = format!(
+        "<figure><svg class=\"road-map\" viewBox=\"0 0 {WIDTH} {:.0}\" role=\"img\" aria-label=\"Roads from above, north up: {} squares by roughness\">\n",
+        to.height,
+        cells.len()
+    );
+    for cell in cells {
+        let [[x0, y1], [x1, y0]] = cell.corners_deg.map(|corner| to.at(corner));
+        // Squares that are hardly a point are drawn as one that can be seen.
+        let grown = (0.5 * (LEAST_SQUARE - (x1 - x0))).max(0.0);
+        let _ = writeln!(
+            out,
+            "<rect class=\"{}\" x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\"><title>{}</title></rect>",
+            class(cell.iri_m_per_km),
+            x0 - grown,
+            y0 - grown,
+            x1 - x0 + 2.0 * grown,
+            y1 - y0 + 2.0 * grown,
+            escape(&cell.title)
+        );
+    }
+    out.push_str(&scale(&to));
+    out.push_str("</svg>\n<ul class=\"key\" aria-label=\"Key\">");
+    roughness_key(&mut out);
+    out.push_str("</ul><figcaption>North is up.</figcaption></figure>\n");
+    out
+}
+
+/// Side of the smallest square of a picture.
+const LEAST_SQUARE: f64 = 6.0;
+
+fn class(iri: f64) -> &'static str {
+    CLASSES.iter().find(|(to, ..)| iri < *to).map_or("", |(_, class, _)| class)
+}
+
+fn roughness_key(out: &mut String) {
+    for (_, class, words) in CLASSES {
+        let _ = write!(
+            out,
+            "<li><svg width=\"26\" height=\"10\" aria-hidden=\"true\"><path class=\"{class}\" d=\"M2 5H24\"/></svg>IRI {words}</li>"
+        );
+    }
+}
+
 fn picture(to: &Projection, lines: &[(&Value, Vec<[f64; 2]>)], spots: &[(&Value, [f64; 2])]) -> String {
     let mut out = format!(
         "<figure><svg class=\"road-map\" viewBox=\"0 0 {WIDTH} {:.0}\" role=\"img\" aria-label=\"The road from above, north up: \
@@ -124,7 +188,7 @@ fn picture(to: &Projection, lines: &[(&Value, Vec<[f64; 2]>)], spots: &[(&Value,
         let points: Vec<String> =
             line.iter().map(|at| to.at(*at)).map(|[x, y]| format!("{x:.1},{y:.1}")).collect();
         let iri = number(about, "iri_m_per_km");
-        let class = CLASSES.iter().find(|(to, ..)| iri < *to).map_or("", |(_, class, _)| class);
+        let class = class(iri);
         let says = if iri.is_finite() { format!("{iri:.2} m/km") } else { "not known".to_owned() };
         let _ = writeln!(
             out,
@@ -149,12 +213,7 @@ fn picture(to: &Projection, lines: &[(&Value, Vec<[f64; 2]>)], spots: &[(&Value,
     }
     out.push_str(&scale(to));
     out.push_str("</svg>\n<ul class=\"key\" aria-label=\"Key\">");
-    for (_, class, words) in CLASSES {
-        let _ = write!(
-            out,
-            "<li><svg width=\"26\" height=\"10\" aria-hidden=\"true\"><path class=\"{class}\" d=\"M2 5H24\"/></svg>IRI {words}</li>"
-        );
-    }
+    roughness_key(&mut out);
     for (is_hole, word) in [(true, "hole"), (false, "bump")] {
         let _ = write!(
             out,

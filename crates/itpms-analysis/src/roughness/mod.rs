@@ -33,7 +33,7 @@ pub(crate) use cells::{Cells, undo_cells};
 pub use even::{EvenError, EvenProfile};
 pub use geojson::geojson;
 pub use golden_car::{Enveloping, GoldenCar, SpacingError, iri_m_per_km, segment_iri_m_per_km, share_of_iri};
-pub use map::map_page;
+pub use map::{MAP_STYLE, MapCell, cells_picture, map_page};
 pub use place::Way;
 pub use survey::{
     Sampling, SegmentRoughness, SurveyError, SurveyOptions, TooLittle, TrackRoughness, TrackSurvey,

@@ -240,6 +240,17 @@ pub struct ColdPressure<T> {
     pub ambient_temperature_c: T,
 }
 
+/// Less than this many kPa short is not worth a pump.
+const WORTH_KPA: f64 = 5.0;
+
+impl<T: Real> ColdPressure<T> {
+    /// Air in kPa that the tire lacks to have its placard pressure cold; `None` where that is less than its standard deviation or hardly any.
+    pub fn air_to_add_kpa(&self, placard_kpa: T) -> Option<T> {
+        let short_kpa = placard_kpa - self.pressure_kpa;
+        (short_kpa > self.sd_kpa && short_kpa > T::lit(WORTH_KPA)).then_some(short_kpa)
+    }
+}
+
 /// How an estimate came about.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -4,7 +4,8 @@
 
 use std::collections::HashMap;
 
-use super::{Dbc, DbcProblem, Message, NoValue, candidates, of_candidate};
+use super::truck::{Beyond, How};
+use super::{Dbc, DbcProblem, Message, NoValue, candidates, compound_of, of_candidate};
 use crate::can::{CanFrame, CanId, FrameKind};
 use crate::error::DataError;
 use crate::log::Slot;
@@ -24,6 +25,8 @@ pub struct FrameCounts {
     pub other_bus: u64,
     /// Used parameter groups of SAE J1939 that came from another source address than the first time; not decoded.
     pub other_sender: u64,
+    /// Frames of SAE J1939 with a wheel or a tire that no car of two axles with a tire on each side has; that one is left out.
+    pub further_wheel: u64,
     pub without_data: u64,
     /// Values sent as not available (`SNA`, SAE J1939), handed on as NaN.
     pub not_available: u64,
@@ -43,6 +46,7 @@ pub struct Decoder {
 struct Wanted {
     message: Message,
     signals: Vec<Carried>,
+    beyond: Beyond,
     /// Where the message was seen first. The same identifier on another bus may be something else, or a gateway's copy; in either case it
     /// is no second sensor. The same goes for a parameter group of SAE J1939 from a second sender, unless the description names that one.
     first: Option<(u16, CanId)>,
@@ -52,6 +56,7 @@ struct Wanted {
 #[derive(Debug, Clone)]
 struct Carried {
     place: usize,
+    how: Option<How>,
     slot: Slot,
     conversion: Conversion,
     /// Values that were an end of the raw numbers, and the last of them.
@@ -75,10 +80,17 @@ impl Decoder {
         let mut wanted: HashMap<CanId, Wanted> = HashMap::new();
         for chosen in resolved.iter() {
             if let Some((message, place)) = of_candidate(&dbc, chosen.candidate) {
-                let fresh = || Wanted { message: message.clone(), signals: Vec::new(), first: None };
+                let fresh = || Wanted {
+                    message: message.clone(),
+                    signals: Vec::new(),
+                    beyond: Beyond::of(message),
+                    first: None,
+                };
+                let how = compound_of(&dbc, chosen.candidate).map(|compound| compound.how);
                 let entry = wanted.entry(message.id).or_insert_with(fresh);
                 entry.signals.extend(message.layouts_of(place).map(|place| Carried {
                     place,
+                    how,
                     slot: chosen.slot,
                     conversion: chosen.conversion,
                     ends: (0, 0),
@@ -166,14 +178,41 @@ impl Decoder {
         self.counts.used += 1;
         let data = frame.data();
         let mut short = false;
-        for Carried { place, slot, conversion, ends } in &mut wanted.signals {
+        let mut further = wanted.beyond.has_speed(&wanted.message, data);
+        let mut tire = None;
+        for Carried { place, how, slot, conversion, ends } in &mut wanted.signals {
+            let mut plus = 0.0;
+            match how {
+                None => {}
+                Some(How::Plus(axle)) => {
+                    let Some(axle_speed) = number(&wanted.message, *axle, data) else { continue };
+                    plus = axle_speed;
+                }
+                Some(How::At(location, corner)) => {
+                    let here = *tire.get_or_insert_with(|| {
+                        let raw = wanted.message.raw(*location, data)?;
+                        let is_known = !wanted.message.signals[*location].is_not_available(raw);
+                        is_known.then(|| wanted.beyond.corner(raw).map_err(|()| further = true).ok()?)?
+                    });
+                    if here != Some(*corner) {
+                        continue;
+                    }
+                }
+                Some(How::OnAxle(location, axle)) => {
+                    let raw = wanted.message.raw(*location, data).unwrap_or(u64::MAX);
+                    further |= raw >> 4 > 1 && raw < 0xFB;
+                    if raw != *axle << 4 {
+                        continue;
+                    }
+                }
+            }
             let Some(signal) = wanted.message.signals.get(*place) else { continue };
             let Some(raw) = wanted.message.raw(*place, data) else {
                 short |= signal.raw(data).is_none();
                 continue;
             };
             let value = match signal.no_value(raw) {
-                None => conversion.apply(signal.physical(raw)),
+                None => conversion.apply(signal.physical(raw) + plus),
                 Some(NoValue::Stated) => {
                     self.counts.not_available += 1;
                     f64::NAN
@@ -188,5 +227,12 @@ impl Decoder {
             found(Reading { time_s: frame.time_s, slot, value });
         }
         self.counts.short += u64::from(short);
+        self.counts.further_wheel += u64::from(further);
     }
+}
+
+/// The physical value of a signal in these data, NaN where it is sent as none.
+fn number(message: &Message, place: usize, data: &[u8]) -> Option<f64> {
+    let (raw, signal) = (message.raw(place, data)?, message.signals.get(place)?);
+    Some(if signal.is_not_available(raw) { f64::NAN } else { signal.physical(raw) })
 }

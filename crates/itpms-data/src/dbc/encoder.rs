@@ -4,7 +4,7 @@
 //! frames of a row have its time, and every message goes with every row: the description's cycle times are not imitated,
 //! for a slower cycle would throw measurements away.
 
-use super::{Dbc, Message, candidates, of_candidate};
+use super::{Dbc, Message, of_candidate, own_candidates};
 use crate::can::{CanFrame, Direction, FrameKind};
 use crate::error::DataError;
 use crate::log::{LogColumns, LogRow, Slot};
@@ -39,7 +39,7 @@ impl Encoder {
     /// Decides which signals carry these columns, as a decoder would find them.
     /// Errors: the map does not fit the description; see [`resolve`].
     pub fn new(dbc: &Dbc, map: Option<&SignalMap>, columns: &LogColumns) -> Result<Self, DataError> {
-        let resolved = resolve(&candidates(dbc), map)?;
+        let resolved = resolve(&own_candidates(dbc).collect::<Vec<_>>(), map)?;
         let mut outgoing: Vec<Outgoing> = Vec::new();
         let mut left_out = Vec::new();
         for slot in columns.slots().filter(|slot| *slot != Slot::Time) {

@@ -70,6 +70,26 @@ impl PositionField {
     }
 }
 
+/// What the car's own axle load sensors say, with the unsprung masses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum AxleField {
+    /// On the front axle.
+    Front,
+    /// On the rear axle.
+    Rear,
+}
+
+impl AxleField {
+    pub(crate) const ALL: [AxleField; 2] = [AxleField::Front, AxleField::Rear];
+
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            AxleField::Front => "front_axle_kg",
+            AxleField::Rear => "rear_axle_kg",
+        }
+    }
+}
+
 /// Whether a log says where the car was, and whether what is written of the log may say it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum PositionColumns {

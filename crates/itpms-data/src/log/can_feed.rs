@@ -95,6 +95,10 @@ impl CanFeed {
                 counts.other_sender,
                 "frames of wanted J1939 messages came from another source address than the first and were left out",
             ),
+            (
+                counts.further_wheel,
+                "frames have wheels or tires of a third axle, or two tires on a side, which are not read: expected two axles with a tire on each side (SAE J1939 locations 0x00, 0x01, 0x10, 0x11)",
+            ),
             (counts.not_available, "values were sent as not available"),
             (
                 self.echoes.count,

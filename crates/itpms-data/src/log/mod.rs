@@ -78,7 +78,7 @@ mod units;
 mod vbox;
 mod wide;
 
-pub use around::{AirColumns, AirField, PositionColumns, PositionField};
+pub use around::{AirColumns, AirField, AxleField, PositionColumns, PositionField};
 #[cfg(feature = "can")]
 pub(crate) use bus::attached;
 #[cfg(feature = "can")]

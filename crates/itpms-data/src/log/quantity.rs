@@ -13,6 +13,8 @@ pub(crate) enum Quantity {
     Rotation,
     Temperature,
     Angle,
+    /// In kg.
+    Mass,
     /// 0 or 1.
     Switch,
 }
@@ -34,6 +36,7 @@ impl Quantity {
             Slot::Air(AirField::Pressure) => Quantity::Pressure,
             Slot::Air(AirField::Altitude) => Quantity::Length,
             Slot::Position(_) => Quantity::Angle,
+            Slot::Axle(_) => Quantity::Mass,
         }
     }
 
@@ -47,6 +50,7 @@ impl Quantity {
             Quantity::Rotation => "rad/s",
             Quantity::Temperature => "degC",
             Quantity::Angle => "deg",
+            Quantity::Mass => "kg",
             Quantity::Switch => "1",
         }
     }
@@ -62,6 +66,7 @@ impl Quantity {
             Quantity::Rotation => "a speed of rotation",
             Quantity::Temperature => "a temperature",
             Quantity::Angle => "an angle",
+            Quantity::Mass => "a mass",
             Quantity::Switch => "0 or 1",
         }
     }
@@ -77,6 +82,7 @@ impl Quantity {
             Quantity::Rotation => "rad/s, deg/s or rpm",
             Quantity::Temperature => "degC, K or degF",
             Quantity::Angle => "deg or rad",
+            Quantity::Mass => "kg, t or lb",
             Quantity::Switch => "1",
         }
     }

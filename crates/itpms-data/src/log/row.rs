@@ -3,7 +3,7 @@
 use itpms_core::model::{Air, CarSample, Corner, CornerSample, Sample};
 use itpms_core::wheel_speed::WheelSpeedSample;
 
-use super::around::{AirColumns, AirField, PositionColumns, PositionField};
+use super::around::{AirColumns, AirField, AxleField, PositionColumns, PositionField};
 use super::slot::{Field, Motion, SLOTS, Slot};
 
 /// Which columns a drive log has besides `time_s`.
@@ -39,6 +39,8 @@ pub struct MotionColumns {
     pub air: AirColumns,
     /// Whether `latitude_deg` and `longitude_deg` are there.
     pub position: PositionColumns,
+    /// Whether `front_axle_kg` and `rear_axle_kg` are there.
+    pub axles: [bool; 2],
 }
 
 impl MotionColumns {
@@ -60,6 +62,7 @@ impl MotionColumns {
                 [true, true] => PositionColumns::Private,
                 _ => PositionColumns::Absent,
             },
+            axles: AxleField::ALL.map(|field| has(Slot::Axle(field))),
         }
     }
 
@@ -124,6 +127,7 @@ impl LogColumns {
             Slot::Motion(motion) => self.motion.has(motion),
             Slot::Air(field) => self.motion.air.has(field),
             Slot::Position(_) => self.motion.position != PositionColumns::Absent,
+            Slot::Axle(field) => self.motion.axles[field as usize],
         }
     }
 
@@ -193,6 +197,8 @@ pub struct LogMotion {
     pub air: Air<f64>,
     /// Latitude and longitude in degrees, north and east positive, in a row where they were sent, or held.
     pub position_deg: [f64; 2],
+    /// What front and rear axle carry in kg by the car's own sensors, in a row where that was sent, or held.
+    pub axle_kg: [f64; 2],
 }
 
 impl LogMotion {
@@ -207,6 +213,7 @@ impl LogMotion {
         tire_sensor_c: [f64::NAN; 4],
         air: Air { ambient_temperature_c: f64::NAN, barometric_kpa: f64::NAN, altitude_m: f64::NAN },
         position_deg: [f64::NAN; 2],
+        axle_kg: [f64::NAN; 2],
     };
 
     /// The row at `time_s` for radius analysis; speeds of rotation are those of wheels with this rolling radius in m.
@@ -274,6 +281,7 @@ impl LogRow {
                 altitude_m: of(Slot::Air(AirField::Altitude)),
             },
             position_deg: PositionField::ALL.map(|field| of(Slot::Position(field))),
+            axle_kg: AxleField::ALL.map(|field| of(Slot::Axle(field))),
         };
         Self { time_s: raw[Slot::Time.index()], speed_m_s: raw[Slot::Speed.index()], corners, motion }
     }
@@ -294,6 +302,7 @@ impl LogRow {
             Slot::Air(AirField::Pressure) => self.motion.air.barometric_kpa,
             Slot::Air(AirField::Altitude) => self.motion.air.altitude_m,
             Slot::Position(field) => self.motion.position_deg[field as usize],
+            Slot::Axle(field) => self.motion.axle_kg[field as usize],
             Slot::Corner(corner, field) => {
                 let of = |value: fn(&LogCorner) -> f64| {
                     self.corners[corner.index()].as_ref().map_or(f64::NAN, value)

@@ -2,7 +2,7 @@
 
 use itpms_core::model::Corner;
 
-use super::around::{AirField, PositionField};
+use super::around::{AirField, AxleField, PositionField};
 
 /// One quantity of one corner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -91,13 +91,16 @@ pub enum Slot {
     Air(AirField),
     /// `latitude_deg` and `longitude_deg`.
     Position(PositionField),
+    /// `front_axle_kg` and `rear_axle_kg`.
+    Axle(AxleField),
 }
 
 /// Number of columns that mean something.
-pub const SLOTS: usize = OF_POSITION + PositionField::ALL.len();
+pub const SLOTS: usize = OF_AXLES + AxleField::ALL.len();
 const OF_MOTION: usize = 2 + 4 * Field::ALL.len();
 const OF_AIR: usize = OF_MOTION + Motion::ALL.len();
 const OF_POSITION: usize = OF_AIR + AirField::ALL.len();
+const OF_AXLES: usize = OF_POSITION + PositionField::ALL.len();
 
 /// The values of one row, by [`Slot::index`]; NaN where missing.
 pub(crate) type RawRow = [f64; SLOTS];
@@ -109,7 +112,12 @@ impl Slot {
             Corner::ALL.into_iter().flat_map(|c| Field::ALL.into_iter().map(move |f| Slot::Corner(c, f)));
         let car = Motion::ALL.map(Slot::Motion).into_iter().chain(AirField::ALL.map(Slot::Air));
         let position = PositionField::ALL.map(Slot::Position);
-        [Slot::Time, Slot::Speed].into_iter().chain(corners).chain(car).chain(position)
+        [Slot::Time, Slot::Speed]
+            .into_iter()
+            .chain(corners)
+            .chain(car)
+            .chain(position)
+            .chain(AxleField::ALL.map(Slot::Axle))
     }
 
     /// Its place in [`Slot::all`].
@@ -121,6 +129,7 @@ impl Slot {
             Slot::Motion(motion) => OF_MOTION + motion as usize,
             Slot::Air(field) => OF_AIR + field as usize,
             Slot::Position(field) => OF_POSITION + field as usize,
+            Slot::Axle(field) => OF_AXLES + field as usize,
         }
     }
 
@@ -132,6 +141,7 @@ impl Slot {
             Slot::Motion(motion) => motion.name().to_owned(),
             Slot::Air(field) => field.name().to_owned(),
             Slot::Position(field) => field.name().to_owned(),
+            Slot::Axle(field) => field.name().to_owned(),
         }
     }
 
@@ -142,7 +152,7 @@ impl Slot {
     /// Whether it comes seldom, and when its sensor likes: of a tire's own sensor, with every minute or less, of the air, and of where
     /// the car is.
     pub(crate) fn is_sparse(self) -> bool {
-        self.is_tire_sensor() || matches!(self, Slot::Air(_) | Slot::Position(_))
+        self.is_tire_sensor() || matches!(self, Slot::Air(_) | Slot::Position(_) | Slot::Axle(_))
     }
 
     pub(crate) fn is_tire_sensor(self) -> bool {

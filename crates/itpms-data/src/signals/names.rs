@@ -6,7 +6,7 @@
 
 use itpms_core::model::Corner;
 
-use crate::log::{AirField, Field, Motion, PositionField, Slot};
+use crate::log::{AirField, AxleField, Field, Motion, PositionField, Slot};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Fit {
@@ -46,6 +46,16 @@ enum Word {
     Gps,
     Latitude,
     Longitude,
+    Axle,
+    /// Of a second rear axle and so on.
+    FurtherAxle,
+    /// Against another speed.
+    Relative,
+    Location,
+    /// On an axle.
+    Weight,
+    /// A vehicle's speed that is based on its wheels'.
+    Based,
     /// As a group's name: what other instruments have measured.
     Reference,
     /// A unit in which nothing but a speed over ground is given, so that of a corner it is its wheel's.
@@ -60,7 +70,7 @@ enum Word {
 }
 
 #[rustfmt::skip]
-const WORDS: [(&str, Word); 197] = [
+const WORDS: [(&str, Word); 211] = [
     ("fl", Word::Corner(Corner::FrontLeft)), ("lf", Word::Corner(Corner::FrontLeft)), ("vl", Word::Corner(Corner::FrontLeft)),
     ("fr", Word::Corner(Corner::FrontRight)), ("rf", Word::Corner(Corner::FrontRight)), ("vr", Word::Corner(Corner::FrontRight)),
     ("rl", Word::Corner(Corner::RearLeft)), ("lr", Word::Corner(Corner::RearLeft)), ("hl", Word::Corner(Corner::RearLeft)),
@@ -84,6 +94,9 @@ const WORDS: [(&str, Word); 197] = [
     ("air", Word::Air), ("luft", Word::Air), ("atmospheric", Word::Ambient), ("barometric", Word::Barometer), ("barometer", Word::Barometer), ("baro", Word::Barometer),
     ("luftdruck", Word::Barometer), ("altitude", Word::Altitude), ("alt", Word::Altitude),
     ("gps", Word::Gps), ("gnss", Word::Gps), ("latitude", Word::Latitude), ("longitude", Word::Longitude),
+    // SAE J1939 and ISO 11992-2.
+    ("axle", Word::Axle), ("axle1", Word::Axle), ("axle2", Word::FurtherAxle), ("axle3", Word::FurtherAxle), ("relative", Word::Relative), ("rel", Word::Relative),
+    ("rltv", Word::Relative), ("rlv", Word::Relative), ("location", Word::Location), ("loc", Word::Location), ("position", Word::Location), ("weight", Word::Weight), ("load", Word::Weight), ("based", Word::Based),
     ("temperatur", Word::Temperature), ("druck", Word::Pressure),
     // A speed of rotation, as in `WhlFl_W_Meas` and `VehYaw_W_Actl`.
     ("w", Word::Speed), ("meas", Word::Filler), ("actl", Word::Filler), ("esp", Word::Filler), ("abs", Word::Filler),
@@ -123,7 +136,12 @@ pub(crate) fn meaning(group: &str, name: &str) -> Option<(Slot, Fit)> {
 pub(crate) fn meaning_in(group: &str, name: &str, unit: &str) -> Option<(Slot, Fit)> {
     // A table's column may carry its message's name, as `ESP_Status::VehicleSpeed`.
     let (group, name) = name.rsplit_once("::").filter(|_| group.is_empty()).unwrap_or((group, name));
-    let (own, around) = (words(name.strip_prefix(MESSAGE).unwrap_or(name)), words(group));
+    // A speed against another is none until that is added.
+    let (spoken, is_sum) = name.split_once(" + ").map_or((name, false), |(first, _)| (first, true));
+    let (own, around) = (words(spoken.strip_prefix(MESSAGE).unwrap_or(spoken)), words(group));
+    if own.contains(&Word::FurtherAxle) || own.contains(&Word::Relative) && !is_sum {
+        return None;
+    }
     // `v_FL` is a damper's as well as a wheel's, unless its unit tells; without one it is asked for.
     let over_ground = own.contains(&Word::OverGround) || words(unit).contains(&Word::OverGround);
     let alone = |word: &Word| *word == Word::Speed || is_of_a_corner(word);
@@ -143,6 +161,10 @@ pub(crate) fn meaning_in(group: &str, name: &str, unit: &str) -> Option<(Slot, F
     if has(Word::Other) || says(Word::Machine) || has(Word::Temperature) && !says(Word::Tire) {
         return None;
     }
+    if let (true, true, Some(field)) = (has(Word::Weight), has(Word::Axle), axle(&own)) {
+        let sure = !has(Word::Unknown) && !has(Word::Reference);
+        return Some((Slot::Axle(field), if sure { Fit::AllWords } else { Fit::SomeWords }));
+    }
     let corner = corner(&own).or_else(|| if names_corner(&own) { None } else { corner(&around) });
     let stranger = [
         Word::Unknown,
@@ -154,8 +176,11 @@ pub(crate) fn meaning_in(group: &str, name: &str, unit: &str) -> Option<(Slot, F
         Word::Gps,
         Word::Latitude,
         Word::Longitude,
+        Word::Location,
+        Word::Weight,
     ];
-    let complete = !stranger.into_iter().any(has);
+    // A wheel's speed of two signals stands behind that of one: it is coarser.
+    let complete = !stranger.into_iter().any(has) && !is_sum;
     let fit = |sure: bool| if sure && complete { Fit::AllWords } else { Fit::SomeWords };
     if [Word::Yaw, Word::Rate, Word::Lateral, Word::Longitudinal].into_iter().any(has) {
         let of_the_car = corner.is_none() && !says(Word::Wheel) && !names_corner(&own);
@@ -181,11 +206,59 @@ pub(crate) fn meaning_in(group: &str, name: &str, unit: &str) -> Option<(Slot, F
         };
         return field.map(|(field, fit)| (Slot::Corner(corner, field), fit));
     }
-    let of_a_wheel = says(Word::Wheel) || names_corner(&own);
+    let of_a_wheel = says(Word::Wheel) && !has(Word::Based) || names_corner(&own);
     if has(Word::Speed) && !of_a_wheel && !has(Word::Vertical) {
         return Some((Slot::Speed, fit(says(Word::Vehicle))));
     }
     None
+}
+
+/// What a signal is part of, where a column is made of two of a message.
+#[cfg(feature = "can")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Part {
+    FrontAxleSpeed,
+    /// Of a wheel against the front axle's.
+    RelativeSpeed,
+    /// The same of a wheel of a second rear axle.
+    FurtherSpeed,
+    TireLocation,
+    TirePressure,
+    TireTemperature,
+    AxleLocation,
+    AxleWeight,
+}
+
+/// The same by its name.
+#[cfg(feature = "can")]
+pub(crate) fn part(name: &str) -> Option<Part> {
+    let own = words(name);
+    let has = |word| own.contains(&word);
+    if has(Word::Other) || has(Word::Machine) {
+        return None;
+    }
+    match (has(Word::Speed), has(Word::Relative), has(Word::Tire)) {
+        (true, true, _) if has(Word::FurtherAxle) => Some(Part::FurtherSpeed),
+        (true, true, _) => corner(&own).map(|_| Part::RelativeSpeed),
+        (true, false, false) if has(Word::Front) && has(Word::Axle) && corner(&own).is_none() => {
+            Some(Part::FrontAxleSpeed)
+        }
+        (false, false, false) if has(Word::Axle) && !names_corner(&own) && !has(Word::Unknown) => {
+            match (has(Word::Location), has(Word::Weight)) {
+                (true, false) => Some(Part::AxleLocation),
+                (false, true) => Some(Part::AxleWeight),
+                _ => None,
+            }
+        }
+        (false, false, true) if names_corner(&own) || has(Word::Unknown) => None,
+        (false, false, true) => match (has(Word::Location), has(Word::Pressure), has(Word::Temperature)) {
+            (true, false, false) => Some(Part::TireLocation),
+            (false, true, false) => Some(Part::TirePressure),
+            (false, false, true) => Some(Part::TireTemperature),
+            _ => None,
+        },
+        _ => None,
+    }
 }
 
 /// What of the air it is, if it is of that: all by its own name, and nothing of a corner or an engine in it.
@@ -236,6 +309,16 @@ fn motion(words: &[Word]) -> Option<Motion> {
         _ if has(Word::Rate) || has(Word::Speed) || !has(Word::Acceleration) => None,
         (false, true, false) => Some(Motion::AccelY),
         (false, false, true) => Some(Motion::AccelX),
+        _ => None,
+    }
+}
+
+/// The one axle that is named, if no wheel of it is.
+fn axle(words: &[Word]) -> Option<AxleField> {
+    let has = |word| words.contains(&word);
+    match (has(Word::Front), has(Word::Rear), has(Word::Left) || has(Word::Right)) {
+        (true, false, false) => Some(AxleField::Front),
+        (false, true, false) => Some(AxleField::Rear),
         _ => None,
     }
 }
@@ -402,6 +485,14 @@ mod tests {
             ("", "az_Aufbau_VR", "fr_body_accel_m_s2"),
             ("", "Gierrate", "yaw_rate_rad_s"),
             ("", "LongitudinalAcceleration", "accel_x_m_s2"),
+            // SAE J1939: HRW, EBC2 as it is put together, CCVS.
+            ("HRW", "FrontAxleLeftWheelSpeed", "fl_wheel_speed_m_s"),
+            ("HRW", "RearAxleRightWheelSpeed", "rr_wheel_speed_m_s"),
+            ("EBC2", "RelativeSpeedRearAxle1LeftWheel + FrontAxleSpeed", "rl_wheel_speed_m_s"),
+            ("TIRE", "TirePressure rear right", "rr_tpms_kpa"),
+            ("CCVS1", "WheelBasedVehicleSpeed", "speed_m_s"),
+            ("", "FrontAxleLoad", "front_axle_kg"),
+            ("VW", "AxleWeight rear", "rear_axle_kg"),
         ] {
             assert_eq!(column(group, name).unwrap_or_default(), expected, "{group}.{name}");
         }
@@ -440,6 +531,13 @@ mod tests {
             ("AMB", "RoadSurfaceTemp"),
             ("", "AmbientAirTempStatus"),
             ("", "AirPressure"),
+            ("EBC2", "FrontAxleSpeed"),
+            ("EBC2", "RelativeSpeedFrontAxleLeftWheel"),
+            ("EBC2", "RelativeSpeedRearAxle2LeftWheel + FrontAxleSpeed"),
+            ("TIRE", "TireLocation"),
+            ("VW", "AxleWeight"),
+            ("", "LoadFrontLeft"),
+            ("TIRE", "TirePressure"),
             ("", "counter"),
             ("", ""),
         ] {

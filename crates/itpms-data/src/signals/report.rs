@@ -146,6 +146,7 @@ impl Resolved {
                         Slot::Corner(_, Field::Pressure | Field::Road) => " (the truth, where it is known)",
                         _ if slot.is_tire_sensor() => " (the car's own tire sensor, where it has one)",
                         Slot::Air(_) => " (the air around the car, for cold pressures)",
+                        Slot::Axle(_) => " (the car's own axle load sensor, where it has one)",
                         Slot::Position(_) => " (where the car is, for the road's place)",
                         _ => "",
                     };

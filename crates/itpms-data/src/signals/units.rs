@@ -86,9 +86,10 @@ fn plain(text: &str) -> String {
 }
 
 #[rustfmt::skip]
-const UNITS: [(&str, Quantity, f64); 122] = {
-    use Quantity::{Acceleration, Angle, Length, Pressure, Rotation, Speed, Temperature, Time};
+const UNITS: [(&str, Quantity, f64); 127] = {
+    use Quantity::{Acceleration, Angle, Length, Mass, Pressure, Rotation, Speed, Temperature, Time};
     [
+        ("kg", Mass, 1.0), ("Kilogram", Mass, 1.0), ("t", Mass, 1e3), ("lb", Mass, 0.453_592_37), ("lbs", Mass, 0.453_592_37),
         ("m/s2", Acceleration, 1.0), ("m/s/s", Acceleration, 1.0), ("ms-2", Acceleration, 1.0), ("mps2", Acceleration, 1.0),
         ("m/sec2", Acceleration, 1.0), ("m/ss", Acceleration, 1.0), ("mpss", Acceleration, 1.0), ("ms2", Acceleration, 1.0),
         ("MeterPerSecondSquared", Acceleration, 1.0), ("MeterPerSquareSecond", Acceleration, 1.0),

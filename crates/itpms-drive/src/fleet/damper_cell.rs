@@ -18,6 +18,14 @@ fn is_judged(drive: &DriveRecord) -> bool {
     drive.wheels.iter().filter_map(|wheel| wheel.damper.as_ref()).any(judged)
 }
 
+/// Whether the newest drive that could tell reports a damper.
+pub(super) fn is_reported(drives: &[&DriveRecord]) -> bool {
+    let last = drives.iter().rev().find(|drive| is_judged(drive));
+    last.is_some_and(|drive| {
+        drive.wheels.iter().filter_map(|wheel| wheel.damper.as_ref()).any(|damper| damper.reported)
+    })
+}
+
 fn judged(damper: &DamperRecord) -> bool {
     matches!(damper.state.as_str(), "fine" | "weak" | "worn" | "stiff")
 }

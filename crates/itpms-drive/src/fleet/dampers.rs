@@ -23,8 +23,8 @@ pub(super) fn judge(drives: &mut [DriveRecord]) {
             rows.retain(|(car, _), _| *car != drive.car);
         }
         let mut sentences = Vec::new();
-        for wheel in &drive.wheels {
-            let Some(damper) = &wheel.damper else { continue };
+        for wheel in &mut drive.wheels {
+            let Some(damper) = &mut wheel.damper else { continue };
             let way = match damper.state.as_str() {
                 "weak" | "worn" => Some(Way::Less),
                 "stiff" => Some(Way::More),
@@ -38,7 +38,8 @@ pub(super) fn judge(drives: &mut [DriveRecord]) {
             };
             let row = rows.entry(key).or_insert((way, 0));
             *row = if row.0 == way { (way, row.1 + 1) } else { (way, 1) };
-            if row.1 >= ROW {
+            damper.reported = row.1 >= ROW;
+            if damper.reported {
                 let does = if way == Way::Less { "less" } else { "more" };
                 let now =
                     damper.over_reference.map_or_else(String::new, |over| format!(", {over:.2} of it now"));
@@ -55,6 +56,7 @@ pub(super) fn judge(drives: &mut [DriveRecord]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fleet::damper_cell::is_reported;
     use crate::fleet::record::sample;
 
     fn drive(state: &str) -> DriveRecord {
@@ -64,6 +66,11 @@ mod tests {
     fn reported(states: &[&str]) -> Vec<bool> {
         let mut drives: Vec<_> = states.iter().map(|state| drive(state)).collect();
         judge(&mut drives);
+        let beside = |n: usize| is_reported(&drives[..=n].iter().collect::<Vec<_>>());
+        let judged = |n: &usize| drives[*n].wheels[0].damper.as_ref().unwrap().state != "unknown";
+        for n in (0..drives.len()).filter(judged) {
+            assert_eq!(beside(n), !drives[n].alerts.is_empty(), "the badge of drive {n}");
+        }
         drives.iter().map(|drive| !drive.alerts.is_empty()).collect()
     }
 

@@ -14,6 +14,7 @@
 //! | `tables` | `fleet.csv`, `fleet.parquet`, `failed.csv` |
 //! | [`standing`] | how each car stands after its last drive |
 //! | [`wheels`] | what a drive showed of each wheel |
+//! | [`road_map`] | roughness in squares of 20 m, with a factor for each car |
 //! | `page`, `names`, `histogram` | `index.html` |
 //!
 //! Calibration drives come first, because they need no others; what each taught of its car is stored, and every later
@@ -32,6 +33,7 @@ mod names;
 mod one;
 mod page;
 pub mod record;
+pub mod road_map;
 pub mod standing;
 mod tables;
 pub mod wheels;
@@ -54,6 +56,7 @@ use crew::Progress;
 use found::Found;
 use one::Errand;
 use record::{DriveRecord, Inputs, Records};
+use road_map::FleetRoads;
 
 /// What a fleet's run is.
 #[derive(Debug)]
@@ -69,6 +72,8 @@ pub struct Plan {
     pub reports: bool,
     /// Whether every drive leaves its estimates as CSV.
     pub estimates: bool,
+    /// Whether roads are mapped from positions; nothing of these is kept otherwise.
+    pub map: bool,
     pub jobs: usize,
     /// What tells this program from another that might compute otherwise.
     pub program: String,
@@ -161,7 +166,9 @@ pub fn survey(plan: &Plan, watch: Watch<'_>) -> Result<Outcome, DriveError> {
     dampers::judge(&mut drives);
     let outcome = Outcome { drives, failed: failed.into_values().collect(), kept, damaged: records.damaged };
     tables::write(&plan.out, &outcome)?;
-    page::write(plan, &outcome)?;
+    let roads = plan.map.then(|| FleetRoads::of(&outcome.drives));
+    roads.as_ref().map_or(Ok(()), |roads| road_map::write(&plan.out, roads))?;
+    page::write(plan, &outcome, roads.as_ref())?;
     Ok(outcome)
 }
 

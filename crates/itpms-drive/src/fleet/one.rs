@@ -9,6 +9,7 @@ use itpms_data::{LogReader, LogRow};
 
 use super::cars::Car;
 use super::record::{DayRecord, DriveRecord, Inputs};
+use super::road_map::DriveRoad;
 use super::wheels::{Begun, wheels};
 use super::{Plan, beneath, reference_path};
 use crate::concerns::common_corners;
@@ -57,10 +58,15 @@ pub(super) fn run(
         files: Files::create(&paths, settings, vehicle, &log, &corners, wheel_speeds)?,
         first_s: None,
         begun: Begun::default(),
+        road: plan
+            .map
+            .then(|| DriveRoad::new(&corners, vehicle.wheelbase_m, log.survey().estimator_rate_hz()))
+            .transpose()
+            .map_err(|error| DriveError::Mismatch(error.to_string()))?,
     };
     let reading = &plan.options;
     // Of the road the table has its roughness alone.
-    let road = if plan.reports { Heights::Smoothed } else { Heights::Causal };
+    let road = if plan.reports || plan.map { Heights::Smoothed } else { Heights::Causal };
     let job = Job { vehicle, corners: &corners, settings, reading, road, report: plan.reports };
     let mut done = estimate(&mut log, &job, &mut sink, watch)?;
     done.concerns.extend(unused.map(|path| {
@@ -75,7 +81,7 @@ pub(super) fn run(
         let path = path.as_ref()?.strip_prefix(&plan.out).ok()?;
         Some(path.iter().map(|name| name.to_string_lossy()).collect::<Vec<_>>().join("/"))
     };
-    let drive = &done.data.drive;
+    let (drive, road) = (&done.data.drive, sink.road.map(DriveRoad::finish));
     Ok(DriveRecord {
         file: errand.name.clone(),
         car: errand.car.id.clone(),
@@ -92,6 +98,7 @@ pub(super) fn run(
         alerts: done.alerts.sentences(drive.origin_s, settings.pressure_unit).collect(),
         concerns: std::mem::take(&mut done.concerns),
         day: DayRecord::of(&done.learned),
+        road,
         report: within(&paths.report),
         estimates: within(&paths.estimates),
     })
@@ -133,6 +140,7 @@ struct Counting {
     files: Files,
     first_s: Option<f64>,
     begun: Begun,
+    road: Option<DriveRoad>,
 }
 
 impl Sink for Counting {
@@ -149,6 +157,9 @@ impl Sink for Counting {
     }
 
     fn road(&mut self, late: &LateRow) -> Result<(), DriveError> {
+        if let Some(road) = &mut self.road {
+            road.take(late);
+        }
         self.files.road(late)
     }
 }

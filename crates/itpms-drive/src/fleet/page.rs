@@ -6,6 +6,7 @@ use std::fmt::Write as _;
 
 use itpms_analysis::page::whole_percent;
 use itpms_analysis::plot::{Figure, Ink, escape};
+use itpms_analysis::roughness::MAP_STYLE;
 use itpms_core::model::PressureUnit;
 use itpms_data::out::AtomicFile;
 
@@ -14,6 +15,7 @@ use super::found::natural;
 use super::histogram::histogram;
 use super::names::Names;
 use super::record::{DriveRecord, Loss, WheelRecord};
+use super::road_map::FleetRoads;
 use super::standing::{CarStanding, State, lowest, share};
 use super::{Failed, Outcome, Plan};
 use crate::error::DriveError;
@@ -28,20 +30,21 @@ const LISTED: usize = 500;
 const LINE: usize = 60;
 
 /// Writes `index.html`.
-pub(super) fn write(plan: &Plan, outcome: &Outcome) -> Result<(), DriveError> {
+pub(super) fn write(plan: &Plan, outcome: &Outcome, roads: Option<&FleetRoads>) -> Result<(), DriveError> {
     let mut file = AtomicFile::create(&plan.out.join("index.html"))?;
-    file.append(page(plan, outcome).as_bytes())?;
+    file.append(page(plan, outcome, roads).as_bytes())?;
     Ok(file.commit()?)
 }
 
-fn page(plan: &Plan, outcome: &Outcome) -> String {
+fn page(plan: &Plan, outcome: &Outcome, roads: Option<&FleetRoads>) -> String {
     let cars = CarStanding::of_all(&outcome.drives, &outcome.failed);
     let headline = escape(&headline(&cars));
     let (unit, names) = (plan.settings.pressure_unit, Names::of(&outcome.drives));
-    let parts: [(&str, String); 10] = [
+    let parts: [(&str, String); 11] = [
         ("title", headline.clone()),
         ("headline", headline),
-        ("style", STYLE.into()),
+        ("style", STYLE.to_owned() + roads.map_or("", |_| MAP_STYLE)),
+        ("roads", roads.map_or_else(String::new, FleetRoads::section)),
         ("subline", subline(outcome, &cars)),
         ("cards", cards(&cars)),
         ("cars", cars_table(&cars, outcome, &names, unit)),
@@ -72,6 +75,10 @@ pub(super) fn headline(cars: &[CarStanding<'_>]) -> String {
     };
     let unsure = count(State::Uncertain) + count(State::Unknown);
     match (count(State::Low), count(State::Malfunction), count(State::Over), unsure) {
+        (0, 0, 0, 0) if cars.iter().any(|car| damper_cell::is_reported(&car.drives)) => {
+            let n = cars.iter().filter(|car| damper_cell::is_reported(&car.drives)).count();
+            say(n, "has a damper to look at", "have a damper to look at")
+        }
         (0, 0, 0, 0) => match cars.len() {
             1 => "The car is fine".to_owned(),
             _ => format!("All {all} are fine"),
@@ -144,6 +151,11 @@ fn badge(state: State) -> String {
     format!("<span class=\"badge {}\">{}</span>", state.label(), word(state))
 }
 
+/// A damper is no tire: it stands beside the state, which is theirs.
+fn damper_badge(drives: &[&DriveRecord]) -> &'static str {
+    if damper_cell::is_reported(drives) { " <span class=\"badge over damper\">Damper</span>" } else { "" }
+}
+
 /// How many drives of the car that come after its last one could not be estimated, as a link to them: they might have changed its state.
 fn later_failures(car: &CarStanding<'_>, last: &DriveRecord, failed: &[Failed]) -> String {
     let later = |failed: &&Failed| {
@@ -186,7 +198,7 @@ fn cars_table(cars: &[CarStanding<'_>], outcome: &Outcome, names: &Names<'_>, un
             vehicle = if last.vehicle == car.car { String::new() } else { escape(&last.vehicle) },
             rank = car.state as u8,
             lowest = key(lowest(Some(last))),
-            badge = badge(car.state),
+            badge = badge(car.state) + damper_badge(&car.drives),
             warned = warned(last, &car.drives),
             line = line(&car.drives),
             dampers = if dampers { damper_cell::cell(&car.drives) } else { String::new() },
@@ -454,7 +466,9 @@ mod tests {
     #[test]
     fn the_template_names_every_part() {
         assert!(!SCRIPT.to_lowercase().contains("</script"));
-        for name in ["headline", "subline", "cards", "cars", "figures", "drives", "provenance", "script"] {
+        for name in
+            ["headline", "subline", "cards", "cars", "figures", "roads", "drives", "provenance", "script"]
+        {
             assert!(TEMPLATE.contains(&format!("{{{{{name}}}}}")), "{name}");
         }
     }

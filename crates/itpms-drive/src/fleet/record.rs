@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::Plan;
+use super::road_map::RoadCell;
 use crate::error::DriveError;
 use crate::reference::Taught;
 
@@ -104,6 +105,9 @@ pub struct DamperRecord {
     pub over_reference: Option<f64>,
     /// Left over right of its axle, less one.
     pub left_right: Option<f64>,
+    /// Whether it is reported, by this drive and those before it.
+    #[serde(skip)]
+    pub reported: bool,
 }
 
 /// How well body and wheel of a corner go together; what was not seen long enough is `None`.
@@ -146,6 +150,9 @@ pub struct DriveRecord {
     pub concerns: Vec<String>,
     /// What it has shown of its day since the calibration, by wheel speeds and where it has a date.
     pub day: Option<DayRecord>,
+    /// The roads it drove on, where a map was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub road: Option<Vec<RoadCell>>,
     /// Its report and its estimates, as paths within the folder of the results.
     pub report: Option<String>,
     pub estimates: Option<String>,
@@ -194,12 +201,13 @@ impl Records {
         Ok(records)
     }
 
-    /// Whether this drive is done, from these inputs, and its files are there where they are wanted. With a report its roughness is another
-    /// one than without.
+    /// Whether this drive is done, from these inputs, and its files are there where they are wanted. With a report, or a map, its roughness is
+    /// another one than without.
     pub(super) fn holds(&self, name: &str, inputs: &Inputs, out: &Path, plan: &Plan) -> bool {
         let there = |file: &Option<String>| file.as_ref().is_some_and(|file| out.join(file).is_file());
         self.of(name).is_some_and(|drive| {
             drive.inputs == *inputs
+                && drive.road.is_some() == plan.map
                 && (if plan.reports { there(&drive.report) } else { drive.report.is_none() })
                 && (!plan.estimates || there(&drive.estimates))
                 && (!drive.taught || super::reference_path(out, Path::new(name)).is_file())
@@ -246,7 +254,7 @@ pub(super) fn sample(name: &str, state: &str, over: f64) -> DriveRecord {
         state: "fine".to_owned(),
         warning: "none".to_owned(),
         share_valid: 1.0,
-        damper: Some(DamperRecord { state, over_reference, left_right }),
+        damper: Some(DamperRecord { state, over_reference, left_right, reported: false }),
         ..WheelRecord::default()
     };
     DriveRecord {

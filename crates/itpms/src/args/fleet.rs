@@ -42,6 +42,10 @@ pub(crate) struct FleetArgs {
     /// Write the pressures of every drive, DIR/estimates/....csv.
     #[arg(long)]
     pub(crate) estimates: bool,
+    /// Map the roads: roughness in squares of 20 m by all cars, from latitude_deg and longitude_deg, on the page and as DIR/road.geojson; off
+    /// unless asked for, as it shows where the cars were.
+    #[arg(long)]
+    pub(crate) map: bool,
     /// End with exit code 2 if any drive failed.
     #[arg(long)]
     pub(crate) strict: bool,

@@ -43,6 +43,7 @@ pub(crate) fn run(args: &FleetArgs, screen: &Screen, interrupt: &Interrupt) -> R
         out: args.out.clone(),
         reports: args.reports,
         estimates: args.estimates,
+        map: args.map,
         jobs: threads::at_a_time(args.jobs),
         program: fingerprint()?,
     };
@@ -170,6 +171,7 @@ fn as_json(args: &FleetArgs, outcome: &Outcome, cars: &[CarStanding<'_>]) -> ser
             "table": at(args, "fleet.csv"),
             "failed": at(args, "failed.csv"),
             "page": at(args, "index.html"),
+            "road": args.map.then(|| at(args, "road.geojson")),
         },
     })
 }

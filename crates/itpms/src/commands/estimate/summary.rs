@@ -1,7 +1,7 @@
 //! What is reported at the end: a line for the drive, one per corner and one per alert, or the same as JSON.
 
 use itpms_console::Screen;
-use itpms_drive::{summary_json, suspension_lines, torsion_line, wheel_speed_lines};
+use itpms_drive::{rotation_line, summary_json, suspension_lines, torsion_line, wheel_speed_lines};
 use serde_json::{Value, json};
 
 use super::Estimated;
@@ -34,6 +34,8 @@ pub(crate) fn corner_lines(estimated: &Estimated) -> Vec<String> {
     lines.extend(done.radii.iter().flat_map(wheel_speed_lines));
     lines.extend(torsion_line(done, unit));
     lines.extend(suspension_lines(done.suspension.as_ref()));
+    lines.extend(done.sent_loads.line());
+    lines.extend(rotation_line(&done.once_per_turn));
     lines.extend(done.alerts.sentences(origin_s, unit));
     lines
 }
