@@ -67,26 +67,23 @@ impl<T: Real> Probabilities<T> {
     /// Before anything is seen.
     pub(crate) fn of_nothing() -> Self {
         let none = T::lit(f64::NEG_INFINITY);
-        Self::of(&core::array::from_fn(|set| log_prior(set, ONE_IS_LOW)), none, &[none; 4])
+        Self::of(&core::array::from_fn(|set| log_prior(set, ONE_IS_LOW)), none, &[none; 4]).0
     }
 
     /// Of sets of these probabilities, whatever their tires lack.
     pub(crate) fn known(of_set: [T; SETS]) -> Self {
-        Self { of_set, ..Self::of_nothing() }
+        Self { of_set, lacks: [true; 4], on_rim: [T::zero(); 4], doubt: [T::zero(); 4] }
     }
 
-    /// Of these log-likelihoods, priors included: of the sets, of what no set explains, and of each tire on its rim.
-    fn of(sets: &[T; SETS], unexplained: T, rims: &[T; 4]) -> Self {
-        let all = || sets.iter().chain(rims).copied();
-        let best = all().fold(unexplained, T::at_least);
+    /// Of these log-likelihoods, priors included: of the sets, of what no set explains, and of each tire on its rim; and the log of their sum.
+    fn of(sets: &[T; SETS], unexplained: T, rims: &[T; 4]) -> (Self, T) {
+        let best = sets.iter().chain(rims).copied().fold(unexplained, T::at_least);
         let weight = |log: T| (log - best).exp_fast();
-        let total = all().map(weight).fold(weight(unexplained), |sum, weight| sum + weight);
-        Self {
-            of_set: sets.map(|log| weight(log) / total),
-            lacks: [true; 4],
-            on_rim: rims.map(|log| weight(log) / total),
-            doubt: [T::zero(); 4],
-        }
+        let (of_set, on_rim) = (sets.map(weight), rims.map(weight));
+        let total = of_set.iter().chain(&on_rim).fold(weight(unexplained), |sum, &weight| sum + weight);
+        let of_set = of_set.map(|weight| weight / total);
+        let on_rim = on_rim.map(|weight| weight / total);
+        (Self { of_set, lacks: [true; 4], on_rim, doubt: [T::zero(); 4] }, best + total.ln_fast())
     }
 
     pub(crate) fn on_rim(&self, tire: Corner) -> T {

@@ -86,23 +86,20 @@ impl<T: Real> Shares<T> {
                 *log = self.odd(&plain, since, Some(tire))?;
             }
         }
+        weighed.add_all(&another);
+        let (found, all) = Probabilities::of(&weighed.log, unexplained, &rims);
         // What the tires of another car do not lack is the car's, and of what nothing explains all may be.
-        let odd = rims.iter().fold(unexplained, |sum, &log| log_sum(sum, log));
-        let all = log_sum(log_sum(weighed.total(), another.total()), odd);
-        let [changed, odd] = [another.total(), odd].map(|log| (log - all).exp_fast());
-        let off = self.lacking - another.lacking;
+        let sum = |logs: &[T]| logs.iter().fold(T::zero(), |sum, &log| sum + (log - all).exp_fast());
+        let changed = if since == Since::EarlierDay { sum(&another.log) } else { T::zero() };
+        let odd = found.on_rim.iter().fold(sum(&[unexplained]), |sum, &rim| sum + rim);
         let square = |x: T| x * x;
         let doubt = Vector4::from_fn(|i, _| {
-            (changed * square(off[i]) + odd * square(self.lacking[i])).sqrt().copysign(self.lacking[i])
+            let off = self.lacking[i] - another.lacking[i];
+            (changed * square(off) + odd * square(self.lacking[i])).sqrt().copysign(self.lacking[i])
         });
-        weighed.add_all(&another);
         let least = T::lit(DECISIVE) * loss;
         let lacks = weighed.lacking.data.0[0].map(|lacking| lacking > least);
-        Some(Probabilities {
-            lacks,
-            doubt: doubt.data.0[0],
-            ..Probabilities::of(&weighed.log, unexplained, &rims)
-        })
+        Some(Probabilities { lacks, doubt: doubt.data.0[0], ..found })
     }
 
     /// Weighs every set of low tires, and of tires that are nearly flat.
@@ -213,14 +210,13 @@ impl<T: Real> Weighed<T> {
     }
 
     fn add_all(&mut self, other: &Self) {
+        if !(other.best > T::lit(f64::NEG_INFINITY)) {
+            return;
+        }
         (0..SETS).for_each(|set| self.log[set] = log_sum(self.log[set], other.log[set]));
         if other.best > self.best {
             (self.best, self.lacking) = (other.best, other.lacking);
         }
-    }
-
-    fn total(&self) -> T {
-        self.log.iter().fold(T::lit(f64::NEG_INFINITY), |sum, &log| log_sum(sum, log))
     }
 }
 

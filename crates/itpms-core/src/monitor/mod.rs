@@ -341,11 +341,12 @@ impl<T: Real> Monitor<T> {
     /// Adds to what the levels are known to what another car or nothing known would make of them (docs/math/decision.md, eq. 5).
     fn doubt(&self, estimate: &mut CarEstimate<T>) {
         let doubt = Corner::ALL.map(|i| self.low.doubt(i) * self.reference_kpa[i]);
-        if doubt.iter().all(|doubt| *doubt == T::zero()) {
-            return;
-        }
         let sd =
             Corner::ALL.map(|i| estimate.corners[i].as_ref().map_or(T::one(), |tire| tire.pressure_sd_kpa));
+        // Less than a tenth of it adds less than half a percent.
+        if doubt.iter().zip(&sd).all(|(doubt, sd)| !(doubt.abs() > T::lit(0.1) * *sd)) {
+            return;
+        }
         let both = Corner::ALL.map(|i| sd[i].hypot(doubt[i]));
         for (i, row) in Corner::ALL.into_iter().zip(&mut estimate.correlation) {
             for (j, correlation) in Corner::ALL.into_iter().zip(row).filter(|(j, _)| *j != i) {
