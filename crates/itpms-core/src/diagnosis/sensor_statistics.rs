@@ -41,7 +41,8 @@ pub(crate) struct SensorWatch<T> {
     window: [T; WINDOW],
     /// Values since the last missing one, up to the window's length.
     whole: u32,
-    /// How far values of late were from what their neighbors say, in m/s²; and those too new to count, newest last.
+    /// How far values of late were from what their neighbors say, in m/s², infinite before that is known; and those too new to count, newest
+    /// last.
     usual: T,
     deviations: [T; MIDDLE + 1],
     missing: T,
@@ -61,6 +62,8 @@ pub(crate) struct SensorWatch<T> {
 impl<T: Real> SensorWatch<T> {
     pub(crate) fn new(period_s: f64) -> Self {
         Self {
+            usual: T::lit(f64::INFINITY),
+            deviations: [T::lit(f64::NAN); MIDDLE + 1],
             changed_s: f64::NAN,
             part_of: ((PART_S / period_s) as u32).max(5),
             usual_share: T::lit((period_s / USUAL_S).min(1.0)),
@@ -113,7 +116,12 @@ impl<T: Real> SensorWatch<T> {
                 self.spikes += 1;
             }
         }
-        self.usual += self.usual_share * (self.deviations[0] - self.usual);
+        let oldest = self.deviations[0];
+        if self.usual.is_finite() {
+            self.usual += self.usual_share * (oldest - self.usual);
+        } else if oldest.is_finite() {
+            self.usual = self.deviations.iter().copied().fold(T::zero(), T::at_least);
+        }
         let [_, a, b, c, d] = self.deviations;
         self.deviations = [a, b, c, d, deviation];
     }
@@ -188,6 +196,20 @@ mod tests {
         assert_eq!(watch((0..4000).map(spiky)).spikes, 40);
         // A step, as of a bias that jumps, is none.
         assert_eq!(watch((0..4000).map(|i| ride(i) + if i > 2000 { 20.0 } else { 0.0 })).spikes, 0);
+    }
+
+    /// From the first value on.
+    #[test]
+    fn a_sensor_that_is_noisy_has_no_spikes() {
+        for seed in 1..200_u32 {
+            let mut state = seed;
+            let mut uniform = || {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                f64::from(state >> 8) / f64::from(1 << 24)
+            };
+            let mut noise = || 0.5 * ((0..12).map(|_| uniform()).sum::<f64>() - 6.0);
+            assert!(watch((0..200).map(|i| 0.1 * ride(i) + noise())).spikes <= 1, "{seed}");
+        }
     }
 
     /// A wheel that drops into a hole every two seconds, at 1 kHz, and the log has lost a sample of each flank; the next one is 0.4 ms late.
