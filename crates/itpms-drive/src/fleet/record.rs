@@ -11,7 +11,6 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::Plan;
-use super::road_map::RoadCell;
 use crate::error::DriveError;
 use crate::reference::Taught;
 
@@ -122,6 +121,17 @@ pub struct FitRecord {
     pub friction_n: f64,
     /// What does not fit: `incoherent`, `unexplained` or `hop`.
     pub misfit: Option<String>,
+}
+
+/// Roughness of a square of road by one drive.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct RoadCell {
+    /// Its place: squares from the equator, and along its parallel from Greenwich.
+    pub place: [i64; 2],
+    /// Mean roughness in m/km.
+    pub iri_m_per_km: f64,
+    /// Length of road in m that it rests on, of all wheels.
+    pub length_m: f64,
 }
 
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]

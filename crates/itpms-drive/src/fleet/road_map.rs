@@ -9,10 +9,9 @@ use std::collections::BTreeMap;
 use itpms_analysis::roughness::{MapCell, SurveyError, Way, WheelSurvey, cells_picture};
 use itpms_core::model::Corner;
 use itpms_data::out::AtomicFile;
-use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::record::DriveRecord;
+use super::record::{DriveRecord, RoadCell};
 use crate::error::DriveError;
 use crate::road::LateRow;
 
@@ -26,17 +25,6 @@ const LEAST_M: f64 = 10.0;
 /// What a reading of a square differs by beside the factor is so much, where nothing tells; more counts less.
 const USUAL: f64 = 0.1;
 const ROUNDS: usize = 200;
-
-/// Roughness of a square of road by one drive.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct RoadCell {
-    /// Its place: squares from the equator, and along its parallel from Greenwich.
-    pub place: [i64; 2],
-    /// Mean roughness in m/km.
-    pub iri_m_per_km: f64,
-    /// Length of road in m that it rests on, of all wheels.
-    pub length_m: f64,
-}
 
 fn per_degree_east_m(north: i64) -> f64 {
     PER_DEGREE_M * ((north as f64 + 0.5) * SIDE_M / PER_DEGREE_M).to_radians().cos().max(1e-3)
