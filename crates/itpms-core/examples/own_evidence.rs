@@ -55,7 +55,7 @@ impl Deflection {
 
 /// What is estimated after each row, with the readings or without, and the true pressure in kPa.
 pub(crate) fn drive(with_readings: bool) -> Result<Vec<(CornerEstimate<f64>, f64)>, ParameterError> {
-    let ride = Ride { roughness_m3: 1e-9, pressure_kpa: |time_s| 230.0 - 0.75 * time_s, ..Ride::new(4) };
+    let ride = Ride { roughness_m3: |_| 1e-9, pressure_kpa: |time_s| 230.0 - 0.75 * time_s, ..Ride::new(4) };
     let config = CornerConfig::paper();
     let mut estimator = Estimator::new(&config, ride.rate_hz)?;
     let mut deflection = Deflection::new(config.tire.stiffness_n_per_m(config.placard_kpa));

@@ -173,6 +173,32 @@ fn parked_without_speed_stays_within_three_standard_deviations() {
     assert!(worst_of("parked without speed", 0.0, rows) < 3.0);
 }
 
+/// From a bad road to a motorway's asphalt and back: power by a factor of 30 within a sample.
+fn resurfaced(time_s: f64) -> f64 {
+    if (20.0..40.0).contains(&time_s) { 17e-6 } else { 512e-6 }
+}
+
+/// How loud a road is tells nothing of the tire, nor does that it changes.
+#[test]
+fn another_surface_is_no_other_pressure() {
+    for seed in SEEDS {
+        let rows = Ride { roughness_m3: resurfaced, seconds: 60.0, ..Ride::new(seed) }.rows();
+        let estimates = informed(500.0, &rows);
+        let (z, when) = worst(&rows, &estimates, 0.0);
+        println!("seed {seed}: worst {z:.2} sd at {when:.1} s");
+        assert!(z.abs() < 3.0);
+        for edge_s in [20.0, 40.0] {
+            let (before, after) = (at(&estimates, edge_s), at(&estimates, edge_s + 1.5));
+            let moved = (after.pressure_kpa - before.pressure_kpa).abs() / before.pressure_sd_kpa;
+            println!(
+                "seed {seed}: {edge_s} s moves it by {moved:.2} sd, whose sd is {:.1}",
+                before.pressure_sd_kpa
+            );
+            assert!(moved < 1.0);
+        }
+    }
+}
+
 fn pothole_rows(seed: u64) -> Vec<Row> {
     Ride { bump_m: pothole_m, ..Ride::new(seed) }.rows()
 }

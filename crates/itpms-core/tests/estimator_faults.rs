@@ -94,7 +94,7 @@ fn a_stuck_wheel_sensor_is_told_and_forgotten() {
 #[test]
 fn saturated_sensors_on_a_bad_road_teach_nothing() {
     for seed in SEEDS {
-        let ride = Ride { roughness_m3: 1024e-6, speed_m_s: |_| 25.0, ..Ride::new(seed) };
+        let ride = Ride { roughness_m3: |_| 1024e-6, speed_m_s: |_| 25.0, ..Ride::new(seed) };
         let mut rows = ride.rows();
         for row in &mut rows {
             (row.body, row.wheel) = (row.body.clamp(-20.0, 20.0), row.wheel.clamp(-20.0, 20.0));

@@ -93,6 +93,13 @@ impl<T: Real> FrameWork<T> {
         self.clear();
     }
 
+    /// After a pause no frame from before it waits for another one.
+    pub(super) fn drop_first(&mut self) {
+        if self.first.as_ref().is_some() {
+            self.first.place(|first| *first = FirstFrame::BLANK);
+        }
+    }
+
     /// Takes a frame; with the second of a pair the work begins.
     fn take(&mut self, frame: FirstFrame<T>, moves: bool) {
         let FirstFrame { evidence, nis, log_speed_ratio } = frame;

@@ -161,6 +161,7 @@ impl<T: Real> Informed<T> {
     pub(crate) fn push(&mut self, sample: &GridSample<T>, signals: &[T; SIGNALS], pace: Pace) -> bool {
         if sample.after_gap {
             self.clock.restart();
+            self.work.drop_first();
         }
         self.last_time_s = sample.time_s;
         self.invalid |= sample.invalid;

@@ -16,7 +16,7 @@ const NODES_APART: usize = 5;
 /// Probability from which on a cell matters, and of such cells every so many are fitted, the most likely one among them.
 const MATTERS: f64 = 1e-4;
 const APART: usize = 2;
-/// Mean power of a frame over what was expected from which on the level may have jumped.
+/// Mean power of a frame over what was expected, or one over that, from which on the level may have jumped.
 const NOT_EXPECTED: f64 = 2.0;
 
 /// The fits of one frame, as far as they are. See the [module](self).
@@ -52,7 +52,7 @@ impl<T: Real> RoadFits<T> {
         for (prior, roads) in self.priors.iter_mut().zip(&posterior.road) {
             prior.set(RoadPrior::new(&roads.covariance));
         }
-        self.expected = nis < T::lit(NOT_EXPECTED);
+        self.expected = nis.max(T::one() / nis) < T::lit(NOT_EXPECTED);
         self.log_evidence.iter_mut().for_each(|cells| cells.fill(T::zero()));
         self.covariance = posterior.road.each_ref().map(|roads| roads.covariance);
     }
@@ -68,7 +68,9 @@ impl<T: Real> RoadFits<T> {
                 let Some(prior) = prior.as_ref().filter(|_| !(self.expected && level == JUMP)) else {
                     continue;
                 };
-                let fitted = prior.fit(&posterior.road[level].get(cell), frame, &reading, tables);
+                let road = posterior.road[level].get(cell);
+                let from = if level == JUMP { road.as_loud_as(frame, &reading, tables) } else { road };
+                let fitted = prior.fit(&road, from, frame, &reading, tables);
                 posterior.road[level].set_mean(cell, &fitted.road.mean);
                 if let Some(log_evidence) = self.log_evidence[level].get_mut(cell) {
                     *log_evidence = fitted.log_evidence;

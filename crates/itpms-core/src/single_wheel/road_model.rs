@@ -167,6 +167,22 @@ impl<T: Real> Road<T> {
         powers
     }
 
+    /// The same at the level at which a frame's mean power is as expected: where it has jumped, Gauss and Newton's steps are too short.
+    pub(crate) fn as_loud_as(
+        mut self,
+        frame: &Evidence<T>,
+        reading: &Reading<T>,
+        tables: &Tables<T>,
+    ) -> Self {
+        let expected = self.powers(frame, tables).into_iter().zip(&reading.expected.noise);
+        let ratio = |(signal, noise): (T, &T), power: T| power / (signal + *noise);
+        let all = expected.zip(reading.power).take(frame.bins);
+        let sum = all.fold(T::zero(), |sum, (expected, power)| sum + ratio(expected, power));
+        self.mean[LEVEL] += (sum / T::lit(frame.bins as f64)).at_least(T::lit(1e-6)).ln_fast();
+        self.clamp();
+        self
+    }
+
     /// Score and Fisher information of the road's parameters for one frame.
     fn score(
         &self,
@@ -228,15 +244,15 @@ impl<T: Real> RoadPrior<T> {
         covariance.try_inverse().map(|information| Self { information, log_determinant })
     }
 
-    /// Fits the road to a frame under one cell's stiffness (two Gauss-Newton passes).
+    /// Fits the road to a frame under one cell's stiffness (two Gauss-Newton passes from a road near it).
     pub(crate) fn fit(
         &self,
         prior: &Road<T>,
+        mut road: Road<T>,
         frame: &Evidence<T>,
         reading: &Reading<T>,
         tables: &Tables<T>,
     ) -> Fitted<T> {
-        let mut road = *prior;
         for _ in 0..2 {
             let (score, information) = road.score(frame, reading, tables);
             let slope = score * frame.weight + self.information * (prior.mean - road.mean);

@@ -20,7 +20,7 @@ pub struct Ride {
     /// Standard deviation of a row's time, as a share of the sampling period, bounded by twice that.
     pub jitter: f64,
     /// `Gd(n0)` in m³.
-    pub roughness_m3: f64,
+    pub roughness_m3: fn(f64) -> f64,
     pub noise_m_s2: f64,
     pub offset_m_s2: f64,
     pub speed_m_s: fn(f64) -> f64,
@@ -37,7 +37,7 @@ impl Ride {
             seconds: 40.0,
             rate_hz: 500.0,
             jitter: 0.0,
-            roughness_m3: 64e-6,
+            roughness_m3: |_| 64e-6,
             noise_m_s2: 0.05,
             offset_m_s2: 0.0,
             speed_m_s: |_| 50.0 / 3.6,
@@ -82,7 +82,8 @@ impl Ride {
             let k_t = stiffness((self.pressure_kpa)(time_s));
             // Road velocity: white, one-sided density (2 pi n0)² Gd V in (m/s)²/Hz.
             let speed = (self.speed_m_s)(time_s.max(0.0));
-            let density = (std::f64::consts::TAU * 0.1).powi(2) * self.roughness_m3 * speed;
+            let roughness_m3 = (self.roughness_m3)(time_s);
+            let density = (std::f64::consts::TAU * 0.1).powi(2) * roughness_m3 * speed;
             let slope = (density * PLANT_HZ / 2.0).sqrt() * random.normal();
             let road = |t: f64| rough + slope * t + (self.bump_m)(time_s + t);
             let d = derivative(&x, k_t, road(0.0));
