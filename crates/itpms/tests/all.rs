@@ -3,7 +3,6 @@
 //! One program: the estimators are generic, and every program that uses them compiles them anew.
 
 mod advice;
-mod bad_input;
 mod cold_pressure;
 mod common;
 mod convert;
@@ -32,6 +31,7 @@ mod slow_leak;
 mod slow_speed;
 mod surveyed_road;
 mod tables;
+mod transcript;
 mod truck;
 mod vehicle;
 mod vehicle_learn;

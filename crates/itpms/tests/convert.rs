@@ -135,18 +135,3 @@ fn frames_keep_their_bytes_and_signals_their_units() {
     // 20.5 m/s are 73.8 km/h, a whole number of steps of 0.01.
     assert!((value[0] - 73.8).abs() < 1e-9);
 }
-
-#[test]
-fn what_cannot_be_done_is_said_and_leaves_nothing() {
-    let bench = bench();
-    for (line, message) in [
-        ("convert drive.csv x.xlsx", "unknown file extension .xlsx"),
-        ("convert drive.csv x.blf", "expected a DBC file (--dbc car.dbc)"),
-        ("convert drive.csv drive.csv", "is the log itself"),
-        ("convert none.mf4 x.csv", "no such file"),
-    ] {
-        let outcome = bench.run(line);
-        assert!(outcome.refusal().contains(message), "{outcome:?}");
-    }
-    assert_eq!(bench.names(), ["car.dbc", "drive.csv", "map.toml"]);
-}

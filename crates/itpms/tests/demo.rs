@@ -43,17 +43,6 @@ fn the_demo_needs_no_environment_and_speaks_the_unit_that_is_asked_for() {
     assert_eq!(bench.names(), ["itpms-demo"]);
 }
 
-#[test]
-fn a_file_in_its_place_is_refused() {
-    let bench = Bench::new();
-    bench.write("here", "");
-    let outcome = bench.run("demo --out here");
-    assert_eq!(outcome.refusal(), "here: cannot be written: it is a file, expected a directory");
-    let outcome = bench.run("demo --out missing/here");
-    assert!(outcome.refusal().starts_with("missing/here: cannot be written: No such file"), "{outcome:?}");
-    assert_eq!(bench.names(), ["here"]);
-}
-
 #[cfg(unix)]
 #[test]
 fn an_interrupted_demo_leaves_nothing() {

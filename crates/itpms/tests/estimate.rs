@@ -72,31 +72,6 @@ fn a_published_filter_runs_and_is_not_believed() {
     assert!(table(&bench.read("est.csv")).1.iter().all(|row| row[5] == "none"));
 }
 
-#[cfg(feature = "parquet")]
-#[test]
-fn csv_and_parquet_give_the_same_and_the_rate_is_obeyed() {
-    let bench = Bench::with_drive();
-    bench.run("simulate paper-drop --seed 3 -o drive.parquet -q").success();
-    bench.run("estimate drive.csv --vehicle car.toml -o a.csv --rate 50").success();
-    bench.run("estimate drive.parquet --vehicle car.toml -o b.csv --rate 50").success();
-    assert_eq!(bench.read("a.csv"), bench.read("b.csv"));
-    assert_eq!(column(&bench.read("a.csv"), "time_s").len(), 2000);
-    bench.run("estimate drive.csv --vehicle car.toml -o c.parquet").success();
-    assert_eq!(&std::fs::read(bench.path("c.parquet")).unwrap()[..4], b"PAR1");
-}
-
-#[test]
-fn the_estimate_is_causal() {
-    // What comes after 25 s changes nothing before.
-    let bench = Bench::with_drive();
-    bench.run("estimate drive.csv --vehicle car.toml -o whole.csv").success();
-    let whole = bench.read("drive.csv");
-    bench.write("drive.csv", whole.lines().take(1 + 12_500).map(|l| format!("{l}\n")).collect::<String>());
-    bench.run("estimate drive.csv --vehicle car.toml -o part.csv").success();
-    assert!(bench.read("whole.csv").starts_with(&bench.read("part.csv")));
-    assert_eq!(column(&bench.read("part.csv"), "time_s").len(), 250);
-}
-
 #[test]
 fn the_road_has_a_row_per_sample_and_the_distance() {
     let bench = Bench::with_drive();
@@ -260,27 +235,6 @@ fn a_wheel_that_is_not_known_does_not_look_like_one_that_is_fine() {
 }
 
 #[test]
-fn results_go_to_standard_output_where_asked() {
-    let bench = Bench::with_drive();
-    let outcome = bench.run("estimate drive.csv --vehicle car.toml -o /dev/stdout -q");
-    assert!(outcome.success().starts_with("time_s,fl_pressure_kpa"), "{outcome:?}");
-}
-
-#[test]
-fn any_number_of_threads_writes_the_same_files() {
-    let bench = Bench::with_drive();
-    let line = "estimate drive.csv --vehicle car.toml -o est.csv --road-out road.csv --report page.html --events events.jsonl --json --jobs";
-    let files = || ["est.csv", "road.csv", "page.html", "events.jsonl"].map(|name| bench.read(name));
-    let alone = bench.run(&format!("{line} 1"));
-    let written = files();
-    let many = bench.run(&format!("{line} 3"));
-    assert_eq!(alone.success(), many.success());
-    // The report has the command as it was typed.
-    let written = written.map(|text| text.replace("--jobs 1", "--jobs 3"));
-    assert!(files() == written, "three threads wrote something else");
-}
-
-#[test]
 fn people_read_pressures_in_their_unit_and_files_stay_as_they_are() {
     let bench = Bench::with_drive();
     let lines = |unit: &str, more: &str| {
@@ -306,32 +260,6 @@ fn people_read_pressures_in_their_unit_and_files_stay_as_they_are() {
     assert_eq!(json("kpa")["corners"], json("psi")["corners"]);
     let refused = bench.run("estimate drive.csv --vehicle car.toml --pressure-unit torr").stderr;
     assert!(refused.contains("kpa, bar, psi"), "{refused}");
-}
-
-/// The log with another clock.
-fn with_clock(bench: &Bench, from: &str, to: &str, stamp: impl Fn(f64) -> f64) {
-    let moved = |line: &str| {
-        let (time_s, rest) = line.split_once(',').unwrap();
-        let stamp = time_s.parse().map_or(time_s.to_owned(), |time_s| format!("{:.6}", stamp(time_s)));
-        format!("{stamp},{rest}\n")
-    };
-    bench.write(to, bench.read(from).lines().map(moved).collect::<String>());
-}
-
-#[test]
-fn estimates_do_not_depend_on_where_the_clock_begins() {
-    let bench = Bench::new();
-    bench.run("simulate drive-puncture --seed 2 -o drive.csv --vehicle-out car.toml").success();
-    let estimated = |log: &str| {
-        bench.run(&format!("estimate {log} --vehicle car.toml -o est.csv")).success();
-        let (_, rows) = table(&bench.read("est.csv"));
-        rows.into_iter().map(|row| row[1..].join(",")).collect::<Vec<_>>()
-    };
-    let expected = estimated("drive.csv");
-    for origin_s in [-30.0, 0.37, 1e5] {
-        with_clock(&bench, "drive.csv", "moved.csv", |time_s| origin_s + time_s);
-        assert_eq!(estimated("moved.csv"), expected, "{origin_s}");
-    }
 }
 
 #[test]

@@ -21,28 +21,6 @@ fn json(bench: &Bench, line: &str) -> serde_json::Value {
     serde_json::from_str(bench.run(&format!("{line} --json")).success()).unwrap()
 }
 
-/// Runs a line that is refused, checks that it left nothing, gives the message.
-fn refusal(bench: &Bench, line: &str) -> String {
-    let before = bench.names();
-    let outcome = bench.run(line);
-    assert_eq!(bench.names(), before, "{outcome:?}");
-    outcome.refusal().to_owned()
-}
-
-/// Rewrites a file: `edit` gets the number of each line and its cells.
-fn edit(bench: &Bench, name: &str, edit: impl Fn(usize, &mut Vec<String>)) {
-    let mut out = String::new();
-    for (i, line) in bench.read(name).lines().enumerate() {
-        let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
-        if !line.starts_with('#') {
-            edit(i + 1, &mut cells);
-        }
-        out += &cells.join(",");
-        out.push('\n');
-    }
-    bench.write(name, out);
-}
-
 fn within(estimate: &serde_json::Value, truth: f64) {
     let (value, error) = (estimate["value"].as_f64().unwrap(), estimate["standard_error"].as_f64().unwrap());
     // Three standard errors: one example each, chosen before it was looked at.
@@ -106,76 +84,4 @@ fn a_calibrated_tire_goes_into_a_vehicle_file() {
     bench.write("mine.toml", format!("{head}{tire}\n[corner{corner}"));
     bench.run("simulate paper-drop --seed 1 -o again.csv --vehicle mine.toml").success();
     assert!(bench.read("residuals.svg").starts_with("<svg"));
-}
-
-#[test]
-fn the_same_measurement_gives_the_same_bytes() {
-    let bench = bench();
-    for (line, name) in [
-        ("identify damper sine.csv --plot a.svg", "a.svg"),
-        ("calibrate tire-tests.csv --plot a.svg", "a.svg"),
-    ] {
-        let first = (bench.run(line).stdout, bench.read(name));
-        assert_eq!(first, (bench.run(line).stdout, bench.read(name)));
-    }
-}
-
-#[test]
-fn unusable_tables_are_refused_in_one_sentence() {
-    let bench = bench();
-    let spring = "identify spring load-displacement.csv --plot out.svg";
-    edit(&bench, "load-displacement.csv", |line, cells| {
-        if line == 2 {
-            cells[1] = "load_kn".to_owned();
-        }
-    });
-    assert_eq!(
-        refusal(&bench, spring),
-        "load-displacement.csv: column load_n is missing; the nearest name there is load_kn; \
-         found displacement_m,load_kn, expected displacement_m,load_n"
-    );
-    let bench = self::bench();
-    edit(&bench, "load-displacement.csv", |line, cells| {
-        if line == 40 {
-            cells[0] = "NaN".to_owned();
-        }
-    });
-    assert_eq!(
-        refusal(&bench, spring),
-        "load-displacement.csv: line 40, column displacement_m: found NaN, expected a finite number"
-    );
-    let bench = self::bench();
-    edit(&bench, "load-displacement.csv", |line, cells| {
-        if line > 2 {
-            cells[0] = format!("{}", 1e3 * cells[0].parse::<f64>().unwrap());
-        }
-    });
-    let text = refusal(&bench, spring);
-    assert!(text.starts_with("load-displacement.csv: wrong units suspected: the travel is 60.0"), "{text}");
-    bench.run("identify spring load-displacement.csv --trust-units").success();
-    let bench = self::bench();
-    edit(&bench, "tire-tests.csv", |line, cells| {
-        if line > 2 {
-            cells[0] = format!("{}", cells[0].parse::<f64>().unwrap() / 6.894_757);
-        }
-    });
-    let text = refusal(&bench, "calibrate tire-tests.csv -o tire.toml");
-    assert!(text.contains("it looks like psi"), "{text}");
-    let text = refusal(&bench, "identify damper load-displacement.csv");
-    assert!(text.contains("column time_s is missing"), "{text}");
-    assert_eq!(refusal(&bench, "calibrate nowhere.csv"), "nowhere.csv: no such file");
-}
-
-#[test]
-fn outputs_that_cannot_be_written_leave_nothing() {
-    let bench = bench();
-    let text = refusal(&bench, "calibrate tire-tests.csv -o missing/tire.toml --plot residuals.svg");
-    assert_eq!(text, "missing/tire.toml: cannot be written: the directory missing does not exist");
-    let text = refusal(&bench, "calibrate tire-tests.csv -o tire.toml --plot missing/residuals.svg");
-    assert_eq!(text, "missing/residuals.svg: cannot be written: the directory missing does not exist");
-    let text = refusal(&bench, "calibrate tire-tests.csv -o tire.toml --plot tire.toml");
-    assert_eq!(text, "tire.toml: is given for two outputs, expected a name for each");
-    let text = refusal(&bench, "identify spring load-displacement.csv --plot load-displacement.csv");
-    assert!(text.starts_with("load-displacement.csv: is the measurement itself"), "{text}");
-    assert!(bench.run("identify damper sine.csv --spring -3").stderr.starts_with("error: "));
 }

@@ -104,16 +104,3 @@ fn numbers_of_any_size_are_shown() {
         assert!(page.len() < 200_000 && page.contains("Front left (fl)"), "{name}: {} bytes", page.len());
     }
 }
-
-#[test]
-fn what_is_no_log_is_refused_and_leaves_nothing() {
-    let bench = Bench::new();
-    assert!(bench.run("plot nothing.csv").refusal().contains("nothing.csv"));
-    bench.write("words.csv", "time_s,fl_body_accel_m_s2,fl_wheel_accel_m_s2\n0,a,b\n0.01,c,d\n");
-    bench.run("plot words.csv").refusal();
-    bench.write("one.csv", "time_s,fl_body_accel_m_s2\n0,1\n0.01,1\n");
-    bench.run("plot one.csv").refusal();
-    let itself = bench.run("plot one.csv -o one.csv");
-    assert!(itself.refusal().contains("is the log itself"), "{itself:?}");
-    assert_eq!(bench.names(), ["one.csv", "words.csv"]);
-}

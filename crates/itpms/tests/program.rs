@@ -44,39 +44,3 @@ fn errors_are_colored_where_that_is_asked_for_and_not_in_a_pipe() {
     let stderr = String::from_utf8(command.output().unwrap().stderr).unwrap();
     assert!(stderr.contains("a\\u001b[32mb.toml"), "{stderr:?}");
 }
-
-#[test]
-fn the_vehicle_file_of_the_environment_counts_where_none_is_named() {
-    let bench = Bench::with_drive();
-    let run = |line: &str| {
-        bench.command(line.split_whitespace()).env("ITPMS_VEHICLE", "car.toml").output().unwrap()
-    };
-    for line in ["estimate drive.csv -o by_variable.csv", "fleet drive.csv --out fleet"] {
-        let output = run(line);
-        assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
-    }
-    bench.run("estimate drive.csv --vehicle car.toml -o named.csv").success();
-    assert_eq!(bench.read("by_variable.csv"), bench.read("named.csv"));
-    // The option has the last word.
-    let output = run("estimate drive.csv --vehicle other.toml -o est.csv");
-    assert!(String::from_utf8(output.stderr).unwrap().contains("other.toml"));
-    assert_eq!(bench.run("estimate drive.csv -o est.csv").code, Some(2));
-}
-
-#[test]
-fn standard_input_and_output_are_a_log_and_its_result() {
-    let bench = Bench::with_drive();
-    let piped = |line: &str| {
-        let log = std::fs::File::open(bench.path("drive.csv")).unwrap();
-        let output = bench.command(line.split_whitespace()).stdin(log).output().unwrap();
-        assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
-        String::from_utf8(output.stdout).unwrap()
-    };
-    bench.run("estimate drive.csv --vehicle car.toml -o est.csv").success();
-    assert_eq!(piped("estimate - --vehicle car.toml -o -"), bench.read("est.csv"));
-    bench.run("convert drive.csv copy.csv").success();
-    assert_eq!(piped("convert - -"), bench.read("copy.csv"));
-    assert!(
-        piped("signals - --json").contains("fl_body_accel_m_s2") || piped("signals -").contains("time_s")
-    );
-}

@@ -70,21 +70,6 @@ fn a_reference_that_cannot_be_used_ends_the_command_before_anything_is_written()
 }
 
 #[test]
-fn options_that_do_not_go_together_are_refused() {
-    let (bench, stored) = bench();
-    for arguments in ["--save-reference new", "--reference car.reference --calibrate-s 10"] {
-        let outcome = bench.run(&format!("{ESTIMATE} {arguments}"));
-        assert_eq!(outcome.code, Some(2), "{outcome:?}");
-    }
-    let reset = format!("{ESTIMATE} --calibrate-s 10");
-    let refusal = |arguments: &str| bench.run(&format!("{reset} {arguments}")).refusal().to_owned();
-    assert!(refusal("--save-reference car.toml").contains("is the vehicle file itself"));
-    assert!(refusal("--save-reference est.csv").contains("is given for two outputs"));
-    assert!(refusal("--save-reference no/where").contains("does not exist"));
-    assert_eq!(StoredReference::read(&bench.path("car.reference")).unwrap(), stored);
-}
-
-#[test]
 fn a_log_that_is_a_reset_from_end_to_end_teaches_what_it_holds() {
     let bench = Bench::new();
     bench.write(

@@ -26,16 +26,6 @@ fn two_sines() -> String {
 }
 
 #[test]
-fn heights_in_another_unit_are_doubted() {
-    let bench = Bench::new();
-    bench.write("road.csv", two_sines());
-    // Without the point, nanometers.
-    bench.write("nm.csv", two_sines().replace(",0.", ",").replace(",-0.", ",-"));
-    let said = |name: &str| bench.run(&format!("roughness {name}")).stderr;
-    assert!(!said("road.csv").contains("another unit") && said("nm.csv").contains("heights in another unit"));
-}
-
-#[test]
 fn a_profile_of_two_tracks() {
     let bench = Bench::new();
     bench.write("road.csv", two_sines());
@@ -177,51 +167,6 @@ fn a_drive_is_estimated_first_and_its_road_file_gives_the_same() {
     assert!(broken.success().contains("driven"), "{broken:?}");
     // The paper drives at 20 km/h: half a hertz is 11 m.
     assert!(drive["note"].as_str().unwrap().contains("of its waves: reads low"), "{drive}");
-}
-
-#[test]
-fn what_cannot_be_used_is_refused() {
-    let bench = Bench::with_drive();
-    bench.write("road.csv", two_sines());
-    bench.write("broken.crg", "$ROAD_CRG\n$\n");
-    // Every second step is a leap of 2500 km; the rest is even, or not, or closer than a cell.
-    for (name, step_m) in
-        [("even.csv", [0.25; 3]), ("uneven.csv", [0.25, 0.2, 0.3]), ("fine.csv", [0.01, 0.012, 0.008])]
-    {
-        let (mut at_m, mut text) = (0.0, String::from("distance_m,height_m\n"));
-        for i in 0..40 {
-            _ = writeln!(text, "{at_m:.3},0.01");
-            at_m += if i % 4 == 3 { 2.5e6 } else { step_m[i % 3] };
-        }
-        bench.write(name, text);
-    }
-    let before = bench.names();
-    for (line, message) in [
-        ("roughness nowhere.csv", "nowhere.csv: no such file"),
-        (
-            "roughness drive.csv",
-            "drive.csv: looks like a drive log, whose road has to be estimated: expected --vehicle",
-        ),
-        ("roughness broken.crg", "broken.crg: the header does not end"),
-        ("roughness road.csv --segment-m 2", "road.csv: segments of 2 m, expected 5 m or more"),
-        (
-            "roughness even.csv",
-            "even.csv: gaps leave 89999991 heights missing, 0.25 m apart (the longest from 0.75 to 2500000.75 m), \
-             expected 10000000 or fewer",
-        ),
-        ("roughness uneven.csv", "uneven.csv: gaps leave "),
-        ("roughness fine.csv", "fine.csv: gaps leave "),
-        (
-            "roughness road.csv -o table.json",
-            "table.json: the table is CSV, expected a name that ends in .csv",
-        ),
-        ("roughness road.csv -o road.csv", "road.csv: is the road itself, expected another name to write to"),
-        ("roughness road.csv -o none/table.csv", "none/table.csv: cannot be written"),
-    ] {
-        let outcome = bench.run(line);
-        assert!(outcome.refusal().starts_with(message), "{outcome:?}");
-        assert_eq!(bench.names(), before);
-    }
 }
 
 /// A car at 72 km/h on a road of class A with holes and bumps, the positions of a receiver at 1 Hz along a meridian beside it.

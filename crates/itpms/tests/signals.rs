@@ -92,25 +92,3 @@ fn a_person_reads_a_table() {
     assert!(!missing.contains("fl_body_accel_m_s2") && !missing.contains("speed_m_s"), "{text}");
     assert!(text.contains("no signal for fl_wheel_accel_m_s2, so this corner cannot be estimated"), "{text}");
 }
-
-#[test]
-fn tables_have_signals_too_and_a_dbc_is_not_for_them() {
-    let folder = tempfile::tempdir().unwrap();
-    let log = folder.path().join("drive.csv");
-    fs::write(&log, "time_s,VehicleSpeed,note\n0,1,a\n0.01,,b\n0.02,3,c\n").unwrap();
-    let output = signals(&[&log]);
-    let text = String::from_utf8(output.stdout).unwrap();
-    assert!(text.starts_with(&format!("{}: 3 rows in 0.02 s, 2 columns", log.display())), "{text}");
-    let output = signals(&[&log, "--dbc".as_ref(), &example("car.dbc")]);
-    assert_eq!(output.status.code(), Some(2));
-    let text = String::from_utf8(output.stderr).unwrap();
-    assert!(text.ends_with("a DBC file says what the frames of a CAN log mean; this is none\n"), "{text}");
-    let output = signals(&[&log, "--write-map".as_ref(), &log]);
-    assert_eq!(output.status.code(), Some(2));
-    // Nothing says in which unit the speed is: a map to start from says so.
-    let map = folder.path().join("map.toml");
-    let output = signals(&[&log, "--write-map".as_ref(), &map]);
-    assert_eq!(output.status.code(), Some(0));
-    let text = fs::read_to_string(&map).unwrap();
-    assert!(text.contains("# speed_m_s could be VehicleSpeed, whose unit is not stated"), "{text}");
-}

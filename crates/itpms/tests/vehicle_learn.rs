@@ -192,36 +192,6 @@ fn a_wheelbase_that_is_given_and_wrong_is_named_with_the_way_out() {
 }
 
 #[test]
-fn what_cannot_be_learned_from_is_said() {
-    let bench = Bench::new();
-    bench.run(INIT).success();
-    bench.run("simulate drive-puncture --seed 1 -o drive.csv --vehicle car.toml").success();
-    let refused = |line: &str| {
-        let outcome = bench.run(line);
-        assert_eq!(outcome.code, Some(2), "{outcome:?}");
-        assert!(!bench.names().contains(&"learned.toml".to_owned()), "{line}");
-        outcome.stderr
-    };
-    let text = refused("vehicle learn drive.csv --pressure-kpa 240 --from car.toml -o learned.toml");
-    assert!(text.contains("drive.csv: no tire was read for a minute"), "{text}");
-    let text = refused("vehicle learn drive.csv --pressure-kpa 240 -o learned.toml");
-    assert!(text.contains("learned.toml: is not there to begin with"), "{text}");
-    let text = refused("vehicle learn drive.csv --pressure-kpa 2.4 --from car.toml -o learned.toml");
-    assert!(text.contains("2.4 kPa is no tire's pressure"), "{text}");
-    let text =
-        refused("vehicle learn drive.csv --pressure-kpa fl=240,rl=220 --from car.toml -o learned.toml");
-    assert!(text.contains("says nothing of fr"), "{text}");
-    let text = refused(
-        "vehicle learn drive.csv --pressure-kpa 240 --pressure-kpa 180 --from car.toml -o learned.toml",
-    );
-    assert!(text.contains("2 times --pressure-kpa for 1 logs"), "{text}");
-    let text = refused("vehicle learn drive.csv --from car.toml -o learned.toml");
-    assert!(text.contains("--pressure-kpa"), "{text}");
-    let text = refused("vehicle learn drive.csv --pressure-kpa 240 --from car.toml -o drive.csv");
-    assert!(text.contains("drive.csv: is a drive log itself"), "{text}");
-}
-
-#[test]
 fn check_names_what_learn_refuses() {
     let bench = Bench::new();
     bench.run(INIT).success();
