@@ -1,7 +1,6 @@
 //! What a car of a study has to find its pressures with.
 
-use itpms_core::model::CarEstimate;
-use itpms_core::model::{CarSample, Corner, ParameterError};
+use itpms_core::model::{CarEstimate, CarSample, Corner, ParameterError};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_core::torsion::{CarTorsion, TorsionConfig};
 use itpms_core::wheel_speed::{DrivenAxle, LoadUncertainty, WheelSpeedConfig, WheelSpeedSample};

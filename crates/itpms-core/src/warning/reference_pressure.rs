@@ -8,8 +8,7 @@
 
 use crate::cold_pressure::ColdTires;
 use crate::memory::Blank;
-use crate::model::CarEstimate;
-use crate::model::{ParameterError, positive};
+use crate::model::{CarEstimate, ParameterError, positive};
 use crate::real::Real;
 use crate::warning::low::is_learning;
 

@@ -2,8 +2,7 @@
 //!
 //! Called by `drive`, which holds what it says against what was done to the car.
 
-use itpms_core::model::CarEstimate;
-use itpms_core::model::{CarConfig, CarSample, Corner, CornerSample, ParameterError, Wheels};
+use itpms_core::model::{CarConfig, CarEstimate, CarSample, Corner, CornerSample, ParameterError, Wheels};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_core::warning::MonitorReport;
 use itpms_core::wheel_speed::{LoadUncertainty, WheelSpeedSample};
