@@ -61,18 +61,6 @@ fn a_low_tire_is_warned_of_after_the_drop_and_not_before() {
 }
 
 #[test]
-fn a_published_filter_runs_and_is_not_believed() {
-    let bench = Bench::with_drive();
-    let outcome = bench.run("estimate drive.csv --vehicle car.toml -o est.csv --estimator ekf-ui");
-    assert!(outcome.success().contains("ekf-ui"), "{outcome:?}");
-    assert!(
-        outcome.stderr.contains("drive.csv: ekf-ui as published cannot find the stiffness"),
-        "{outcome:?}"
-    );
-    assert!(table(&bench.read("est.csv")).1.iter().all(|row| row[5] == "none"));
-}
-
-#[test]
 fn the_road_has_a_row_per_sample_and_the_distance() {
     let bench = Bench::with_drive();
     bench.run("estimate drive.csv --vehicle car.toml -o est.csv --road-out road.csv").success();
@@ -104,38 +92,6 @@ fn the_report_is_a_page_and_the_summary_can_be_json() {
     assert!(page.starts_with("<!") && page.trim_end().ends_with("</html>"));
     // Complete in itself: nothing is loaded from anywhere.
     assert!(!page.contains("src=\"http") && !page.contains("href=\"http"));
-}
-
-#[test]
-fn repairs_are_counted_as_warnings_and_the_result_stays() {
-    let bench = Bench::with_drive();
-    bench.edit_drive(|line, cells| match line {
-        100 => cells[0] = "0.01".to_owned(),
-        200 => cells[2] = String::new(),
-        201 => cells[3] = "NaN".to_owned(),
-        12_000.. => cells[0] = format!("{}", cells[0].parse::<f64>().unwrap() + 0.5),
-        1 => cells.push("gearbox".to_owned()),
-        _ => {}
-    });
-    let text = bench.read("drive.csv");
-    let padded: String = text
-        .lines()
-        .enumerate()
-        .map(|(i, l)| if i == 0 { format!("{l}\n") } else { format!("{l},3\n") })
-        .collect();
-    bench.write("drive.csv", padded);
-    let outcome = bench.run("estimate drive.csv --vehicle car.toml -o est.csv");
-    assert!(outcome.success().contains("fl  "));
-    let warnings: Vec<&str> = outcome.stderr.lines().collect();
-    assert_eq!(
-        warnings,
-        [
-            "warning: drive.csv: 2 acceleration values are missing (empty, infinite, NaN or null)",
-            "warning: drive.csv: 1 row came after a later one and was put into the order of time",
-            "warning: drive.csv: 1 row repeats the time of the row before and was left out",
-            "warning: drive.csv: 1 gap of more than 3 sample periods, the longest 0.502 s at 23.994 s",
-        ]
-    );
 }
 
 #[test]
@@ -192,74 +148,6 @@ fn four_wheels_without_a_speed_are_by_themselves() {
         assert!(low_s.as_f64().is_some_and(|low_s| (21.0..29.0).contains(&low_s)), "{json}");
         assert!((kpa - 137.9).abs() < 25.0, "{json}");
     }
-}
-
-/// A car that stands by its speed and not by its wheels, and a reset too short to teach anything.
-#[test]
-fn a_speed_that_is_stuck_and_a_short_reset_are_said() {
-    let bench = Bench::with_drive();
-    let said = |bench: &Bench, line: &str| bench.run(&format!("estimate drive.csv {line}")).stderr;
-    let text = said(&bench, "--vehicle car.toml -o est.csv --calibrate-s 5");
-    assert!(text.contains("a calibration of 5 s teaches little") && !text.contains("stuck"), "{text}");
-    let (head, rows) =
-        bench.read("drive.csv").split_once('\n').map(|(a, b)| (a.to_owned(), b.to_owned())).unwrap();
-    assert!(head.starts_with("time_s,speed_m_s,"), "{head}");
-    for (speed, found) in
-        [("0", "stands while its wheels roll"), ("-22.2", "that no car has, the first -2.22e1")]
-    {
-        let stuck = |line: &str| {
-            let mut cells: Vec<&str> = line.split(',').collect();
-            cells[1] = speed;
-            cells.join(",") + "\n"
-        };
-        bench.write("drive.csv", format!("{head}\n{}", rows.lines().map(stuck).collect::<String>()));
-        let outcome = bench.run("estimate drive.csv --vehicle car.toml -o est.csv");
-        assert!(outcome.stderr.contains(found), "{speed}: {outcome:?}");
-        // Without a speed the loss is read all the same.
-        assert!(outcome.success().contains("LOW, warned of at"), "{speed}: {outcome:?}");
-    }
-}
-
-/// A typical file knows a pressure to some 50 kPa, which rules out no loss; a calibrated car's to few.
-#[test]
-fn a_wheel_that_is_not_known_does_not_look_like_one_that_is_fine() {
-    let bench = Bench::new();
-    bench.run("simulate drive-puncture --seed 1 -o drive.csv --vehicle-out known.toml").success();
-    bench.run("vehicle init --mass 1160 --front-share 0.52 --tire 205/60R16 -o typical.toml").success();
-    let lines = |vehicle: &str| bench.run(&format!("estimate drive.csv --vehicle {vehicle} -o est.csv"));
-    for (vehicle, not_known) in [("known.toml", false), ("typical.toml", true)] {
-        let outcome = lines(vehicle);
-        let line = outcome.success().lines().find(|line| line.starts_with("fr ")).unwrap();
-        assert_eq!(line.contains("; uncertain: too uncertain to rule out a loss"), not_known, "{line}");
-    }
-}
-
-#[test]
-fn people_read_pressures_in_their_unit_and_files_stay_as_they_are() {
-    let bench = Bench::with_drive();
-    let lines = |unit: &str, more: &str| {
-        let outcome = bench.run(&format!(
-            "estimate drive.csv --vehicle car.toml -o {unit}.csv --events {unit}.jsonl --report {unit}.html --pressure-unit {unit}{more}"
-        ));
-        (
-            outcome.success().to_owned(),
-            bench.read(&format!("{unit}.csv")),
-            bench.read(&format!("{unit}.jsonl")),
-        )
-    };
-    let (kpa, bar, psi) = (lines("kpa", ""), lines("bar", ""), lines("psi", ""));
-    // The drive's placard is 241.3 kPa, 35 psi.
-    for (said, placard) in [(&kpa.0, "kPa, sd"), (&bar.0, "(placard 2.41)"), (&psi.0, "(placard 35.0)")] {
-        assert!(said.contains(placard), "{said}");
-    }
-    assert!(!bar.0.contains("kPa") && bar.0.contains("bar"), "{}", bar.0);
-    assert!(!psi.0.contains("kPa") && psi.0.contains("psi"), "{}", psi.0);
-    assert_eq!((&kpa.1, &kpa.2), (&bar.1, &bar.2));
-    assert_eq!((&kpa.1, &kpa.2), (&psi.1, &psi.2));
-    let json = |unit: &str| -> serde_json::Value { serde_json::from_str(&lines(unit, " --json").0).unwrap() };
-    assert_eq!(json("kpa")["corners"], json("psi")["corners"]);
-    let refused = bench.run("estimate drive.csv --vehicle car.toml --pressure-unit torr").stderr;
-    assert!(refused.contains("kpa, bar, psi"), "{refused}");
 }
 
 #[test]

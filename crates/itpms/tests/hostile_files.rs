@@ -150,3 +150,16 @@ fn an_interrupted_run_leaves_nothing() {
         assert_eq!(bench.names(), before);
     }
 }
+
+#[test]
+fn an_interrupted_demo_leaves_nothing() {
+    let bench = Bench::new();
+    let mut command = bench.command(["demo"]);
+    let mut child = command.stderr(Stdio::piped()).stdout(Stdio::null()).spawn().unwrap();
+    while bench.names().is_empty() {
+        assert!(child.try_wait().unwrap().is_none());
+    }
+    let outcome = interrupt(child, "INT");
+    assert_eq!(outcome.code, Some(130), "{outcome:?}");
+    assert_eq!(bench.names(), Vec::<String>::new());
+}

@@ -4,104 +4,10 @@
 use crate::common;
 
 use common::Bench;
-use itpms_core::model::{CornerCalibration, Learned, VehicleCalibration};
 use itpms_data::Vehicle;
 use itpms_data::reference::StoredReference;
 
-/// A drive of one corner, its vehicle, and a reference of it.
-fn bench() -> (Bench, StoredReference) {
-    let bench = Bench::with_drive();
-    let vehicle = Vehicle::read(&bench.path("car.toml")).unwrap();
-    let small = |sd: f64| Learned { value: 0.0, sd };
-    let corner = CornerCalibration {
-        placard_kpa: 241.3,
-        unsprung_mass: small(0.01),
-        damping: small(0.1),
-        spring: small(0.1),
-        spectrum_bias_kpa: small(5.0),
-        shared_road_bias: small(0.01),
-    };
-    let learned = VehicleCalibration {
-        corners: [Some(corner), None, None, None],
-        bar: [Learned { value: 0.25, sd: 0.02 }, Learned { value: 0.1, sd: 0.02 }],
-        gain: [small(0.01); 2],
-        wheelbase: small(0.01),
-        skew_s: [small(0.001); 2],
-        learned_s: 300.0,
-    };
-    let stored = StoredReference::new(&vehicle, learned, 1_900_000_000).unwrap();
-    stored.save(&bench.path("car.reference")).unwrap();
-    (bench, stored)
-}
-
 const ESTIMATE: &str = "estimate drive.csv --vehicle car.toml -o est.csv";
-
-#[test]
-fn a_good_reference_is_taken_and_left_as_it_is() {
-    let (bench, stored) = bench();
-    let outcome = bench.run(&format!("{ESTIMATE} --reference car.reference"));
-    outcome.success();
-    // One corner has nothing to gain from it.
-    assert!(outcome.stderr.contains("car.reference: without effect"), "{}", outcome.stderr);
-    assert_eq!(StoredReference::read(&bench.path("car.reference")).unwrap(), stored);
-}
-
-#[test]
-fn a_reference_that_cannot_be_used_ends_the_command_before_anything_is_written() {
-    let (bench, stored) = bench();
-    let refusal = |arguments: &str| {
-        let outcome = bench.run(&format!("{ESTIMATE} {arguments}"));
-        let text = outcome.refusal().to_owned();
-        assert!(!bench.path("est.csv").exists());
-        text
-    };
-    assert!(refusal("--reference none").ends_with("none: no such file"));
-    assert!(refusal("--reference drive.csv").starts_with("drive.csv: is no learned reference"));
-    bench.write("cut", &stored.to_text()[..200]);
-    assert!(refusal("--reference cut").starts_with("cut: the learned reference is damaged"));
-    bench.write("car.toml", bench.read("car.toml").replace("925.8", "950.0"));
-    let text = refusal("--reference car.reference");
-    assert!(
-        text.starts_with("car.reference: the reference was learned on a vehicle whose set of parameters")
-            && text.ends_with(" as in car.toml"),
-        "{text}"
-    );
-    assert!(refusal("--reference car.reference --estimator ekf-ui").contains("only informed learns"));
-}
-
-#[test]
-fn a_log_that_is_a_reset_from_end_to_end_teaches_what_it_holds() {
-    let bench = Bench::new();
-    bench.write(
-        "four.toml",
-        "name = \"four\"\nduration_s = 20.0\nrate_hz = 200.0\nspeed.constant_km_h = 60.0\ncar = {}\n\
-         road.surface.iso8608 = { roughness = \"B\", slope = 2.0 }\n\
-         corner.fl.pressure.constant_kpa = 241.3\ncorner.fr.pressure.constant_kpa = 241.3\n\
-         corner.rl.pressure.constant_kpa = 241.3\ncorner.rr.pressure.constant_kpa = 241.3\n",
-    );
-    bench.run("simulate four.toml -o drive.csv --vehicle-out car.toml").success();
-    bench.run(&format!("{ESTIMATE} --calibrate-s 20 --save-reference whole.reference")).success();
-    StoredReference::read(&bench.path("whole.reference")).unwrap();
-}
-
-/// The pressures are not lost for it.
-#[test]
-fn a_calibration_that_was_not_over_saves_nothing_and_keeps_the_older_reference() {
-    let (bench, stored) = bench();
-    // The drive lasts 40 s.
-    let outcome = bench.run(&format!("{ESTIMATE} --calibrate-s 60 --save-reference car.reference"));
-    assert_eq!(outcome.code, Some(2), "{outcome:?}");
-    let said = outcome.stderr.lines().last().unwrap_or_default();
-    assert!(
-        said.contains(
-            "car.reference: nothing was learned: the calibration of 60 s is longer than the drive of 40.0 s"
-        ),
-        "{outcome:?}"
-    );
-    assert_eq!(StoredReference::read(&bench.path("car.reference")).unwrap(), stored);
-    assert_eq!(bench.names(), ["car.reference", "car.toml", "drive.csv", "est.csv"]);
-    assert!(bench.read("est.csv").lines().count() > 300);
-}
 
 /// Mean pressure and sd in kPa of each corner, 8 to 20 s into the drive.
 fn read(bench: &Bench) -> [[f64; 2]; 4] {

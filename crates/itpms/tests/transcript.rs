@@ -99,20 +99,34 @@ macro_rules! transcripts {
 }
 
 transcripts! {
+    air,
     convert,
     #[cfg(target_os = "linux")]
     endless,
     estimate,
+    exchanged,
+    field,
     fleet,
     identify,
+    lab,
+    learn,
     #[cfg(all(feature = "live", feature = "can"))]
     monitor,
+    plot,
+    program,
+    reference,
     roughness,
     same,
+    #[cfg(feature = "can")]
+    signals,
     simulate,
+    #[cfg(feature = "mdf4")]
+    tables,
     #[cfg(target_os = "linux")]
     unwritable,
     vehicle,
+    #[cfg(feature = "can")]
+    wheel_speeds,
 }
 
 #[test]

@@ -8,25 +8,6 @@ use common::Bench;
 const INIT: &str = "vehicle init --mass 1500 --front-share 0.55 --tire 205/55R16 --wheelbase-m 2.7";
 
 #[test]
-fn a_typical_file_is_complete_and_drives() {
-    let bench = Bench::new();
-    let made = bench.run(&format!("{INIT} -o car.toml"));
-    made.success();
-    assert!(!made.stderr.contains("warning"), "{made:?}");
-    let text = bench.read("car.toml");
-    for key in
-        ["stiffness_relative_sd", "unsprung_mass_relative_sd", "friction_n", "confidence = \"typical\""]
-    {
-        assert!(text.contains(key), "{text}");
-    }
-    // Printed, it is the same.
-    assert_eq!(bench.run(INIT).success(), text);
-    // Every other command takes it.
-    bench.run("simulate drive-puncture --seed 1 -o drive.csv --vehicle car.toml").success();
-    bench.run("estimate drive.csv --vehicle car.toml -o est.csv").success();
-}
-
-#[test]
 fn show_gives_frequencies_and_what_a_per_cent_costs() {
     let bench = Bench::new();
     bench.run(&format!("{INIT} -o car.toml")).success();
@@ -85,18 +66,4 @@ fn check_finds_the_damper_that_is_not_the_files() {
     assert!((check["damping_over_file"].as_f64().unwrap() - 2.0).abs() < 0.2, "{check}");
     assert!(check["sentence"].as_str().unwrap().contains("set damping_n_s_per_m to"), "{check}");
     assert_eq!(wrong["corners"]["rl"]["asks_for_change"], false, "{wrong}");
-}
-
-/// A name with line breaks stays in its row: nothing that it says looks like a line of the table.
-#[test]
-fn line_breaks_of_a_name_are_shown_as_such() {
-    let bench = Bench::with_drive();
-    let name = r#"x\nfl  241.0 kPa, sd 1.0\u001b[31m\r\u2028"#;
-    let file = bench.read("car.toml");
-    let old = file.lines().find(|line| line.starts_with("name = ")).unwrap().to_owned();
-    bench.write("odd.toml", file.replace(&old, &format!("name = \"{name}\"")));
-    let lines = |file: &str| bench.run(&format!("vehicle show {file}")).success().lines().count();
-    assert_eq!(lines("odd.toml"), lines("car.toml"));
-    let shown = bench.run("vehicle show odd.toml").success().to_owned();
-    assert!(shown.contains(r"x\u000afl  241.0 kPa") && !shown.contains('\u{1b}'), "{shown}");
 }
