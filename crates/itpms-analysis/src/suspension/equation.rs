@@ -70,7 +70,7 @@ impl Strut {
     pub(super) fn new(car: &CarBody, p: &Parameters, corner: usize, omega: f64) -> Self {
         let s = Complex::new(0.0, omega);
         let real = |value: f64| Complex::new(value, 0.0);
-        // What the wheel's sensor tells late is advanced: of the deflection it is the wheel's part, of what is made of its rate all.
+        // A late wheel sensor is advanced: of the deflection the wheel's part, of the signals made of its rate all.
         let advance = |corner: usize| (s * (p[LATE + corner] * LATE_S)).exp();
         let deflection = |corner: usize, n_per_m: f64| {
             let late = (advance(corner) - 1.0) / s;
@@ -90,7 +90,7 @@ impl Strut {
         ];
         let element = |element| (slip(corner, element), vec![(at + FRICTION + element, now * FORCE_N)]);
         slopes.extend((0..FRICTION_ELEMENTS).map(element));
-        // The force is linear in all of these but the logarithm of the spring; and of what is advanced the derivative is s times it.
+        // The force is linear in all of these but the logarithm of the spring; an advanced signal's derivative is s times it.
         let mut force = [real(0.0); ALL];
         for (i, weights) in &slopes {
             let value = if *i == SPRING + corner { 1.0 } else { p[*i] };

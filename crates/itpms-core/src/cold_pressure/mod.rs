@@ -126,7 +126,7 @@ impl<T: Real> ColdTires<T> {
         })
     }
 
-    /// What a tire that has this pressure cold, in kPa, should have now, as warm as it is, less [`CAUTION_SD`] of what is not known of that.
+    /// Expected warm pressure in kPa of a tire with this cold pressure, less [`CAUTION_SD`] sds of the warming.
     pub(crate) fn expected_kpa(&self, cold_kpa: T) -> Option<T> {
         let ambient_c = self.ambient_c.get()?;
         let ambient_k = ambient_c + T::lit(ZERO_C_K);
