@@ -6,7 +6,6 @@ mod advice;
 mod cold_pressure;
 mod common;
 mod convert;
-mod estimate;
 mod events;
 mod field;
 mod fleet;

@@ -100,9 +100,11 @@ macro_rules! transcripts {
 
 transcripts! {
     air,
+    #[cfg(all(feature = "can", feature = "mdf4"))]
     convert,
     #[cfg(target_os = "linux")]
     endless,
+    #[cfg(all(feature = "can", feature = "mdf4", feature = "parquet"))]
     estimate,
     exchanged,
     field,
@@ -113,9 +115,12 @@ transcripts! {
     #[cfg(all(feature = "live", feature = "can"))]
     monitor,
     plot,
+    pressures,
     program,
     reference,
+    #[cfg(feature = "parquet")]
     roughness,
+    #[cfg(feature = "parquet")]
     same,
     #[cfg(feature = "can")]
     signals,
