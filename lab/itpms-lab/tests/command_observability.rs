@@ -52,10 +52,6 @@ fn files_are_complete_and_the_same_every_time() {
     for name in [
         "observability.json",
         "observability.html",
-        "observability-twins.csv",
-        "observability-rank.csv",
-        "observability-time.csv",
-        "observability-sweeps.csv",
         "observability-twins.svg",
         "observability-time.svg",
         "observability-sweeps.svg",
