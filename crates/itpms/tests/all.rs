@@ -5,7 +5,6 @@
 mod advice;
 mod cold_pressure;
 mod common;
-mod convert;
 mod events;
 mod field;
 mod fleet;

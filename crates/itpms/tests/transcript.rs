@@ -1,107 +1,24 @@
-//! Sessions with the program as a terminal shows them: `transcripts/*.txt`.
-//!
-//! A line after `$ ` is run by a shell in a folder of the transcript's own, in which the paper's drive lies as `drive.csv` and `car.toml`; after
-//! `> ` it goes on. Below stands what was written to both streams: `[..]` is anything within a line, `...` any number of lines. `? 2` is the
-//! exit code; without it, 0. A line that begins with `itpms` and is refused (2) has to leave every file as it was. On Linux, whose `sed` and
-//! `grep` they are written for.
+//! The command's sessions, in folders in which the paper's drive lies as `drive.csv` and `car.toml`.
 #![cfg(target_os = "linux")]
-#![allow(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
-use std::collections::BTreeMap;
 use std::path::Path;
-use std::process::{Command, Stdio};
 
 use crate::common::Bench;
-
-/// Whether a text is the pattern, whose gaps take anything.
-fn fits(pattern: &str, text: &str) -> bool {
-    let mut parts = pattern.split("[..]");
-    let Some(mut rest) = text.strip_prefix(parts.next().unwrap_or_default()) else { return false };
-    let mut parts = parts.peekable();
-    if parts.peek().is_none() {
-        return rest.is_empty();
-    }
-    while let Some(part) = parts.next() {
-        let found =
-            if parts.peek().is_none() { rest.strip_suffix(part).map(|_| "") } else { after(rest, part) };
-        let Some(after) = found else { return false };
-        rest = after;
-    }
-    true
-}
-
-fn after<'a>(text: &'a str, part: &str) -> Option<&'a str> {
-    text.split_once(part).map(|(_, after)| after)
-}
-
-fn all_fit(patterns: &[&str], lines: &[&str]) -> bool {
-    match patterns {
-        [] => lines.is_empty(),
-        ["...", rest @ ..] => (0..=lines.len()).any(|skipped| all_fit(rest, &lines[skipped..])),
-        [pattern, rest @ ..] => {
-            lines.split_first().is_some_and(|(line, lines)| fits(pattern, line) && all_fit(rest, lines))
-        }
-    }
-}
-
-/// Names and sizes of what lies there.
-fn files(bench: &Bench) -> BTreeMap<String, u64> {
-    let size = |name: String| {
-        let size = std::fs::symlink_metadata(bench.path(&name)).map_or(0, |found| found.len());
-        (name, size)
-    };
-    bench.names().into_iter().map(size).collect()
-}
-
-fn replay(name: &str) {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let transcript = std::fs::read_to_string(folder.join(format!("tests/transcripts/{name}.txt"))).unwrap();
-    let bench = Bench::with_drive();
-    let programs = Path::new(crate::PROGRAM).parent().unwrap();
-    let path = format!("{}:{}", programs.display(), std::env::var("PATH").unwrap());
-    let examples = folder.join("../../examples");
-    for session in format!("\n{transcript}").split("\n$ ").skip(1) {
-        let mut lines = session.lines().peekable();
-        let mut command = lines.next().unwrap().to_owned();
-        while let Some(more) = lines.next_if(|line| line.starts_with('>')) {
-            command += &format!("\n{}", more[1..].strip_prefix(' ').unwrap_or(&more[1..]));
-        }
-        let lines = lines.filter(|line| !line.is_empty() && !line.starts_with('#'));
-        let (codes, expected): (Vec<&str>, Vec<&str>) = lines.partition(|line| line.starts_with("? "));
-        let code = codes.first().map_or(0, |code| code[2..].parse().unwrap());
-        let before = files(&bench);
-        let mut shell = Command::new("sh");
-        shell.args(["-c", &format!("exec 2>&1\n{command}")]).current_dir(bench.path(""));
-        shell.env("PATH", &path).env("EXAMPLES", &examples).env("LC_ALL", "C.UTF-8").stdin(Stdio::null());
-        let output = shell.output().unwrap();
-        let found = String::from_utf8_lossy(&output.stdout);
-        let found: Vec<&str> = found.lines().filter(|line| !line.is_empty()).collect();
-        assert!(
-            all_fit(&expected, &found) && output.status.code() == Some(code),
-            "$ {command}\nexpected, with code {code}:\n{}\nfound, with {:?}:\n{}",
-            expected.join("\n"),
-            output.status.code(),
-            found.join("\n")
-        );
-        if code == 2 && command.starts_with("itpms") {
-            assert_eq!(files(&bench), before, "$ {command}");
-        }
-    }
-}
+use crate::common::session::replay;
 
 macro_rules! transcripts {
     ($($(#[$attribute:meta])* $name:ident,)*) => {$(
         $(#[$attribute])*
         #[test]
         fn $name() {
-            replay(stringify!($name));
+            replay(Path::new(env!("CARGO_MANIFEST_DIR")), stringify!($name), &Bench::with_drive());
         }
     )*};
 }
 
 transcripts! {
     air,
-    #[cfg(all(feature = "can", feature = "mdf4"))]
+    #[cfg(all(feature = "can", feature = "mdf4", feature = "parquet"))]
     convert,
     endless,
     #[cfg(all(feature = "can", feature = "mdf4", feature = "parquet"))]
@@ -131,14 +48,4 @@ transcripts! {
     vehicle,
     #[cfg(feature = "can")]
     wheel_speeds,
-}
-
-#[test]
-fn a_pattern_fits_what_it_says_and_nothing_else() {
-    assert!(fits("a[..]c", "abbc") && fits("a[..]", "a") && fits("abc", "abc"));
-    assert!(!fits("a[..]c", "abcd") && !fits("abc", "abcd") && !fits("b[..]", "abc"));
-    assert!(all_fit(&["a", "...", "d"], &["a", "b", "c", "d"]) && all_fit(&["...", "a"], &["a"]));
-    assert!(
-        !all_fit(&["a", "...", "d"], &["a", "b"]) && !all_fit(&["a"], &["a", "b"]) && !all_fit(&["a"], &[])
-    );
 }
