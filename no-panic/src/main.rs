@@ -31,8 +31,8 @@ extern "C" fn car(
         return 0;
     }
     let estimate = car.update(sample);
-    car.update_wheel_speeds(wheel_speeds);
-    car.update_with_pulses(wheel_speeds, torsion);
+    car.update_wheel_speeds(wheel_speeds, None);
+    car.update_wheel_speeds(wheel_speeds, Some(torsion));
     if car.begin_calibration(sample.time_s).is_ok() {
         car.end_calibration();
     }
@@ -91,7 +91,7 @@ extern "C" fn speeds(
     if speeds.begin_calibration_at(sample.time_s, &sample.wheel_speed_m_s).is_ok() {
         speeds.update(sample);
     }
-    speeds.update_with_pulses(sample, torsion);
+    speeds.update_with_pulses(sample, Some(torsion));
     speeds.write_report_into(report);
     usize::from(speeds.end_calibration())
         + usize::from(speeds.calibration().is_some())

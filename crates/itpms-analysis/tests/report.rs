@@ -8,9 +8,9 @@ use itpms_analysis::report::{
 };
 use itpms_core::conditioning::SampleClock;
 use itpms_core::model::{
-    CarConfig, Corner, CornerConfig, CornerEstimate, Diagnostics, Level, PressureUnit, Validity, Warning,
+    CarConfig, CarEstimate, Corner, CornerConfig, CornerEstimate, Diagnostics, Level, PressureUnit,
+    TrackState, Validity, Warning,
 };
-use itpms_core::model::{CarEstimate, TrackState};
 use itpms_core::monitor::{Monitor, MonitorConfig};
 use itpms_core::warning::{Doubt, WheelState};
 use synthetic::{Drive, report};

@@ -5,8 +5,7 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use itpms_can_log::CanError;
-use itpms_can_log::{FrameReader, FrameWriter};
+use itpms_can_log::{CanError, FrameReader, FrameWriter};
 
 fn main() -> ExitCode {
     let names: Vec<PathBuf> = std::env::args_os().skip(1).map(PathBuf::from).collect();

@@ -73,7 +73,7 @@ impl Car {
     ) -> Result<(), itpms_status> {
         let sample = sample.read()?;
         self.car.wheels().ok_or(itpms_status::NoWheelSpeeds)?;
-        self.car.update_wheel_speeds(&sample);
+        self.car.update_wheel_speeds(&sample, None);
         Ok(())
     }
 

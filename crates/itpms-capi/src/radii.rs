@@ -5,8 +5,7 @@ use itpms_core::monitor::MonitoredWheels;
 use itpms_core::wheel_speed::WheelRadius;
 
 use crate::alert::bits;
-use crate::estimate;
-use crate::itpms_real;
+use crate::{estimate, itpms_real};
 
 /// One wheel by its speed. NaN: not known.
 #[repr(C)]

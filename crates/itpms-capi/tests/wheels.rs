@@ -1,9 +1,8 @@
 //! Wheel speeds alone, on a simulated drive with a nail in the front left tire after 100 s: what the library writes is what the core says of the
 //! same samples, to the last bit.
 
-use std::fs;
 use std::process::Command;
-use std::ptr;
+use std::{fs, ptr};
 
 use itpms_capi::*;
 use itpms_core::Real as _;

@@ -6,8 +6,7 @@ use crate::common;
 use std::sync::LazyLock;
 
 use common::car_ride::{CarRide, RATE_HZ, config};
-use itpms_core::model::CarEstimate;
-use itpms_core::model::{CarSample, Corner, VehicleCalibration};
+use itpms_core::model::{CarEstimate, CarSample, Corner, VehicleCalibration};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_core::warning::MonitorReport;
 

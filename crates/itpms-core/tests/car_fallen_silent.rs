@@ -7,8 +7,7 @@ use crate::common;
 use std::sync::LazyLock;
 
 use common::car_ride::{CarRide, RATE_HZ, car, config, drive};
-use itpms_core::model::CarEstimate;
-use itpms_core::model::{CarSample, Corner, CornerSample};
+use itpms_core::model::{CarEstimate, CarSample, Corner, CornerSample};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_core::warning::WheelState;
 

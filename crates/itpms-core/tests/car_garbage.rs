@@ -7,8 +7,7 @@ use std::sync::LazyLock;
 
 use common::car_ride::{CarRide, car, cast, config, drive, sound};
 use itpms_core::Real;
-use itpms_core::model::CarEstimate;
-use itpms_core::model::CarSample;
+use itpms_core::model::{CarEstimate, CarSample};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 

@@ -5,8 +5,7 @@ use crate::common;
 
 use common::car_ride::{CarRide, PLACARD_KPA, RATE_HZ, car, config, drive};
 use itpms_core::car::CarEstimator;
-use itpms_core::model::CarEstimate;
-use itpms_core::model::{CarSample, Corner, CornerSample};
+use itpms_core::model::{CarEstimate, CarSample, Corner, CornerSample};
 
 /// The rear right wheel's sensor reads twice its value for four seconds, and is then kept away: the front right tire,
 /// which was taken for the one that had changed, is read as before. (Else it stays too low for many seconds more.)

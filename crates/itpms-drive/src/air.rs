@@ -1,4 +1,4 @@
-//! What a log says of the air that cannot be: counted, so that it can be told.
+//! Values of the air in a log that are impossible: counted and reported.
 
 use itpms_core::model::Air;
 use itpms_data::log::{AirField, Slot};

@@ -82,12 +82,9 @@ impl AnyCar {
     pub fn update_wheel_speeds(
         &mut self,
         sample: &WheelSpeedSample<f64>,
-        torsion: Option<&mut CarTorsion<f64>>,
+        pulses: Option<&mut CarTorsion<f64>>,
     ) {
-        match torsion {
-            Some(torsion) => self.car.update_with_pulses(sample, torsion),
-            None => self.car.update_wheel_speeds(sample),
-        }
+        self.car.update_wheel_speeds(sample, pulses);
         if let (Some(paper), Some(wheels)) = (&mut self.paper, self.car.wheels()) {
             paper.follow_wheels(wheels);
         }

@@ -2,8 +2,7 @@
 
 use itpms_core::car::CarEstimator;
 use itpms_core::conditioning::{SpeedHold, is_a_cars};
-use itpms_core::model::CarEstimate;
-use itpms_core::model::{BodyFit, Corner, CornerEstimate, Misfit, QuarterCar};
+use itpms_core::model::{BodyFit, CarEstimate, Corner, CornerEstimate, Misfit, QuarterCar};
 use itpms_core::monitor::{MonitorConfig, MonitoredWheels};
 use itpms_core::torsion::TorsionChange;
 use itpms_core::warning::MonitorReport;

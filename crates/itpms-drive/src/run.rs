@@ -27,8 +27,7 @@ use crate::rotation::{self, Rotation};
 use crate::sensor_watch::{SensorWatch, WatchedSensor};
 use crate::suspension::{SentLoads, SuspensionWatch};
 use crate::time_axis::TimeAxis;
-use crate::wheel_speeds::YawFault;
-use crate::wheel_speeds::wheel_speed_use;
+use crate::wheel_speeds::{YawFault, wheel_speed_use};
 
 /// Rows between two looks at whoever may want to stop or to know how far it is.
 pub(crate) const ROWS_PER_LOOK: u64 = 1024;

@@ -161,7 +161,7 @@ pub fn left_right_lines(verdict: &SuspensionVerdict) -> Vec<String> {
     [("front", 0), ("rear", 2)].into_iter().map(axle).collect()
 }
 
-/// By how much dampers of an axle differ before a person is told, as a share.
+/// Difference of an axle's dampers, as a share, above which it is reported to a person.
 const LEFT_RIGHT_LIMIT: f64 = 0.18;
 
 /// Dampers and load in lines; none without a reference, where nothing is judged.

@@ -1,8 +1,7 @@
 //! What can be wrong with any file, whatever its format: in one sentence that is complete and can be printed as it is.
 
-use std::fmt;
-use std::io;
 use std::path::{Path, PathBuf};
+use std::{fmt, io};
 
 use thiserror::Error;
 

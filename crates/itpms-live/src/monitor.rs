@@ -206,7 +206,7 @@ impl Monitor {
     }
 
     /// Says once that frames come and none is of use: another bus, or another bus's description.
-    fn tell_useless_frames(&mut self) {
+    fn report_useless_frames(&mut self) {
         let Some(feed) = self.feed.as_ref().filter(|feed| feed.used() == 0 && !self.useless_reported) else {
             return;
         };
@@ -228,8 +228,8 @@ impl Monitor {
             let news = source.state == SourceState::Live;
             source.state = SourceState::Stale;
             if news || self.last_published.elapsed() > STALE_EVERY {
-                self.tell_now();
-                self.tell_useless_frames();
+                self.publish_now();
+                self.report_useless_frames();
             }
         }
         if let Some(state) = &mut self.state
@@ -251,7 +251,7 @@ impl Monitor {
         over
     }
 
-    fn tell_now(&mut self) {
+    fn publish_now(&mut self) {
         self.last_published = Instant::now();
         let snapshot = self.engine.snapshot();
         publish(&self.hub, &self.outputs, Published::Estimate(snapshot));
@@ -264,8 +264,8 @@ impl Monitor {
             _ => Ok(()),
         };
         self.engine.source_mut().state = SourceState::Ended;
-        self.tell_now();
-        self.tell_useless_frames();
+        self.publish_now();
+        self.report_useless_frames();
         let backwards = self.engine.out_of_order();
         if backwards > 0 {
             let text = format!("{backwards} rows were not later than the ones before them and were left out");

@@ -3,8 +3,7 @@
 //! Fed by the drive with causal road heights, which are less exact than the late, smoothed ones that `itpms roughness` uses.
 
 use itpms_analysis::roughness::WheelSurvey;
-use itpms_core::model::CarEstimate;
-use itpms_core::model::Corner;
+use itpms_core::model::{CarEstimate, Corner};
 
 use crate::clock::Clock;
 use crate::error::LiveError;

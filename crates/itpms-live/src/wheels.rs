@@ -47,10 +47,7 @@ impl Wheels {
     /// Hands the car a row's wheel speeds. Gives the speed of the car by them, in m/s.
     pub(crate) fn update(&mut self, row: &LogRow, car: &mut MonitoredCar<f64>) -> f64 {
         let sample = row.motion.sample(row.time_s, self.rolling_radius_m);
-        match &mut self.torsion {
-            Some(torsion) => car.update_with_pulses(&sample, torsion),
-            None => car.update_wheel_speeds(&sample),
-        }
+        car.update_wheel_speeds(&sample, self.torsion.as_deref_mut());
         0.25 * sample.wheel_speed_m_s.iter().sum::<f64>()
     }
 

@@ -1,8 +1,7 @@
 //! The web server from outside: plain requests over a socket, as a browser, a scraper or someone with bad intentions sends them.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail like tests")]
 
-use crate::http_client;
-use crate::made_up;
+use crate::{http_client, made_up};
 
 use std::io::{Read as _, Write as _};
 use std::net::{SocketAddr, TcpStream};

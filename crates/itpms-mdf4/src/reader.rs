@@ -5,18 +5,16 @@ use std::sync::Arc;
 
 use itpms_files::{FileProblem, input};
 
-use super::attachment;
 use super::block::{BlockFile, FRAME, Fault};
 use super::bytes::ByteColumn;
 use super::channel::{BytesLayout, ChannelGroup, Layout};
-use super::clock_unit;
 use super::cursor::{GroupCursor, Parts};
 use super::data::{Column, DataStream, has_invalidation_apart};
 use super::error::{Damage, Mdf4Error, Mdf4Problem, Mdf4Repair, Repairs};
 use super::identification::{self, Generation, Unfinished};
-use super::mdf3;
 use super::records::{MOST_EMPTY, MOST_RECORD, Records, Shape};
 use super::structure::{self, DataGroup, Structure};
+use super::{attachment, clock_unit, mdf3};
 
 /// An open MDF file (ASAM MDF 4.0 to 4.3, and 2 and 3).
 ///

@@ -5,8 +5,7 @@
 use crate::common;
 
 use common::quarter_plant::{MB, MW, Random, drive, fig_6_kpa, pressure, rms, stiffness};
-use itpms_core::model::CornerSample;
-use itpms_core::model::QuarterCar;
+use itpms_core::model::{CornerSample, QuarterCar};
 use itpms_paper::quarter_car::{self, state};
 use itpms_paper::{
     AekfUi, CorrectionInput, FilterConfig, Forgetting, GradientDescent, StepRecord, StepStatus,

@@ -7,11 +7,10 @@ use itpms_drive::{CheckedVehicle, DriveError, check};
 use pyo3::prelude::*;
 use pyo3::types::PyIterator;
 
-use crate::errors;
-use crate::output;
 use crate::pieces::{Pieces, reading};
 use crate::vehicle::Vehicle;
 use crate::work::{self, Meanwhile, Progress};
+use crate::{errors, output};
 
 /// Holds a vehicle against the drive in a file.
 #[pyfunction]

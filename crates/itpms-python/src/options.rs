@@ -5,8 +5,7 @@ use std::path::PathBuf;
 use itpms_core::model::PressureUnit;
 use itpms_core::warning::Regulation;
 use itpms_data::log::LogOptions;
-use itpms_drive::EstimatorKind;
-use itpms_drive::Settings;
+use itpms_drive::{EstimatorKind, Settings};
 use itpms_road::{RoadPeriod, RoadRepetition};
 use pyo3::prelude::*;
 

@@ -3,35 +3,28 @@
 //! One program: the estimators are generic, and every program that uses them compiles them anew.
 
 mod advice;
-mod bad_input;
 mod cold_pressure;
 mod common;
-mod convert;
-mod demo;
-mod estimate;
 mod events;
 mod field;
 mod fleet;
 mod hostile_files;
 mod identify;
 mod identify_bump;
-mod lab;
 mod mcap;
 mod monitor;
 mod owners_path;
 mod plot;
-mod program;
 mod pulses;
 mod reference;
 mod rotation;
 mod roughness;
-mod signals;
 mod simulate;
 mod simulated_wheel_speeds;
 mod slow_leak;
 mod slow_speed;
 mod surveyed_road;
-mod tables;
+mod transcript;
 mod truck;
 mod vehicle;
 mod vehicle_learn;

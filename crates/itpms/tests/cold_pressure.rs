@@ -94,34 +94,3 @@ fn a_winter_morning_says_what_to_add() {
     assert!((cold - ((pressure + 101.3) * 263.15 / tire_k - 101.325)).abs() < 0.05, "{pressure} {cold}");
     assert!(of("rl_cold_pressure_sd_kpa") > 263.15 / tire_k * of("rl_pressure_sd_kpa"));
 }
-
-#[test]
-fn without_a_temperature_nothing_changes() {
-    let bench = winter_drive();
-    let run = |bench: &Bench| {
-        let outcome = bench.run("estimate drive.csv --vehicle car.toml -o est.csv --events events.jsonl");
-        (outcome.success().to_owned(), bench.read("est.csv"), bench.read("events.jsonl"))
-    };
-    let before = run(&bench);
-    with_air(&bench, &[("barometric_kpa", "85"), ("altitude_m", "1500")]);
-    assert_eq!(run(&bench), before);
-}
-
-#[test]
-fn what_cannot_be_counts_as_missing_and_is_told() {
-    let bench = winter_drive();
-    with_air(&bench, &[("ambient_temperature_c", "263.15"), ("barometric_kpa", "1013")]);
-    let outcome = bench.run("estimate drive.csv --vehicle car.toml -o est.csv");
-    assert!(!outcome.success().contains(" cold at "), "{outcome:?}");
-    for what in [
-        "300 values of ambient_temperature_c are such as no air on a road has (-60 to 65 C), the first 263.15",
-        "300 values of barometric_kpa are such as no place with roads has (45 to 110 kPa: absolute, in kPa?), the first 1013",
-        "ambient_temperature_c has no value that can be: no cold pressure is known",
-    ] {
-        assert!(outcome.stderr.contains(what), "{outcome:?}");
-    }
-    let (names, rows) = table(&bench.read("est.csv"));
-    let place = names.iter().position(|name| name == "fl_cold_pressure_kpa").unwrap();
-    assert!(rows.iter().all(|row| row[place].is_empty()));
-    assert_eq!(json(&bench, "")["corners"]["fl"]["cold"], serde_json::json!({ "state": "unknown" }));
-}

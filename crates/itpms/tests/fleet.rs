@@ -199,44 +199,6 @@ fn a_killed_run_goes_on_where_it_was_and_a_third_does_nothing() {
     assert!(!last(&bench.run(&format!("{FLEET} --regulation fmvss-138"))).contains("before"));
 }
 
-#[test]
-fn what_makes_a_run_impossible_is_said_and_what_only_makes_drives_fail_is_not_fatal() {
-    let bench = Bench::with_drive();
-    fs::create_dir_all(bench.path("cars")).unwrap();
-    let refusal = |line: &str| bench.run(line).refusal().to_owned();
-    assert!(refusal("fleet *.mf4 --vehicle car.toml --out out").starts_with("*.mf4: no file fits"));
-    assert!(refusal("fleet *.csv --vehicle-dir cars --out out").starts_with("cars: holds no vehicle file"));
-    assert!(refusal("fleet *.csv --vehicle none.toml --out out").ends_with("none.toml: no such file"));
-    assert_eq!(bench.run("fleet *.csv --out out").code, Some(2));
-    assert!(!bench.path("out").exists());
-    // The car's file is unusable, so all its drives are: nothing could be estimated.
-    bench.write("cars/drive.toml", "[corner.fl]\n");
-    let outcome = bench.run("--quiet fleet *.csv --vehicle-dir cars --out out");
-    assert_eq!(outcome.code, Some(2), "{outcome:?}");
-    assert!(
-        outcome.stderr.contains("error: none of 1 drives could be estimated; the first: cars/drive.toml: "),
-        "{outcome:?}"
-    );
-    // One of two drives fails.
-    bench.write("bad.csv", "time_s\n");
-    let one = "--quiet fleet *.csv --vehicle car.toml --out out";
-    assert!(
-        bench
-            .run(one)
-            .success()
-            .trim_end()
-            .ends_with("1 of 2 drives of 1 car estimated; 1 failed: out/failed.csv")
-    );
-    let strict = bench.run(&format!("{one} --strict"));
-    assert_eq!(strict.code, Some(2));
-    assert!(strict.stderr.trim_end().ends_with("error: 1 of 2 drives failed, and --strict was given"));
-    let json: Value = serde_json::from_str(bench.run(&format!("{one} --json")).success()).unwrap();
-    assert_eq!(
-        (&json["drives"], &json["kept"], &json["cars_by_state"]["fine"]),
-        (&1.into(), &1.into(), &0.into())
-    );
-}
-
 /// A car of which no drive could be estimated is not left out of the cars, let alone fine.
 #[test]
 fn a_car_none_of_whose_drives_could_be_estimated_is_unknown() {

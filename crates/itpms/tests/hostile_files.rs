@@ -6,7 +6,6 @@ use crate::common;
 
 use std::fs::{self, File};
 use std::io::Write as _;
-use std::os::unix::fs::symlink;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
@@ -86,87 +85,6 @@ fn a_pipe_whose_writer_stops_in_the_middle_ends_at_the_first_signal_and_leaves_n
     drop(writer);
 }
 
-#[test]
-fn a_drive_through_a_pipe_is_the_same_drive() {
-    let bench = Bench::with_drive();
-    bench.run("estimate drive.csv --vehicle car.toml -o est.csv").success();
-    pipe(&bench, "through.csv");
-    let line = "estimate through.csv --vehicle car.toml -o through-est.csv";
-    let mut child = bench.command(line.split_whitespace()).stdout(Stdio::null()).spawn().unwrap();
-    fs::copy(bench.path("drive.csv"), bench.path("copy.csv")).unwrap();
-    let mut writer = File::options().write(true).open(bench.path("through.csv")).unwrap();
-    writer.write_all(&fs::read(bench.path("copy.csv")).unwrap()).unwrap();
-    drop(writer);
-    assert!(child.wait().unwrap().success());
-    assert_eq!(bench.read("est.csv"), bench.read("through-est.csv"));
-}
-
-#[test]
-fn a_pipe_is_refused_where_a_file_is_read_in_several_places() {
-    let bench = Bench::with_drive();
-    with_dbc(&bench);
-    for (name, more, format) in [
-        ("p.blf", "--dbc car.dbc --signals map.toml", "BLF"),
-        ("p.mf4", "", "MDF4"),
-        ("p.parquet", "", "Parquet"),
-    ] {
-        pipe(&bench, name);
-        let outcome = bench.run(&format!("estimate {name} --vehicle car.toml -o est.csv {more}"));
-        let expected = format!(
-            "{name}: is a pipe or a device, expected a regular file: {format} is read in several places"
-        );
-        assert_eq!(outcome.refusal(), expected);
-    }
-}
-
-#[cfg(target_os = "linux")]
-#[test]
-fn what_has_no_end_is_refused_with_the_limit() {
-    let bench = Bench::with_drive();
-    with_dbc(&bench);
-    for name in ["zero.csv", "zero.log", "zero.asc", "zero.toml", "zero.crg", "zero.dbc"] {
-        symlink("/dev/zero", bench.path(name)).unwrap();
-    }
-    let estimate = |log: &str, more: &str| {
-        bench.run(&format!("estimate {log} --vehicle car.toml -o est.csv {more}")).refusal().to_owned()
-    };
-    assert_eq!(
-        estimate("zero.csv", ""),
-        "zero.csv: line 1 is longer than 1048576 bytes, expected lines of text"
-    );
-    for name in ["zero.log", "zero.asc"] {
-        assert_eq!(
-            estimate(name, "--dbc car.dbc --signals map.toml"),
-            format!("{name}: line 1 is longer than 67108864 bytes, expected lines of text")
-        );
-    }
-    let toml =
-        |what: &str| format!("zero.toml: has more than 1048576 bytes, expected {what} of at most 1048576");
-    let text = bench.run("estimate drive.csv --vehicle zero.toml -o est.csv").refusal().to_owned();
-    assert_eq!(text, toml("a vehicle file (TOML)"));
-    with_log(&bench);
-    assert_eq!(estimate("bus.log", "--dbc car.dbc --signals zero.toml"), toml("a map of signals (TOML)"));
-    let text = bench.run("simulate zero.toml -o out.csv").refusal().to_owned();
-    assert_eq!(text, "zero.toml: has more than 1048576 bytes, expected at most 1048576");
-    let text = bench.run("roughness zero.crg").refusal().to_owned();
-    assert_eq!(
-        text,
-        "zero.crg: the header does not end: expected a line that begins with $$$$ before the data"
-    );
-    // A hole of 3 GiB, which takes no room on the disk.
-    for name in ["hole.toml", "hole.crg"] {
-        File::create(bench.path(name)).unwrap().set_len(3 << 30).unwrap();
-    }
-    let text = bench.run("estimate drive.csv --vehicle hole.toml -o est.csv").refusal().to_owned();
-    assert_eq!(text, "hole.toml: has 3221225472 bytes, expected a vehicle file (TOML) of at most 1048576");
-    let text = bench.run("roughness hole.crg").refusal().to_owned();
-    assert_eq!(text, "hole.crg: has 3221225472 bytes, expected an OpenCRG file of at most 1073741824");
-}
-
-fn with_log(bench: &Bench) {
-    bench.write("bus.log", "(1.0) can0 123#00\n");
-}
-
 /// Whether a terminal would obey something of this.
 fn is_plain(text: &str) -> bool {
     text.chars().all(|c| c == '\n' || !(c.is_control() || c == '\u{202e}'))
@@ -209,22 +127,39 @@ fn names_are_cleaned_before_they_reach_the_terminal() {
 }
 
 #[test]
-fn a_corner_of_the_vehicle_that_the_log_lacks_is_said() {
-    let bench = Bench::with_drive();
-    let corner = bench.read("car.toml");
-    let corner = corner.split_once("[corner.fl]").unwrap().1.to_owned();
-    bench.write("car.toml", bench.read("car.toml") + "\n[corner.rr]" + &corner);
-    let outcome = bench.run("estimate drive.csv --vehicle car.toml -o est.csv");
-    outcome.success();
-    assert!(
-        outcome.stderr.contains("warning: drive.csv: corner rr of the vehicle file is not in the log\n"),
-        "{outcome:?}"
+fn an_interrupted_run_leaves_nothing() {
+    let bench = Bench::new();
+    bench.write(
+        "long.toml",
+        "name = \"long\"\nduration_s = 1500.0\nrate_hz = 500.0\nspeed.constant_km_h = 50.0\n\
+         road.surface.iso8608 = { roughness = \"B\", slope = 2.0 }\n\
+         corner.fl.pressure.points_s_kpa = [[0.0, 240.0]]\ncorner.rr.pressure.points_s_kpa = [[0.0, 240.0]]\n",
     );
-    assert!(!outcome.stderr.contains("corner fl"), "{outcome:?}");
-    // Among the corners, too, and where warnings are not wanted.
-    let outcome = bench.run("estimate drive.csv --vehicle car.toml -o est.csv -q");
-    assert!(outcome.stdout.contains("\nrr  not estimated: not in the log\n"), "{outcome:?}");
-    let outcome = bench.run("estimate drive.csv --vehicle car.toml -o est.csv --json");
-    let value: serde_json::Value = serde_json::from_str(&outcome.stdout).unwrap();
-    assert_eq!(value["not_estimated"], serde_json::json!({ "rr": "not in the log" }));
+    bench.run("simulate long.toml -o drive.csv --vehicle-out car.toml").success();
+    let before = bench.names();
+    for signal in ["INT", "TERM"] {
+        let outcome = interrupt(
+            bench.start(
+                "estimate drive.csv --vehicle car.toml -o est.csv --road-out road.csv --report report.html",
+                "est.csv",
+            ),
+            signal,
+        );
+        assert_eq!(outcome.code, Some(130), "{outcome:?}");
+        assert_eq!(outcome.stderr, "error: interrupted, nothing was written\n");
+        assert_eq!(bench.names(), before);
+    }
+}
+
+#[test]
+fn an_interrupted_demo_leaves_nothing() {
+    let bench = Bench::new();
+    let mut command = bench.command(["demo"]);
+    let mut child = command.stderr(Stdio::piped()).stdout(Stdio::null()).spawn().unwrap();
+    while bench.names().is_empty() {
+        assert!(child.try_wait().unwrap().is_none());
+    }
+    let outcome = interrupt(child, "INT");
+    assert_eq!(outcome.code, Some(130), "{outcome:?}");
+    assert_eq!(bench.names(), Vec::<String>::new());
 }

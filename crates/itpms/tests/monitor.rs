@@ -91,13 +91,6 @@ fn expect_est_csv(bench: &Bench, json: &str) {
 }
 
 #[test]
-fn a_log_is_no_interface() {
-    let bench = Bench::with_drive();
-    let outcome = bench.run("monitor drive.csv --vehicle car.toml");
-    assert_eq!(outcome.refusal(), "drive.csv: is a file, expected an interface; a log: --replay drive.csv");
-}
-
-#[test]
 fn a_replay_says_what_estimate_says_row_for_row_and_warns_on_transitions_alone() {
     let bench = puncture();
     bench.run("estimate drive.csv --vehicle car.toml -o est.csv --events events.jsonl").success();
@@ -116,20 +109,6 @@ fn a_replay_says_what_estimate_says_row_for_row_and_warns_on_transitions_alone()
     let last = lines(&bench, "live.jsonl", "estimate").pop().unwrap();
     assert_eq!(last["source"]["state"], "ended");
     assert_eq!(last["wheels"][0]["state"], "low");
-}
-
-#[test]
-fn frames_are_written_into_no_other_file() {
-    let bench = puncture();
-    let line = "monitor --replay drive.csv --speed max --vehicle car.toml --can-out";
-    for (to, what) in [
-        ("drive.csv", "drive.csv: is the log itself"),
-        ("car.toml", "car.toml: is the vehicle file itself"),
-        ("live.jsonl --json live.jsonl", "live.jsonl: is given for two outputs"),
-    ] {
-        let outcome = bench.run(&format!("{line} {to}"));
-        assert!(outcome.refusal().starts_with(what), "{outcome:?}");
-    }
 }
 
 /// A speed that is zero while the car drives, and one that stops coming at 20 s.
@@ -191,25 +170,6 @@ fn frames_from_a_log_and_through_a_pipe_with_rubbish_in_between() {
     let last = lines(&bench, "pipe.jsonl", "estimate").pop().unwrap();
     assert_eq!(last["source"]["malformed"], rubbish);
     assert_eq!(last["source"]["unknown_ids"], 0);
-}
-
-#[test]
-fn without_a_dbc_or_with_two_sources_nothing_starts() {
-    let bench = puncture();
-    with_frames(&bench);
-    let refusal = |line: &str| bench.run(line).refusal().to_owned();
-    assert!(refusal("monitor --replay drive.log --vehicle car.toml").contains("--dbc"));
-    assert!(
-        refusal("monitor nosuchcan0 --dbc car.dbc --signals map.toml --vehicle car.toml")
-            .starts_with("nosuchcan0: ")
-    );
-    assert!(
-        refusal("monitor --mqtt-in host/topic --dbc car.dbc --signals map.toml --vehicle car.toml")
-            .contains("mqtt://")
-    );
-    assert_eq!(bench.run("monitor can0 --replay drive.csv --vehicle car.toml").code, Some(2));
-    assert_eq!(bench.run("monitor --vehicle car.toml").code, Some(2));
-    assert!(bench.run("monitor --print-dbc").success().contains("BO_ 1776 ITPMS_Status"));
 }
 
 #[test]

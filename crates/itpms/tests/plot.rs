@@ -3,8 +3,6 @@
 
 use crate::common;
 
-use std::fmt::Write as _;
-
 use common::Bench;
 use serde_json::Value;
 
@@ -51,69 +49,4 @@ fn a_drive_is_shown_on_one_page_whose_figures_are_the_logs() {
         assert!(told["corners"][corner]["coherence"].as_f64().unwrap() > 0.5, "{told}");
     }
     assert_eq!(told["doubts"], Value::Array(vec![]), "{told}");
-}
-
-#[test]
-fn columns_that_are_exchanged_and_one_that_stands_still_are_named() {
-    let bench = simulated();
-    let text = bench.read("drive.csv");
-    let (head, rows) = text.split_once('\n').unwrap();
-    let head = head
-        .replace("fl_body_accel", "fl_x")
-        .replace("fl_wheel_accel", "fl_body_accel")
-        .replace("fl_x", "fl_wheel_accel");
-    let at = head.split(',').position(|name| name == "fr_body_accel_m_s2").unwrap();
-    let mut log = head.clone() + "\n";
-    for row in rows.lines() {
-        let cells: Vec<&str> =
-            row.split(',').enumerate().map(|(i, cell)| if i == at { "0.25" } else { cell }).collect();
-        writeln!(log, "{}", cells.join(",")).unwrap();
-    }
-    bench.write("wrong.csv", log);
-    let outcome = bench.run("plot wrong.csv -o page.html");
-    outcome.success();
-    for word in ["fl: the body moves more than the wheel where wheels hop", "fr, body: always 0.25"] {
-        assert!(outcome.stderr.contains(&format!("warning: {word}")), "{outcome:?}");
-        assert!(bench.read("page.html").contains(word));
-    }
-}
-
-#[test]
-fn other_names_and_units_take_a_map() {
-    let bench = simulated();
-    let text = bench.read("drive.csv");
-    let (head, rows) = text.split_once('\n').unwrap();
-    bench.write("other.csv", format!("{}\n{rows}", head.replace("fl_wheel_accel_m_s2", "hub_vl")));
-    let map = "[signals]\nfl_wheel_accel_m_s2 = { signal = \"hub_vl\", unit = \"m/s^2\" }\n";
-    bench.write("map.toml", map);
-    let of = |line: &str| -> Value { serde_json::from_str(bench.run(line).success()).unwrap() };
-    let (plain, mapped) = (of("plot drive.csv --json"), of("plot other.csv --signals map.toml --json"));
-    assert_eq!(plain["corners"]["fl"], mapped["corners"]["fl"]);
-}
-
-#[test]
-fn numbers_of_any_size_are_shown() {
-    let bench = Bench::new();
-    for (number, name) in [("1e200", "large"), ("-1e308", "largest"), ("1e-320", "small"), ("inf", "none")] {
-        let log = format!(
-            "time_s,fl_body_accel_m_s2,fl_wheel_accel_m_s2\n0,0,0\n0.005,{number},1\n0.01,1,{number}\n"
-        );
-        bench.write(&format!("{name}.csv"), log);
-        bench.run(&format!("plot {name}.csv --trust-units")).success();
-        let page = bench.read(&format!("{name}-plot.html"));
-        assert!(page.len() < 200_000 && page.contains("Front left (fl)"), "{name}: {} bytes", page.len());
-    }
-}
-
-#[test]
-fn what_is_no_log_is_refused_and_leaves_nothing() {
-    let bench = Bench::new();
-    assert!(bench.run("plot nothing.csv").refusal().contains("nothing.csv"));
-    bench.write("words.csv", "time_s,fl_body_accel_m_s2,fl_wheel_accel_m_s2\n0,a,b\n0.01,c,d\n");
-    bench.run("plot words.csv").refusal();
-    bench.write("one.csv", "time_s,fl_body_accel_m_s2\n0,1\n0.01,1\n");
-    bench.run("plot one.csv").refusal();
-    let itself = bench.run("plot one.csv -o one.csv");
-    assert!(itself.refusal().contains("is the log itself"), "{itself:?}");
-    assert_eq!(bench.names(), ["one.csv", "words.csv"]);
 }

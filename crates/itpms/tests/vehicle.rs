@@ -8,33 +8,6 @@ use common::Bench;
 const INIT: &str = "vehicle init --mass 1500 --front-share 0.55 --tire 205/55R16 --wheelbase-m 2.7";
 
 #[test]
-fn a_typical_file_is_complete_and_drives() {
-    let bench = Bench::new();
-    let made = bench.run(&format!("{INIT} -o car.toml"));
-    made.success();
-    assert!(!made.stderr.contains("warning"), "{made:?}");
-    let text = bench.read("car.toml");
-    for key in
-        ["stiffness_relative_sd", "unsprung_mass_relative_sd", "friction_n", "confidence = \"typical\""]
-    {
-        assert!(text.contains(key), "{text}");
-    }
-    // Printed, it is the same.
-    assert_eq!(bench.run(INIT).success(), text);
-    // Every other command takes it.
-    bench.run("simulate drive-puncture --seed 1 -o drive.csv --vehicle car.toml").success();
-    bench.run("estimate drive.csv --vehicle car.toml -o est.csv").success();
-}
-
-#[test]
-fn a_wheelbase_that_is_not_told_is_worth_a_warning() {
-    let bench = Bench::new();
-    let made = bench.run("vehicle init --mass 1500 --front-share 0.55 --tire 205/55R16 -o car.toml");
-    made.success();
-    assert!(made.stderr.contains("warning: the wheelbase is that of other cars"), "{made:?}");
-}
-
-#[test]
 fn show_gives_frequencies_and_what_a_per_cent_costs() {
     let bench = Bench::new();
     bench.run(&format!("{INIT} -o car.toml")).success();
@@ -57,38 +30,6 @@ fn show_gives_frequencies_and_what_a_per_cent_costs() {
     {
         assert!(table.contains(word), "{table}");
     }
-}
-
-#[test]
-fn a_file_without_deviations_is_shown_with_the_usual_ones() {
-    let bench = Bench::new();
-    bench.run("simulate paper-drop --seed 1 -o drive.csv --vehicle-out car.toml").success();
-    let table = bench.run("vehicle show car.toml");
-    // Whoever simulates knows the car: 1.5 % of 56.9 kg, marked as not the file's own.
-    assert!(table.success().contains("56.9 ± 0.9*"), "{table:?}");
-}
-
-#[test]
-fn what_makes_no_car_is_refused_and_leaves_nothing() {
-    let bench = Bench::new();
-    let refused = |line: &str| {
-        let outcome = bench.run(line);
-        assert_eq!((outcome.code, bench.names().len()), (Some(2), 0), "{outcome:?}");
-        outcome.stderr
-    };
-    let text = refused("vehicle init --mass 1.5 --front-share 0.55 --tire 205/55R16 -o car.toml");
-    assert_eq!(text, "error: the mass is 1.5 kg, expected 300 to 20000 kg\n");
-    let text = refused("vehicle init --mass 1500 --front-share 55 --tire 205/55R16 -o car.toml");
-    assert_eq!(text, "error: the front share is 55, expected 0.3 to 0.75\n");
-    let text = refused("vehicle init --mass 1500 --front-share 0.5 --tire 16inch -o car.toml");
-    assert!(text.contains("found \"16inch\", expected a tire size such as 205/55R16"), "{text}");
-    assert!(
-        refused("vehicle init --mass 1500 --front-share 0.5 --tire 205/55R16 --class boat")
-            .contains("compact")
-    );
-    let text = refused("vehicle init --mass 1500 --front-share 0.5 --tire 205/55R16 -o no/car.toml");
-    assert_eq!(text, "error: no/car.toml: cannot be written: the directory no does not exist\n");
-    assert_eq!(refused("vehicle show nowhere.toml"), "error: nowhere.toml: no such file\n");
 }
 
 #[test]
@@ -125,84 +66,4 @@ fn check_finds_the_damper_that_is_not_the_files() {
     assert!((check["damping_over_file"].as_f64().unwrap() - 2.0).abs() < 0.2, "{check}");
     assert!(check["sentence"].as_str().unwrap().contains("set damping_n_s_per_m to"), "{check}");
     assert_eq!(wrong["corners"]["rl"]["asks_for_change"], false, "{wrong}");
-}
-
-/// A file that was filled in is not lost when it is written anew.
-#[test]
-fn what_was_in_a_file_is_kept_beside_it() {
-    let bench = Bench::new();
-    let init = |mass: u32| {
-        format!(
-            "vehicle init --mass {mass} --front-share 0.55 --tire 205/55R16 --wheelbase-m 2.7 -o car.toml"
-        )
-    };
-    bench.run(&init(1500)).success();
-    let first = bench.read("car.toml");
-    // The same again is no loss.
-    bench.run(&init(1500)).success();
-    assert_eq!(bench.names(), ["car.toml"]);
-    let edited = first.replace("unsprung_mass_kg", "# weighed\nunsprung_mass_kg");
-    bench.write("car.toml", &edited);
-    let outcome = bench.run(&init(1600));
-    outcome.success();
-    assert!(outcome.stderr.contains("car.toml.before: what was in car.toml before"), "{outcome:?}");
-    assert_eq!(bench.read("car.toml.before"), edited);
-    let second = bench.read("car.toml");
-    bench.run(&init(1700)).success();
-    assert_eq!((bench.read("car.toml.before"), bench.read("car.toml.before2")), (edited, second));
-}
-
-/// A name with line breaks stays in its row: nothing that it says looks like a line of the table.
-#[test]
-fn line_breaks_of_a_name_are_shown_as_such() {
-    let bench = Bench::with_drive();
-    let name = r#"x\nfl  241.0 kPa, sd 1.0\u001b[31m\r\u2028"#;
-    let file = bench.read("car.toml");
-    let old = file.lines().find(|line| line.starts_with("name = ")).unwrap().to_owned();
-    bench.write("odd.toml", file.replace(&old, &format!("name = \"{name}\"")));
-    let lines = |file: &str| bench.run(&format!("vehicle show {file}")).success().lines().count();
-    assert_eq!(lines("odd.toml"), lines("car.toml"));
-    let shown = bench.run("vehicle show odd.toml").success().to_owned();
-    assert!(shown.contains(r"x\u000afl  241.0 kPa") && !shown.contains('\u{1b}'), "{shown}");
-}
-
-#[test]
-fn a_placard_and_a_tire_for_each_axle() {
-    let bench = Bench::new();
-    bench.run("vehicle init --mass 1600 --front-share 0.5 --tire 225/45R18,255/40R18 --placard-kpa 230,260 -o car.toml")
-        .success();
-    let json: serde_json::Value =
-        serde_json::from_str(bench.run("vehicle show car.toml --json").success()).unwrap();
-    let placard = |corner: &str| json["corners"][corner]["placard_kpa"].as_f64().unwrap();
-    assert_eq!(["fl", "fr", "rl", "rr"].map(placard), [230.0, 230.0, 260.0, 260.0]);
-    for (given, expected) in [
-        ("--placard-kpa 230,", "positive, finite number, or two"),
-        ("--placard-kpa 230,90", "90 kPa, expected 100 to 900"),
-        ("--placard-kpa 2.4", "2.4 bar is 240 kPa"),
-        ("--placard-kpa 35", "35 psi is 241 kPa"),
-    ] {
-        let text =
-            bench.run(&format!("vehicle init --mass 1600 --front-share 0.5 --tire 225/45R18 {given}")).stderr;
-        assert!(text.contains(expected), "{text}");
-    }
-}
-
-#[test]
-fn what_is_not_given_is_asked_for_once() {
-    let bench = Bench::new();
-    for (given, expected) in [
-        (
-            "",
-            "expected --tire, --mass and --front-share; for wheel speeds alone --tire, --driven and --wheelbase-m",
-        ),
-        ("--driven front", "expected, too: --tire, --wheelbase-m"),
-        ("--tire 205/55R16 --limited-slip", "expected, too: --driven, --wheelbase-m"),
-        ("--mass 1500", "expected, too: --tire, --front-share"),
-        ("--tire 205/55R16 --mass 1500 --track-rear-m 1.5", "expected, too: --front-share, --driven"),
-    ] {
-        let outcome = bench.run(&format!("vehicle init {given}"));
-        assert!(outcome.refusal().contains(expected), "{given}: {outcome:?}");
-    }
-    // As it was asked for.
-    bench.run("vehicle init --tire 205/55R16 --driven front --wheelbase-m 2.7").success();
 }

@@ -9,8 +9,7 @@ use itpms_bench::car::{Extent, RunningCar};
 use itpms_bench::{HOP, RATE_HZ, Running, WARM_UP, lean, published, road};
 use itpms_core::Real;
 use itpms_core::model::CornerSample;
-use itpms_paper::EstimatorKind;
-use itpms_paper::{AekfUi, AekfUiLean};
+use itpms_paper::{AekfUi, AekfUiLean, EstimatorKind};
 use itpms_road::RoadFilter;
 
 /// A sample made beforehand, so that making it is not counted.

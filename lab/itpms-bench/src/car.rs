@@ -5,8 +5,7 @@ use std::sync::Arc;
 
 use itpms_core::Real;
 use itpms_core::car::CarEstimator;
-use itpms_core::model::CarEstimate;
-use itpms_core::model::{CarConfig, CarSample, CornerConfig, CornerSample, QuarterCar};
+use itpms_core::model::{CarConfig, CarEstimate, CarSample, CornerConfig, CornerSample, QuarterCar};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_road::RoadUnderCar;
 use itpms_sim::scenario::Scenario;

@@ -3,8 +3,7 @@
 
 use itpms_core::Real;
 use itpms_core::model::{CornerConfig, CornerEstimate, CornerSample, QuarterCar};
-use itpms_paper::{AekfUi, AekfUiLean, FilterConfig, Forgetting};
-use itpms_paper::{AnyEstimator, EstimatorKind};
+use itpms_paper::{AekfUi, AekfUiLean, AnyEstimator, EstimatorKind, FilterConfig, Forgetting};
 use itpms_road::{RoadConfig, RoadFilter};
 
 pub const RATE_HZ: f64 = 500.0;

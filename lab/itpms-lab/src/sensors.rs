@@ -1,7 +1,6 @@
 //! What a car of a study has to find its pressures with.
 
-use itpms_core::model::CarEstimate;
-use itpms_core::model::{CarSample, Corner, ParameterError};
+use itpms_core::model::{CarEstimate, CarSample, Corner, ParameterError};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_core::torsion::{CarTorsion, TorsionConfig};
 use itpms_core::wheel_speed::{DrivenAxle, LoadUncertainty, WheelSpeedConfig, WheelSpeedSample};
@@ -78,15 +77,17 @@ impl Pulses {
         Ok(())
     }
 
-    /// What passes up to a time of the drive, which began `offset_s` after the first one.
-    pub(crate) fn until(&mut self, time_s: f64, offset_s: f64) {
+    /// With what passes up to a time of the drive, which began `offset_s` after the first one.
+    pub(crate) fn until(&mut self, time_s: f64, offset_s: f64) -> &mut CarTorsion<f64> {
         let Self { rolling, torsion } = self;
-        let Some(rolling) = rolling else { return };
-        rolling.until(time_s, |wheel, at_s| {
-            if let Some(corner) = Corner::ALL.get(wheel) {
-                torsion.push(*corner, offset_s + at_s);
-            }
-        });
+        if let Some(rolling) = rolling {
+            rolling.until(time_s, |wheel, at_s| {
+                if let Some(corner) = Corner::ALL.get(wheel) {
+                    torsion.push(*corner, offset_s + at_s);
+                }
+            });
+        }
+        torsion
     }
 }
 
@@ -137,7 +138,7 @@ pub(crate) fn take_row(
 ) -> CarEstimate<f64> {
     let estimate = car.update(sample);
     if let Some((sample, _)) = wheel_speed_sample(row) {
-        car.update_wheel_speeds(&sample);
+        car.update_wheel_speeds(&sample, None);
     }
     estimate
 }

@@ -4,7 +4,6 @@
 
 mod command_certify;
 mod command_faults;
-mod command_observability;
 mod command_reproduce;
 mod command_score;
 mod command_soak;
@@ -16,6 +15,14 @@ mod observability_page;
 mod paper;
 mod rear_load;
 mod unnamed_faults;
+
+/// What studies refuse, and what they give in words.
+#[cfg(target_os = "linux")]
+#[test]
+fn studies() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    common::session::replay(folder, "studies", &common::Bench::new());
+}
 
 /// The program that `common` runs.
 const PROGRAM: &str = env!("CARGO_BIN_EXE_itpms-lab");

@@ -2,8 +2,6 @@
 
 use crate::common;
 
-use std::fs;
-
 use common::Bench;
 use serde_json::Value;
 
@@ -73,38 +71,4 @@ fn links_lead_somewhere(bench: &Bench, page: &str) {
             None => assert!(bench.path("study").join(link).is_file(), "{link}"),
         }
     }
-}
-
-#[test]
-fn the_same_options_give_the_same_bytes() {
-    let bench = Bench::new();
-    // One processor, then all there are.
-    let mut alone = bench.command("reproduce --out a --seeds 1 --rate 400 --first-seed 5 -q".split(' '));
-    assert!(alone.env("RAYON_NUM_THREADS", "1").output().unwrap().status.success());
-    bench.run("reproduce --out b --seeds 1 --rate 400 --first-seed 5").success();
-    let names = |folder: &str| {
-        let entries = fs::read_dir(bench.path(folder)).unwrap();
-        let mut names: Vec<_> = entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
-        names.sort();
-        names
-    };
-    assert_eq!(names("a"), names("b"));
-    for name in names("a") {
-        assert!(bench.read(&format!("a/{name}")) == bench.read(&format!("b/{name}")), "{name}");
-    }
-}
-
-#[test]
-fn what_makes_no_sense_is_refused() {
-    let bench = Bench::new();
-    bench.write("file", "");
-    assert!(bench.run("reproduce --out file --seeds 1").refusal().contains("it is a file"));
-    assert!(bench.run("reproduce --out x --seeds 1 --rate 5").refusal().contains("rate_hz"));
-    // Known before the drives begin, which take minutes.
-    let nowhere = bench.run("reproduce --out file/below --seeds 1");
-    assert!(nowhere.refusal().contains("cannot be written"));
-    for line in ["reproduce", "reproduce --out x --seeds 0", "reproduce --out x --noise -1"] {
-        assert_eq!(bench.run(line).code, Some(2), "{line}");
-    }
-    assert_eq!(bench.names(), ["file"]);
 }

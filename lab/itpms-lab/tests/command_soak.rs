@@ -112,37 +112,3 @@ fn another_program_adds_its_hours_if_it_drives_the_same() {
     assert!(refused.refusal().contains("drives that of seed"), "{refused:?}");
     assert_eq!(bench.read("soak/hours.jsonl").lines().count(), 2);
 }
-
-#[test]
-fn hours_of_something_else_are_not_added_to() {
-    let bench = Bench::new();
-    bench.run(&LINE.replace("0.1", "0.01")).success();
-    for (line, expected) in [
-        (format!("{LINE} --rate 100"), "line 1: the plan of the hours that are there is"),
-        (format!("{LINE} --car nominal"), "line 1: the plan of the hours that are there is"),
-    ] {
-        let outcome = bench.run(&line);
-        assert!(outcome.refusal().contains(expected), "{outcome:?}");
-    }
-    bench.write("soak/hours.jsonl", "time_s,speed\n0,1\n");
-    assert!(bench.run(LINE).refusal().contains("use another folder"));
-    for line in ["soak", "soak --out x --hours 0", "soak --out x --car mine", "soak --out x --jobs 0"] {
-        assert_eq!(bench.run(line).code, Some(2), "{line}");
-    }
-}
-
-#[test]
-fn more_drives_than_anybody_waits_for_are_refused_before_anything_is_written() {
-    let bench = Bench::new();
-    for (line, message) in [
-        ("soak --out x --hours 1e15", "--hours 1e15 is 1e15 drives of 3600 s, expected 1e6 or fewer"),
-        ("soak --out x --hours 1e300", "--hours 1e300 is 1e300 drives of 3600 s, expected 1e6 or fewer"),
-        (
-            "soak --out x --hours 1 --drive-s 0.001",
-            "--hours 1e0 is 3.6e6 drives of 0.001 s, expected 1e6 or fewer",
-        ),
-    ] {
-        assert_eq!(bench.run(line).refusal(), message);
-    }
-    assert!(bench.names().is_empty());
-}

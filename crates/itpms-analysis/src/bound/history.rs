@@ -115,8 +115,8 @@ impl<const N: usize> Known<N> {
         }
     }
 
-    /// The pressures are given: nothing is left to find out.
-    pub(super) fn tell_pressures(&mut self) {
+    /// The pressures are given: their variance is zero.
+    pub(super) fn fix_pressures(&mut self) {
         for i in 0..N - 2 {
             self.covariance.row_mut(i).fill(0.0);
             self.covariance.column_mut(i).fill(0.0);

@@ -108,7 +108,7 @@ impl SideBound {
                 known.drive(dt, &rates, &information);
             }
             if calibrated_until_s.is_some_and(|until_s| time <= until_s) {
-                known.tell_pressures();
+                known.fix_pressures();
             }
             sds.push([0, 1].map(|axle| known.variance_kpa2(axle).sqrt()));
             last = Some((time, pressures, information));

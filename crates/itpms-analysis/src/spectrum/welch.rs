@@ -5,8 +5,7 @@
 use std::fmt;
 use std::sync::Arc;
 
-use itpms_fourier::Complex;
-use itpms_fourier::RealToComplex;
+use itpms_fourier::{Complex, RealToComplex};
 use thiserror::Error;
 
 /// Settings no spectrum can be computed with.

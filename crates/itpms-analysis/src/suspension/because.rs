@@ -11,7 +11,7 @@ pub enum Because {
     Rough,
     /// The forces of struts as they are modeled do not move the body as it moves.
     Unexplained,
-    /// The dampers are adaptive: what they do is what they are told.
+    /// The dampers are adaptive: their damping follows a controller.
     Adaptive,
     /// There is nothing to compare with.
     NoReference,

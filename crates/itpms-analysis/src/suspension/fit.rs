@@ -1,12 +1,13 @@
 //! The parameters that fit best, from the cross-spectral matrix alone: Gauss-Newton steps, each bin of each corner weighed by what the equation
 //! leaves of it (docs/math/dampers.md, eq. 5 to 7).
 
-use nalgebra::{Complex, SMatrix};
+use nalgebra::{Complex, DMatrix, DVector, SMatrix};
 
 use super::car_body::CarBody;
 use super::equation::{
-    BAR, DAMPER, LATE, MASS, PITCH, Parameters, REAR, SLIP, SPRING, UNKNOWNS, WARP, Weights, residual,
+    BAR, DAMPER, LATE, MASS, PITCH, Parameters, REAR, SLIP, SPRING, Sparse, Strut, UNKNOWNS, WARP, compliance,
 };
+use super::signals::{BODY, SIGNALS};
 use super::spectra::{ALL, Sum};
 
 /// What is known beforehand, with its standard deviations; zero holds a parameter.
@@ -35,8 +36,6 @@ const LARGEST_STEP: f64 = 0.4;
 const MODEL_ERROR: f64 = 1e-3;
 /// Share of a frame that is new, of one whose neighbors are half the same, and degrees of freedom of a complex number.
 const PER_FRAME: f64 = 0.5 * 2.0;
-/// Step of a derivative.
-const DIFFERENCE: f64 = 1e-5;
 
 type Square = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 
@@ -55,19 +54,18 @@ pub(super) fn fit(car: &CarBody, sum: &Sum, prior: &Prior, begin: &Parameters) -
 
 /// The variance in (m/s²)² of the noise of a sensor that would explain what is left in the quietest bins.
 fn noise_left(car: &CarBody, sum: &Sum, p: &Parameters) -> f64 {
+    let (g, _) = compliance(car, p);
     let mut all = Vec::new();
     for bin in &sum.bins {
-        let weights = residual(car, p, std::f64::consts::TAU * bin.hz);
         let mut noise = bin.clone();
         noise.matrix.fill(Complex::new(0.0, 0.0));
         noise.take_off(&[-1.0; 4]);
+        let terms = Terms::new(car, p, &[true; UNKNOWNS], std::f64::consts::TAU * bin.hz);
+        let [seen, noise] = [&bin.matrix, &noise.matrix].map(|matrix| terms.powers(matrix));
         for row in 0..4 {
-            let column = weights.column(row).clone_owned();
-            let power = |matrix| {
-                let product = product(matrix, &sparse(&column));
-                (0..ALL).map(|i| (column[i] * product[i]).re).sum::<f64>()
-            };
-            all.push(power(&bin.matrix) / power(&noise.matrix).max(1e-30));
+            let residual = residual(&g, row);
+            let [seen, noise] = [&seen, &noise].map(|powers| dot(&residual, &times(powers, &residual)));
+            all.push(seen / noise.max(1e-30));
         }
     }
     all.sort_by(f64::total_cmp);
@@ -179,30 +177,27 @@ fn accumulate(
     score: &mut Parameters,
 ) -> f64 {
     let (mut left, mut all) = (0.0, 0.0);
+    let (g, g_slopes) = compliance(car, p);
     for bin in &sum.bins {
-        let omega = std::f64::consts::TAU * bin.hz;
-        let weights = residual(car, p, omega);
-        let slopes = slopes(car, p, held, omega, &weights);
+        let terms = Terms::new(car, p, held, std::f64::consts::TAU * bin.hz);
+        let powers = terms.powers(&bin.matrix);
         for row in 0..4 {
-            let body_at = row * super::signals::SIGNALS + super::signals::BODY;
-            let body = bin.matrix[(body_at, body_at)].re;
-            // The matrix times the residual's weights, conjugated: residual power, and what goes with each slope.
-            let column = weights.column(row);
-            let product = product(&bin.matrix, &sparse(&column.clone_owned()));
-            let power: f64 = (0..ALL).map(|i| (column[i] * product[i]).re).sum();
+            let residual = residual(&g, row);
+            let with_residual = times(&powers, &residual);
+            let power = dot(&residual, &with_residual);
+            let body = powers[(row, row)];
             left += power / body.max(1e-30);
             all += 1.0;
             let weight = PER_FRAME * sum.frames / power.max(MODEL_ERROR * body).max(1e-30);
-            let products: Vec<_> =
-                slopes.iter().map(|(i, slope)| (*i, self::product(&bin.matrix, &slope[row]))).collect();
-            for (i, slope) in &slopes {
-                let at: f64 = slope[row].iter().map(|(k, d)| (*d * product[*k]).re).sum();
-                score[*i] -= weight * at;
-                for (j, other) in products.iter().take_while(|(j, _)| j <= i) {
-                    let value: f64 = slope[row].iter().map(|(k, d)| (*d * other[*k]).re).sum();
-                    information[(*i, *j)] += weight * value;
+            let slopes = terms.slopes(&g, &g_slopes, held, row);
+            let products: Vec<_> = slopes.iter().map(|(_, slope)| times(&powers, slope)).collect();
+            for (at, (i, slope)) in slopes.iter().enumerate() {
+                score[*i] -= weight * dot(slope, &with_residual);
+                for ((j, _), product) in slopes.iter().zip(&products).take(at + 1) {
+                    let value = weight * dot(slope, product);
+                    information[(*i, *j)] += value;
                     if i != j {
-                        information[(*j, *i)] += weight * value;
+                        information[(*j, *i)] += value;
                     }
                 }
             }
@@ -211,39 +206,90 @@ fn accumulate(
     left / all
 }
 
-/// The weights that are not zero.
-type Sparse = Vec<(usize, Complex<f64>)>;
-
-fn sparse(weights: &nalgebra::SVector<Complex<f64>, ALL>) -> Sparse {
-    weights.iter().enumerate().filter(|(_, w)| w.re != 0.0 || w.im != 0.0).map(|(i, w)| (i, *w)).collect()
+/// What residuals and their derivatives are sums of, with real factors, at one frequency: the bodies' accelerations, the struts' forces, and
+/// the forces' derivatives by the parameters that are free.
+struct Terms {
+    weights: Vec<Sparse>,
+    /// Parameter and corner of each derivative.
+    of: Vec<(usize, usize)>,
 }
 
-/// `C a*`: of the mean of `z z*`, what goes with a sum of signals.
-fn product(matrix: &nalgebra::DMatrix<Complex<f64>>, weights: &Sparse) -> Vec<Complex<f64>> {
-    let mut out = vec![Complex::new(0.0, 0.0); ALL];
-    for (k, w) in weights {
-        let w = w.conj();
-        for (out, value) in out.iter_mut().zip(matrix.column(*k).iter()) {
-            *out += *value * w;
+const FORCES: usize = 4;
+const DERIVATIVES: usize = 8;
+
+/// A sum of terms: the place of each, and its factor.
+type Factors = Vec<(usize, f64)>;
+
+impl Terms {
+    fn new(car: &CarBody, p: &Parameters, held: &[bool; UNKNOWNS], omega: f64) -> Self {
+        let body = |corner| vec![(corner * SIGNALS + BODY, Complex::new(1.0, 0.0))];
+        let mut new = Self { weights: (0..4).map(body).collect(), of: Vec::new() };
+        let mut derivatives = Vec::new();
+        for corner in 0..4 {
+            let strut = Strut::new(car, p, corner, omega);
+            new.weights.push(strut.force);
+            for (i, slope) in strut.slopes.into_iter().filter(|(i, _)| !held[*i]) {
+                new.of.push((i, corner));
+                derivatives.push(slope);
+            }
         }
+        new.weights.extend(derivatives);
+        new
     }
-    out
+
+    /// `Re(u C v*)` of any two of them: of the mean of `z z*`, what they have in common.
+    fn powers(&self, matrix: &DMatrix<Complex<f64>>) -> DMatrix<f64> {
+        let mut powers = DMatrix::zeros(self.weights.len(), self.weights.len());
+        for (j, v) in self.weights.iter().enumerate() {
+            let mut product = [Complex::new(0.0, 0.0); ALL];
+            for (k, weight) in v {
+                let weight = weight.conj();
+                product.iter_mut().zip(matrix.column(*k)).for_each(|(sum, value)| *sum += value * weight);
+            }
+            for (i, u) in self.weights.iter().enumerate().take(j + 1) {
+                let power = u.iter().map(|(k, w)| w.re * product[*k].re - w.im * product[*k].im).sum();
+                (powers[(i, j)], powers[(j, i)]) = (power, power);
+            }
+        }
+        powers
+    }
+
+    /// The derivatives of a corner's residual by the parameters that are free.
+    fn slopes(
+        &self,
+        g: &SMatrix<f64, 4, 4>,
+        g_slopes: &[SMatrix<f64, 4, 4>; DAMPER],
+        held: &[bool; UNKNOWNS],
+        row: usize,
+    ) -> Vec<(usize, Factors)> {
+        let mut slopes: Vec<(usize, Factors)> =
+            (0..DAMPER).filter(|i| !held[*i]).map(|i| (i, forces(&g_slopes[i], row))).collect();
+        for (at, (i, corner)) in self.of.iter().enumerate() {
+            let factor = (DERIVATIVES + at, -g[(row, *corner)]);
+            match slopes.iter_mut().find(|(known, _)| known == i) {
+                Some((_, factors)) => factors.push(factor),
+                None => slopes.push((*i, vec![factor])),
+            }
+        }
+        slopes
+    }
 }
 
-/// Derivatives of the weights by each parameter that is free.
-fn slopes(
-    car: &CarBody,
-    p: &Parameters,
-    held: &[bool; UNKNOWNS],
-    omega: f64,
-    weights: &Weights,
-) -> Vec<(usize, [Sparse; 4])> {
-    let free = (0..UNKNOWNS).filter(|i| !held[*i]);
-    free.map(|i| {
-        let mut moved = *p;
-        moved[i] += DIFFERENCE;
-        let slope = (residual(car, &moved, omega) - weights) / Complex::new(DIFFERENCE, 0.0);
-        (i, std::array::from_fn(|row| sparse(&slope.column(row).clone_owned())))
-    })
-    .collect()
+fn forces(g: &SMatrix<f64, 4, 4>, row: usize) -> Factors {
+    (0..4).map(|corner| (FORCES + corner, -g[(row, corner)])).collect()
+}
+
+/// What is left of a corner's acceleration (eq. 4).
+fn residual(g: &SMatrix<f64, 4, 4>, row: usize) -> Factors {
+    [vec![(row, 1.0)], forces(g, row)].concat()
+}
+
+fn times(powers: &DMatrix<f64>, factors: &Factors) -> DVector<f64> {
+    let mut product = DVector::zeros(powers.nrows());
+    factors.iter().for_each(|(k, factor)| product.axpy(*factor, &powers.column(*k), 1.0));
+    product
+}
+
+fn dot(factors: &Factors, product: &DVector<f64>) -> f64 {
+    factors.iter().map(|(k, factor)| factor * product[*k]).sum()
 }

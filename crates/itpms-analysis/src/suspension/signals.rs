@@ -167,17 +167,18 @@ impl CornerSignals {
         let (rate, mut out) = self.drift.take_off(rate_filter.integral(last, high), out);
         // The way since the last sample: a rate that turned meanwhile went back and forth.
         let before = std::mem::replace(&mut self.last_rate, rate);
-        let turned = if before * rate < 0.0 { before / (before - rate) } else { 1.0 };
-        let ways_m = if before * rate < 0.0 {
-            [0.5 * before * turned, 0.5 * rate * (1.0 - turned)]
-        } else {
-            [0.5 * (before + rate), 0.0]
-        };
-        for way_m in ways_m.map(|way| way * self.step_s) {
+        let mut slip = |way_m: f64| {
             for (force, slip_m) in self.friction.iter_mut().zip(SLIP_M) {
                 let towards = way_m.signum();
                 *force = towards + (*force - towards) * (-way_m.abs() / slip_m).exp();
             }
+        };
+        if before * rate < 0.0 {
+            let turned = before / (before - rate);
+            slip(0.5 * before * turned * self.step_s);
+            slip(0.5 * rate * (1.0 - turned) * self.step_s);
+        } else {
+            slip(0.5 * (before + rate) * self.step_s);
         }
         out[SIZE] = rate.abs();
         out[SQUARE] = rate * rate.abs();

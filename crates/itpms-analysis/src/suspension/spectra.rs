@@ -132,7 +132,6 @@ pub struct SuspensionSpectra {
     samples: Vec<[f64; ALL]>,
     length: usize,
     window: Vec<f64>,
-    turns: Vec<Complex<f64>>,
     /// Samples to be left out until the filters have settled.
     unsettled: usize,
     last: Option<(f64, [[f64; 2]; 4])>,
@@ -159,9 +158,6 @@ impl SuspensionSpectra {
             samples: Vec::with_capacity(length),
             length,
             window: (0..length).map(|i| 0.5 - 0.5 * (turn * i as f64).cos()).collect(),
-            turns: (0..length)
-                .map(|i| Complex::new((turn * i as f64).cos(), -(turn * i as f64).sin()))
-                .collect(),
             unsettled: 0,
             last: None,
             calm: Frames::new(),
@@ -259,7 +255,7 @@ impl SuspensionSpectra {
             return;
         }
         let is_calm = !(over(0, rate) || over(1, way));
-        let spectra: Vec<_> = (FIRST_BIN..FIRST_BIN + BINS).map(|bin| self.transform(bin)).collect();
+        let spectra = self.transforms();
         let bodies =
             spectra.iter().flat_map(|z| (0..4).map(move |corner| z[corner * SIGNALS + BODY].norm_sqr()));
         let loudness = bodies.sum::<f64>() / (4 * BINS) as f64;
@@ -271,22 +267,26 @@ impl SuspensionSpectra {
         frames.add(&spectra, &squared_rate, loudness);
     }
 
-    /// The spectra of all signals at a bin. The bilinear transform integrates too little at high frequencies, which is put right here.
-    fn transform(&self, bin: usize) -> DVector<Complex<f64>> {
-        let mut z = DVector::zeros(ALL);
-        for (i, (sample, window)) in self.samples.iter().zip(&self.window).enumerate() {
-            let turn = self.turns[(i * bin) % self.length] * *window;
-            for (z, value) in z.iter_mut().zip(sample) {
-                *z += turn * *value;
+    /// The spectra of all signals, bin by bin. The bilinear transform integrates too little at high frequencies, which is put right here.
+    fn transforms(&self) -> Vec<DVector<Complex<f64>>> {
+        let fft = itpms_fourier::forward(self.length);
+        let (mut values, mut bins) = (fft.make_input_vec(), fft.make_output_vec());
+        let mut spectra = vec![DVector::zeros(ALL); BINS];
+        for signal in 0..ALL {
+            let windowed =
+                self.samples.iter().zip(&self.window).map(|(sample, window)| sample[signal] * window);
+            values.iter_mut().zip(windowed).for_each(|(value, windowed)| *value = windowed);
+            // It refuses no length but another than its own.
+            let _ = fft.process(&mut values, &mut bins);
+            for (i, (z, value)) in spectra.iter_mut().zip(bins.iter().skip(FIRST_BIN)).enumerate() {
+                let angle = 0.5 * TAU * self.hz(FIRST_BIN + i) * self.step_s;
+                let short = angle.tan() / angle;
+                let integrals = [(VELOCITY, short), (WAY, short * short)];
+                let missing = integrals.iter().find(|(integral, _)| *integral == signal % SIGNALS);
+                z[signal] = value * missing.map_or(1.0, |(_, factor)| *factor);
             }
         }
-        let angle = 0.5 * TAU * self.hz(bin) * self.step_s;
-        let short = angle.tan() / angle;
-        for corner in 0..4 {
-            z[corner * SIGNALS + VELOCITY] *= Complex::new(short, 0.0);
-            z[corner * SIGNALS + WAY] *= Complex::new(short * short, 0.0);
-        }
-        z
+        spectra
     }
 
     fn hz(&self, bin: usize) -> f64 {

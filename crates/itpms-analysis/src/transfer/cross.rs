@@ -4,8 +4,7 @@
 use std::fmt;
 use std::sync::Arc;
 
-use itpms_fourier::Complex;
-use itpms_fourier::RealToComplex;
+use itpms_fourier::{Complex, RealToComplex};
 
 /// Length in s of a segment: bins of half a Hertz tell a hop from its neighbors, and a minute has a hundred segments.
 const SEGMENT_S: f64 = 2.0;

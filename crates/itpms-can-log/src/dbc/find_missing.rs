@@ -82,8 +82,7 @@ fn ends(signal: &Signal) -> Vec<u64> {
 
 #[cfg(test)]
 mod tests {
-    use crate::dbc::Dbc;
-    use crate::dbc::NoValue;
+    use crate::dbc::{Dbc, NoValue};
 
     /// Raw values, and why the signal of this line, in a message of this identifier, has none then.
     fn why(id: u64, signal: &str, tail: &str, raw: &[u64]) -> Vec<Option<NoValue>> {

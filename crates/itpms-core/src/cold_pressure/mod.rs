@@ -21,7 +21,7 @@ const ZERO_C_K: f64 = 273.15;
 /// For how long in s the last temperature and the last pressure of the air go on: they are sent seldom and change slowly.
 const HELD_S: f64 = 1800.0;
 /// Without a sample for so many s the car is taken to have stood.
-const LONGEST_STEP_S: f64 = 2.0;
+pub(crate) const LONGEST_STEP_S: f64 = 2.0;
 /// Standard deviations in kPa of the air's pressure: by a barometer; by a height, which knows no weather; unknown, as of places up to 300 m and
 /// their weather.
 const BAROMETER_SD_KPA: f64 = 0.5;
@@ -126,7 +126,7 @@ impl<T: Real> ColdTires<T> {
         })
     }
 
-    /// What a tire that has this pressure cold, in kPa, should have now, as warm as it is, less [`CAUTION_SD`] of what is not known of that.
+    /// Expected warm pressure in kPa of a tire with this cold pressure, less [`CAUTION_SD`] sds of the warming.
     pub(crate) fn expected_kpa(&self, cold_kpa: T) -> Option<T> {
         let ambient_c = self.ambient_c.get()?;
         let ambient_k = ambient_c + T::lit(ZERO_C_K);

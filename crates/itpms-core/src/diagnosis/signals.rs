@@ -52,7 +52,7 @@ struct Strut<T> {
 pub(crate) struct Signals<T: Real> {
     to_quick: Averager<T>,
     to_slow: Averager<T>,
-    /// The slow band is a hundredth of what wheels do near the lower rate: it takes a better filter.
+    /// The slow band has a hundredth of the wheels' power near the lower rate: it takes a better filter.
     to_slow_band: Triangle<T>,
     quick_step_s: T,
     hop: [Band<T>; 8],

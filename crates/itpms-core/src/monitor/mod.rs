@@ -30,10 +30,9 @@ use crate::diagnosis::decorrelation::DecorrelationDetector;
 use crate::diagnosis::standstill::Standstill;
 use crate::diagnosis::{Diagnosis, Fault};
 use crate::memory::{Blank, Placed};
-use crate::model::CarEstimate;
 use crate::model::{
-    Air, CarSample, Corner, CornerEstimate, CornerSample, ParameterError, Side, Validity, Warning, Wheels,
-    positive,
+    Air, CarEstimate, CarSample, Corner, CornerEstimate, CornerSample, ParameterError, Side, Validity,
+    Warning, Wheels, positive,
 };
 use crate::real::Real;
 use crate::warning::all_low::AllLow;

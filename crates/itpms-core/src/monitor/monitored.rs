@@ -109,20 +109,12 @@ impl<T: Real> MonitoredCar<T> {
         estimate
     }
 
-    /// Takes one sample of the wheel speeds, after that of the accelerations of the same time. A car whose wheel speeds are not configured
-    /// learns nothing from it; one without four corners whose axles share the road, nothing of its pressures.
-    pub fn update_wheel_speeds(&mut self, sample: &WheelSpeedSample<T>) {
+    /// Takes one sample of the wheel speeds, after that of the accelerations of the same time; where tooth pulses are read, those up to its
+    /// time are in `pulses`, whose calibration ends with that of the wheel speeds. A car whose wheel speeds are not configured learns nothing
+    /// from it; one without four corners whose axles share the road, nothing of its pressures.
+    pub fn update_wheel_speeds(&mut self, sample: &WheelSpeedSample<T>, pulses: Option<&mut CarTorsion<T>>) {
         if let Some(wheels) = self.wheels.as_mut() {
-            wheels.update(sample);
-        }
-        self.follow_wheels();
-    }
-
-    /// The same of a car whose tooth pulses are read, too: those up to this sample's time are in `torsion`, whose calibration ends with
-    /// that of the wheel speeds.
-    pub fn update_with_pulses(&mut self, sample: &WheelSpeedSample<T>, torsion: &mut CarTorsion<T>) {
-        if let Some(wheels) = self.wheels.as_mut() {
-            wheels.update_with_pulses(sample, torsion);
+            wheels.update_with_pulses(sample, pulses);
         }
         self.follow_wheels();
     }

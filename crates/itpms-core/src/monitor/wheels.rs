@@ -21,17 +21,17 @@ use crate::wheel_speed::{
 const LASTING_S: f64 = 60.0;
 /// Seconds of driving that was not usable after which no tire is known to be fine any more: a loss in them would not have shown.
 const FORGOTTEN_S: f64 = 60.0;
-/// What an hour of steps is off by at most when they are added up, in s.
+/// Largest rounding error of an hour of steps added up, in s.
 const ROUNDING_S: f64 = 1e-6;
 /// Probability of being low above which no tire is fine.
 const FINE_BELOW: f64 = 0.05;
-/// Share of its pressure that a tire which is fine has not lost by its reading, where that is known to less.
+/// Share of its pressure above which a reading's loss makes a tire not fine, where the sd of the reading is smaller.
 const LOW_READING: f64 = 0.08;
 /// Probability above which days name a tire that leaks slowly.
 const SLOW_LEAK_SURE: f64 = 0.99;
-/// The same of one that is named.
+/// The same below which a named one is taken back.
 const SLOW_LEAK_HOLDS: f64 = 0.9;
-/// Probability of the contrary below which it is reported at once: a tenth of what has to last.
+/// Probability of the contrary below which it is reported at once: a tenth of that of a state that has to last.
 const BEYOND_DOUBT: f64 = 1e-3;
 
 /// A radius analysis under its monitor; less than 5 kB in `f32`.
@@ -209,9 +209,10 @@ impl<T: Real> MonitoredWheels<T> {
         self.judge();
     }
 
-    /// Takes in a sample of a car whose tooth pulses are read, too: those up to this sample's time are in `torsion`, whose calibration ends
-    /// with this one's.
-    pub fn update_with_pulses(&mut self, sample: &WheelSpeedSample<T>, torsion: &mut CarTorsion<T>) {
+    /// The same of a car whose tooth pulses are read, too: those up to this sample's time are in `pulses`, whose calibration ends with this
+    /// one's.
+    pub fn update_with_pulses(&mut self, sample: &WheelSpeedSample<T>, pulses: Option<&mut CarTorsion<T>>) {
+        let Some(torsion) = pulses else { return self.update(sample) };
         let calibrated = self.is_calibrating();
         self.radii.see_pulses(&torsion.evidence());
         self.update(sample);

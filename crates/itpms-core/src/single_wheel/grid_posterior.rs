@@ -23,9 +23,9 @@ const SETTLING_PAIRS: u32 = 17;
 /// for its innovation to show.
 const PAIRS_PER_MEASUREMENT: u32 = 6;
 
-/// Narrowest belief in cells that a pseudo-measurement is meant for, and the least that one says, over what was believed before.
+/// Narrowest belief in cells that a pseudo-measurement is meant for, and its least information over the belief's.
 const NARROWEST_CELLS: f64 = 1.2;
-const LEAST_SAID: f64 = 1e-3;
+const LEAST_INFORMATION: f64 = 1e-3;
 
 /// The mean and spread of the pressure, and what the modes say.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
@@ -284,15 +284,15 @@ impl<T: Real> Posterior<T> {
     }
 
     /// Whether enough frames were seen for a pseudo-measurement.
-    pub(crate) fn has_word(&self) -> bool {
+    pub(crate) fn has_enough_frames(&self) -> bool {
         self.given_pairs >= PAIRS_PER_MEASUREMENT
     }
 
-    /// What the frames since the last pseudo-measurement reported to one who believed in `cell` with `sd_cells`: the mean and variance
-    /// in cells² of a Gaussian that turns that belief into theirs. The likelihood is skewed, so this is better than a
-    /// Gaussian for everybody. The variance is large, never negative, where they reported nothing.
+    /// The frames since the last pseudo-measurement as one for the belief `cell` with `sd_cells`: mean and variance in cells² of the Gaussian
+    /// that turns that belief into the posterior. The likelihood is skewed, so a Gaussian of its own per belief is more exact than one for
+    /// all. The variance is large, never negative, where the frames have no information.
     pub(crate) fn pseudo_measurement(&mut self, cell: T, sd_cells: T) -> Option<(T, T)> {
-        if !self.has_word() {
+        if !self.has_enough_frames() {
             return None;
         }
         let sd = sd_cells.clamp(T::lit(NARROWEST_CELLS), T::lit(CELLS as f64));
@@ -307,7 +307,7 @@ impl<T: Real> Posterior<T> {
         let (before, before_variance) = moments(&(believed / believed.sum()));
         let after = believed.component_mul(&likelihood);
         let (mean, variance) = moments(&(after / after.sum()));
-        let least = T::lit(LEAST_SAID) / before_variance;
+        let least = T::lit(LEAST_INFORMATION) / before_variance;
         let information = (T::one() / variance - T::one() / before_variance).max(least);
         let pull = (mean - before) / variance;
         let given = (before + pull / information, T::one() / information);

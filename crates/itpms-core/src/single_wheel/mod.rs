@@ -307,7 +307,7 @@ impl<T: Real> Informed<T> {
         if self.outside.as_ref().is_some() {
             return self.take_pseudo_measurement();
         }
-        if !self.posterior.has_word() {
+        if !self.posterior.has_enough_frames() {
             return None;
         }
         let (stiffness_n_per_m, sd_n_per_m) = believed();

@@ -87,8 +87,8 @@ pub struct TorsionPiece<T> {
     pub resonance_sd_hz: T,
     /// Power of the resonance over that of the edges' variation.
     pub signal_to_noise: T,
-    /// Whether it carries anything: not if the former is below 3, the standard deviation above 3.5 Hz or the resonance at an end of what
-    /// is looked at.
+    /// Whether it is informative: not if the former is below 3, the standard deviation above 3.5 Hz or the resonance at an end of the searched
+    /// band.
     pub used: bool,
     /// By how much the pressure had changed since the calibration as this piece says by itself, of pieces that carry something after it; how
     /// far the Hz per kPa are known is not in its standard deviation.

@@ -35,7 +35,7 @@ pub(super) struct Teeth<T> {
     logs: Ring<T>,
     sum: T,
     first: T,
-    /// Mean of what each interval has more than its turn, in pitches.
+    /// Mean excess of each interval over its turn's mean, in pitches.
     longer: Ring<T>,
     turns: u32,
     /// By how many pitches each tooth lies too far on.

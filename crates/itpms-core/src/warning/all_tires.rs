@@ -1,4 +1,4 @@
-//! What an estimate says of all tires together, as shares of what they should have.
+//! All tires of an estimate together, as shares of their references.
 
 use crate::decision::{DECISIVE, Probabilities, Shares, Since};
 use crate::model::{CarEstimate, Corner, CornerEstimate, Level};
@@ -6,8 +6,8 @@ use crate::real::Real;
 use crate::warning::Limits;
 use crate::warning::leak::OF_A_LOSS;
 
-/// Which tires are low, by their levels and by their losses in this drive, whichever gives any low tire the larger probability. What a level is wrong
-/// by is no part of a loss, and of what was low before nothing is lost.
+/// Which tires are low, by their levels and by their losses in this drive, whichever gives any low tire the larger probability: an error of the
+/// level cancels in a loss, and a tire low from the start loses nothing.
 pub(crate) fn low_tires<T: Real>(
     estimate: &CarEstimate<T>,
     reference_kpa: [T; 4],

@@ -21,15 +21,14 @@ const UNINFORMED: DebounceTimes = DebounceTimes { set_s: 0.0, clear_s: 1.0 };
 const LEARNING: f64 = 0.1;
 /// Speed in m/s above which a car should learn something: 20 km/h.
 const SHOULD_LEARN_M_S: f64 = 5.5;
-/// Seconds of standing after which what a tire had when the car stopped is no longer what it has.
+/// Seconds of standing after which the pressure at the stop is no longer taken for the present one.
 const STANDING_S: f64 = 30.0;
-/// Seconds by which a corner has to have fitted longer than not before a warning stands, the memory of what tells a misfit; and the most that
-/// count.
+/// Seconds by which valid fit has to outlast misfit before a warning stands, the memory of a misfit; and the cap of that sum.
 const FITTED_S: f64 = 20.0;
 const MOST_FITTED_S: f64 = 2.0 * FITTED_S;
 /// Evidence for a low tire that began so many seconds before that of a sensor's fault on its side, or since, is the fault's.
 const BESIDE_A_FAULT_S: f64 = 30.0;
-/// Seconds of learning after which what had been forgotten, as after a night, is known anew: not by its first frame.
+/// Seconds of learning after which a state that was forgotten, as after a night, is known anew.
 const ANEW_S: f64 = 2.0;
 
 /// A pressure whose level rests on the vehicle file alone may be a healthy tire's unless it is below its reference by so many sds: then it is the

@@ -6,10 +6,9 @@
 //! has to guess, it takes the tire to be cold, because a reference that is too low warns later and never wrongly.
 //! Derivation and limits: docs/math/monitor.md, section 1; docs/math/cold-pressure.md, section 4; docs/reset.md.
 
-use crate::cold_pressure::ColdTires;
+use crate::cold_pressure::{ColdTires, LONGEST_STEP_S};
 use crate::memory::Blank;
-use crate::model::CarEstimate;
-use crate::model::{ParameterError, positive};
+use crate::model::{CarEstimate, ParameterError, positive};
 use crate::real::Real;
 use crate::warning::low::is_learning;
 
@@ -19,8 +18,6 @@ const WARMS_IN_S: f64 = 600.0;
 const COOLS_IN_S: f64 = 900.0;
 /// Speed in m/s from which a tire is taken to become as warm as it can; proportionally less below it.
 const WARM_M_S: f64 = 20.0;
-/// Without a sample for so many s the car is taken to have stood.
-const LONGEST_STEP_S: f64 = 2.0;
 /// Share of a calibration at its end from which pressures are taken, how long that is at the most, and how many s of it must
 /// have been learned from, all in s.
 const TAKEN_SHARE: f64 = 0.25;

@@ -40,17 +40,17 @@ const UNEQUAL_SHARE: f64 = 0.25;
 const ROAD_SLIP: f64 = 0.3;
 const ROAD_UNEQUAL: f64 = 0.15;
 const ROAD_SIDE: f64 = 0.4;
-/// By how much what the load of a bend does may change while the car stands.
+/// Sd of the change of a bend's load effect while the car stands.
 const BEND_STANDING_SD: f64 = 0.1;
-/// Slip beyond so many times that of a dry road is a road's on which left and right differ from place to place: by which share of what is
-/// beyond the wheels of a driven axle then slip unequally, from one place to the next, and per √s.
+/// Slip above this multiple of a dry road's means a road on which left and right differ from place to place; then the shares of the excess
+/// slip by which the wheels of a driven axle differ, from one place to the next and per √s.
 const SNOW: f64 = 1.8;
 const MAYBE_SD: f64 = 1.0;
 const SLIPPERY: f64 = 1.6;
 const PLACES_SHARE: f64 = 0.5;
 const PLACES_WALK: f64 = 0.1;
 const PLACES_NOISE: f64 = 0.3;
-/// What is known of a car before its first block, as sds in thousandths: its offsets of front, rear and between the axles; the driven axle's
+/// Priors of a car before its first block, as sds in thousandths: its offsets of front, rear and between the axles; the driven axle's
 /// slip per m/s², with its mean; a yaw rate's bias in 1e-3 rad/s.
 const OFFSET_SD: [f64; 3] = [4.0, 4.0, 6.0];
 const SLIP_MEAN: f64 = 3.5;
@@ -60,12 +60,12 @@ const SLIP_SD: f64 = 2.0;
 const YAW_BIAS_SD: f64 = 20.0;
 const YAW_BIAS_KNOWN_SD: f64 = 5.0;
 /// Sd in thousandths (1e-3 rad/s for the yaw rate) and time in s of each disturbance that wanders (docs/math/wheel-speed.md, table of the
-/// states): a yaw rate's noise, or what stands for one that nobody measures; what parts the wheels of an axle, front and rear; what parts
-/// the axles beside their force where that is measured, with a yaw rate alone, and with neither.
+/// states): the noise of a yaw rate, or of the one assumed where none is measured; the difference of an axle's wheels, front and rear; the
+/// difference of the axles beside their force where that is measured, with a yaw rate alone, and with neither.
 const YAW_MEASURED: (f64, f64) = (0.85, 1.0);
 const YAW_UNKNOWN: (f64, f64) = (65.0, 4.0);
 const OF_AN_AXLE: [(f64, f64); 2] = [(0.16, 25.0), (0.22, 25.0)];
-/// The same of what does so to both axles alike, a road that differs from left to right; it forgets as those do.
+/// The same of a road that differs from left to right, for both axles alike, with the same memory.
 const OF_A_SIDE: f64 = 0.2;
 const FORCE_MEASURED: (f64, f64) = (0.3, 20.0);
 const FORCE_BY_SPEED: [(f64, f64); 2] = [(1.35, 13.0), (1.65, 13.0)];

@@ -44,16 +44,16 @@ pub(super) struct Following<T> {
     yaw_known: bool,
     /// Axles whose wheels turn alike in bends, which reads as a delay: none is read from them.
     coupled: [bool; 2],
-    /// Usual ratios, what bends make of them, and the acceleration over the speed.
+    /// Usual ratios, the part of them due to bends, and the acceleration over the speed.
     usual: [T; 3],
     usual_bend: [T; 2],
     usual_speeding: T,
-    /// Sums of what a bend leaves of each ratio times the acceleration over the speed, and of the square of that.
+    /// Sums of each ratio less its bend times the acceleration over the speed, and of the square of the latter.
     late: [T; 3],
     speeding: T,
-    /// Sum of squares of what a bend leaves of the ratio of each axle.
+    /// Sum of squares of each axle's ratio less its bend.
     left: [T; 2],
-    /// Sums of each ratio times what bends make of it, and of the square of that.
+    /// Sums of each ratio times its bend, and of the square of the bend.
     turned: [T; 3],
     bends: [T; 2],
 }

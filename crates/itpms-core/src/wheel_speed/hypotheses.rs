@@ -10,25 +10,25 @@ use crate::torsion::TorsionEvidence;
 /// How far radii of tires that are not low move by themselves, in thousandths: from one drive to another, and while the car is driven.
 pub(super) const FINE_SD: f64 = 0.2;
 pub(super) const FINE_DRIVING_SD: f64 = 0.1;
-/// A loss of a fifth as `-ln` of what it leaves.
+/// A loss of a fifth of the pressure, as `-ln 0.8`.
 pub(super) const FIFTH: f64 = 0.223_143_55;
-/// The sd of what a low tire has lost as `ln` of its pressure, in losses of a fifth: that of its share, over what such a tire has left.
+/// Sd of a low tire's loss as `ln` of its pressure, in losses of a fifth: the sd of its share over the share left.
 const LOW_LN_SD: f64 = LOW[1] * LOSS / (1.0 - LOW[0] * LOSS) / FIFTH;
-/// What a tire that is empty has lost, which is one alone, as `ln` in losses of a fifth, and its sd: half to all but a thirtieth of its pressure.
+/// Loss of an empty tire (always a single one) as `ln` in losses of a fifth, and its sd: half to all but a thirtieth of its pressure.
 const EMPTY: [f64; 2] = [9.0, 3.0];
 /// The sets of low tires, each of some nearly flat, and one that is empty.
 const HYPOTHESES: usize = 2 * SETS - 1 + 4;
-/// What none of these explains (snow, a coupling, another tire) may do to the three ratios, as sds in thousandths, and its prior over that
-/// of one wheel, of what does not pass.
+/// Sds in thousandths of the three ratios under causes outside these hypotheses (snow, a coupling, another tire), and the prior of a lasting
+/// one over that of one wheel.
 const UNEXPLAINED_SD: [f64; 3] = [4.0, 4.0, 10.0];
 pub(super) const UNEXPLAINED: f64 = 0.005;
-/// `ln (1 / ONE_LOSES) + ln 99`: what has to speak for a wheel until its probability is 0.99.
+/// `ln (1 / ONE_LOSES) + ln 99`: log-likelihood ratio that gives a wheel the probability 0.99.
 const TO_BE_FOUND: f64 = 11.5;
-/// The loss that pulses are asked for, as `-ln` of what it leaves.
+/// The loss that pulses are tested for, as `-ln` of the share left.
 const PULSES_LN: f64 = 0.278;
 /// Radius per load, in thousandths: -6.4e-4 of it for a tenth more.
 const RADIUS_PER_LOAD: f64 = -6.4;
-/// What a front passenger does to the three ratios, in thousandths.
+/// Effect of a front passenger on the three ratios, in thousandths.
 const PASSENGER: [f64; 3] = [-0.3, -0.2, 0.2];
 
 /// A symmetric matrix of three: 00, 10, 11, 20, 21, 22.

@@ -11,11 +11,10 @@ use crate::torsion::TorsionEvidence;
 const SURE: f64 = 0.99;
 /// Usable driving in s over which it has to be that probable.
 const SURE_FOR_S: f64 = 4.0;
-/// The same of what a road may do, too, that differs from left to right, or a load or a slip that moves the axles apart: those pass. And while
-/// it is open which tire it is: later it may be known.
+/// The same for a state that a road different from left to right, a load or a slip would explain, too, since those pass; and while it is open
+/// which tire it is.
 const PASSES_S: f64 = 30.0;
-/// The same of anything on a slippery road, on which wheels slip as the place has it, and for how long a road is slippery, in s, after it was
-/// seen to be.
+/// The same of any state on a slippery road, and for how long in s a road counts as slippery after it was seen to be.
 const SLIPPERY_S: f64 = 300.0;
 
 /// Loss that would have shown where a tire is called fine, as a share of its pressure.
@@ -194,8 +193,7 @@ impl<T: Real> RadiusReport<T> {
         self.unseen.slippery = maybe || self.slippery_s > T::zero();
     }
 
-    /// Prior of what no loss explains over that of one wheel's: a place of the road that does so is as frequent as a tire that loses air, and
-    /// it passes.
+    /// Prior of "no loss explains it" over that of one wheel's loss: such a place of the road is as frequent as a loss, and passes.
     pub(super) fn unexplained(&self) -> T {
         (self.loss_s * T::lit(-1.0 / PASSES_S)).exp_fast().at_least(T::lit(UNEXPLAINED))
     }

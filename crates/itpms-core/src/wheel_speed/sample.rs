@@ -1,9 +1,8 @@
 //! What comes in with every message of the wheel speeds.
 
+use crate::conditioning::is_a_cars;
 use crate::real::Real;
 
-/// A speed that no wheel of a car has, in m/s.
-const ABSURD_SPEED_M_S: f64 = 120.0;
 /// A yaw rate that no car has, in rad/s.
 const ABSURD_YAW_RAD_S: f64 = 5.0;
 /// A horizontal acceleration that no car has, in m/s².
@@ -46,9 +45,9 @@ impl<T: Real> WheelSpeedSample<T> {
     }
 }
 
-/// Whether a wheel can have this speed in m/s.
+/// Whether the wheel of a car that drives forwards can have this speed in m/s.
 pub(super) fn is_speed<T: Real>(v: T) -> bool {
-    v >= T::zero() && v < T::lit(ABSURD_SPEED_M_S)
+    v >= T::zero() && is_a_cars(v)
 }
 
 fn within<T: Real>(value: T, absurd: f64) -> Option<T> {

@@ -49,7 +49,7 @@ pub(super) struct YawWitness<T> {
     left: T,
     doubted: bool,
     doubts: u8,
-    /// Sums of what each axle's wheels follow of wide bends, and of these.
+    /// Sums of each axle's response to wide bends, and of the bends.
     usual_wide: [[T; 2]; 2],
     followed: [T; 2],
     bends: [T; 2],

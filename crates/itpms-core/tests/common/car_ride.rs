@@ -3,10 +3,9 @@
 
 use itpms_core::Real;
 use itpms_core::car::CarEstimator;
-use itpms_core::model::CarEstimate;
 use itpms_core::model::{
-    CarConfig, CarSample, Confidence, CornerConfig, CornerSample, ParameterUncertainty, PressureMap,
-    QuarterCar,
+    CarConfig, CarEstimate, CarSample, Confidence, CornerConfig, CornerSample, ParameterUncertainty,
+    PressureMap, QuarterCar,
 };
 
 use super::quarter_plant::{KS, Random, runge_kutta, stiffness};

@@ -2,10 +2,9 @@
 
 use itpms_core::conditioning::SampleClock;
 use itpms_core::model::{
-    CarConfig, CarSample, Corner, CornerConfig, CornerEstimate, CornerSample, Diagnostics, Level, Loss,
-    Validity, Warning,
+    CarConfig, CarEstimate, CarSample, Corner, CornerConfig, CornerEstimate, CornerSample, Diagnostics,
+    Level, Loss, TrackState, Validity, Warning,
 };
-use itpms_core::model::{CarEstimate, TrackState};
 use itpms_core::monitor::{Monitor, MonitorConfig};
 use itpms_core::warning::{MonitorReport, WheelState};
 

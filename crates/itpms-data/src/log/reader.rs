@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 
 use itpms_core::model::Corner;
 
-use super::left_out;
 use super::memory_source::{MemorySource, Pieces};
 use super::mixed::Mixed;
 use super::options::LogOptions;
@@ -18,8 +17,8 @@ use super::slow_speed::SlowSpeed;
 use super::source::Source;
 use super::survey::{GAP_PERIODS, SURVEY_ROWS, Survey};
 use super::table::Table;
-use super::twins;
 use super::units::{self, UnitCheck};
+use super::{left_out, twins};
 use crate::error::{DataError, Problem};
 use crate::signals::align::AlignmentReport;
 

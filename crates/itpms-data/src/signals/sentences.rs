@@ -3,8 +3,7 @@
 use itpms_files::nearest;
 
 use super::units::Unit;
-use crate::log::Quantity;
-use crate::log::Slot;
+use crate::log::{Quantity, Slot};
 
 /// What to say of a unit that is of no use.
 pub(super) fn stated(unit: &str) -> String {

@@ -48,8 +48,9 @@ mod write;
 
 use std::path::Path;
 
-use itpms_core::model::{CarConfig, Corner, CornerConfig, PressureMap, standard_atmosphere_kpa};
-use itpms_core::model::{ParameterError, QuarterCar};
+use itpms_core::model::{
+    CarConfig, Corner, CornerConfig, ParameterError, PressureMap, QuarterCar, standard_atmosphere_kpa,
+};
 use itpms_core::torsion::TorsionConfig;
 use itpms_core::wheel_speed::WheelSpeedConfig;
 use itpms_files::{AtomicFile, input};

@@ -303,8 +303,8 @@ fn quality(log: &LogReader, plausibility: &Plausibility, found: &mut Findings) {
     }
     found.faults.extend(plausibility.contradiction());
     found.faults.extend(plausibility.concerns());
-    let is_told = |text: &String| {
+    let is_reported = |text: &String| {
         report.dead_columns.iter().any(|name| text.contains(name)) || text.contains("have the same values")
     };
-    found.notes.extend(report.warnings().into_iter().filter(|text| !is_told(text)));
+    found.notes.extend(report.warnings().into_iter().filter(|text| !is_reported(text)));
 }

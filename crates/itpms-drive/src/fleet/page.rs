@@ -10,14 +10,13 @@ use itpms_analysis::roughness::MAP_STYLE;
 use itpms_core::model::PressureUnit;
 use itpms_data::out::AtomicFile;
 
-use super::damper_cell;
 use super::found::natural;
 use super::histogram::histogram;
 use super::names::Names;
 use super::record::{DriveRecord, Loss, WheelRecord};
 use super::road_map::FleetRoads;
 use super::standing::{CarStanding, State, lowest, share};
-use super::{Failed, Outcome, Plan};
+use super::{Failed, Outcome, Plan, damper_cell};
 use crate::error::DriveError;
 use crate::provenance::today;
 

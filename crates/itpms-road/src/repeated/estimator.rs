@@ -1,9 +1,8 @@
 //! The estimator of one corner, and the road that may repeat itself under it.
 
-use itpms_core::Estimator;
-use itpms_core::Real;
 use itpms_core::conditioning::SampleClock;
 use itpms_core::model::{CornerConfig, CornerEstimate, CornerSample, ParameterError};
+use itpms_core::{Estimator, Real};
 
 use super::{RepeatedRoad, RoadRepetition};
 

@@ -8,8 +8,7 @@ use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use itpms_fourier::Complex;
-use itpms_fourier::ComplexToReal;
+use itpms_fourier::{Complex, ComplexToReal};
 use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
 

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use itpms_console::options::{Jobs, Strict};
-use itpms_lab::certify::LoadsTold;
+use itpms_lab::certify::StatedLoads;
 use itpms_lab::sensors::Sensors;
 
 use super::sensor_names;
@@ -29,8 +29,8 @@ pub(crate) struct CertifyArgs {
     #[arg(long, value_name = "SENSORS", default_value = Sensors::default().label(), value_parser = sensor_names())]
     pub(crate) sensors: Sensors,
     /// What a car with wheel speeds alone knows of its loads while it stands.
-    #[arg(long, value_name = "LOADS", default_value = LoadsTold::default().label(), value_parser = load_names())]
-    pub(crate) loads: LoadsTold,
+    #[arg(long, value_name = "LOADS", default_value = StatedLoads::default().label(), value_parser = load_names())]
+    pub(crate) loads: StatedLoads,
     /// How often each test is driven, each time by another car on another road.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub(crate) repeats: u32,
@@ -52,9 +52,12 @@ pub(crate) struct CertifyArgs {
     pub(crate) json: bool,
 }
 
-fn load_names() -> impl TypedValueParser<Value = LoadsTold> {
-    PossibleValuesParser::new(LoadsTold::ALL.map(LoadsTold::label)).try_map(|label| {
-        LoadsTold::ALL.into_iter().find(|loads| loads.label() == label).ok_or("expected unknown or constant")
+fn load_names() -> impl TypedValueParser<Value = StatedLoads> {
+    PossibleValuesParser::new(StatedLoads::ALL.map(StatedLoads::label)).try_map(|label| {
+        StatedLoads::ALL
+            .into_iter()
+            .find(|loads| loads.label() == label)
+            .ok_or("expected unknown or constant")
     })
 }
 

@@ -16,7 +16,7 @@ use super::procedure::Procedure;
 use super::telltale::{Lamp, Wrong, wrong};
 use super::test_case::Test;
 use super::watched::Watched;
-use super::{CertifyError, LoadsTold, Odometer};
+use super::{CertifyError, Odometer, StatedLoads};
 use crate::sensors::Sensors;
 
 /// After the tell-tale has come on the drive goes on so many s: it has to stay lit.
@@ -39,7 +39,7 @@ pub(super) fn drive(
     procedure: &Procedure,
     course: &Course,
     seed: u64,
-    (sensors, loads): (Sensors, LoadsTold),
+    (sensors, loads): (Sensors, StatedLoads),
     odometer: &Odometer<'_>,
 ) -> Result<Outcome, CertifyError> {
     let mut car = Watched::new(procedure, course, loads, sensors)?;

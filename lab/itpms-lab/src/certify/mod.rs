@@ -64,7 +64,7 @@ pub struct Request {
     /// What the car has; with wheel speeds it has no sensor to unplug, and every combination of tires is let down for both.
     pub sensors: Sensors,
     /// What it knows of its loads, which do not change in a test; of no meaning with accelerations.
-    pub loads: LoadsTold,
+    pub loads: StatedLoads,
     /// How often each test is driven, with another car, road and noise.
     pub repeats: u32,
 }
@@ -73,7 +73,7 @@ itpms_core::labelled! {
     /// What a car with wheel speeds alone knows of what it carries. More load is a smaller radius, as less pressure is.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
     #[serde(rename_all = "kebab-case")]
-    pub enum LoadsTold {
+    pub enum StatedLoads {
         /// Nothing, as in everyday life: passengers may have got in while it stood.
         #[default]
         Unknown = "unknown",

@@ -1,7 +1,6 @@
 //! What came of a test, and whether that passes.
 
-use itpms_core::model::CarEstimate;
-use itpms_core::model::Wheels;
+use itpms_core::model::{CarEstimate, Wheels};
 use itpms_core::warning::Alert;
 use itpms_sim::simulation::SimRow;
 use serde::Serialize;

@@ -1,7 +1,6 @@
 //! What the driver would see: one lamp for low pressure, one for a malfunction, and the wheels that are named.
 
-use itpms_core::model::CarEstimate;
-use itpms_core::model::{Corner, Warning, Wheels};
+use itpms_core::model::{CarEstimate, Corner, Warning, Wheels};
 use itpms_core::warning::{Alert, Cause, MonitorReport};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

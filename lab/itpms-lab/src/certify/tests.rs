@@ -23,7 +23,7 @@ fn request(only: &str) -> Request {
         only: Some(only.to_owned()),
         seed: 1,
         sensors: Sensors::Accelerations,
-        loads: LoadsTold::Unknown,
+        loads: StatedLoads::Unknown,
         repeats: 1,
     }
 }
@@ -37,7 +37,7 @@ fn driven(procedure: &Procedure, course: &Course) -> Outcome {
     let progress = &|_: u64, _: u64| ControlFlow::Continue(());
     let (done_s, stopped) = (AtomicU64::new(0), AtomicBool::new(false));
     let odometer = Odometer { done_s, total_s: course.longest_s() as u64, stopped, progress };
-    drive(procedure, course, 7, (Sensors::Accelerations, LoadsTold::Unknown), &odometer).unwrap()
+    drive(procedure, course, 7, (Sensors::Accelerations, StatedLoads::Unknown), &odometer).unwrap()
 }
 
 /// A second sensor for ten seconds, of which the test knows nothing.
@@ -77,7 +77,7 @@ fn an_unplugged_sensor_is_told_and_the_run_repeats_to_the_bit() {
         let (done_s, stopped) = (AtomicU64::new(0), AtomicBool::new(false));
         let odometer = Odometer { done_s, total_s: course.longest_s() as u64, stopped, progress };
         let outcome =
-            drive(&procedure, &course, 7, (Sensors::Accelerations, LoadsTold::Unknown), &odometer).unwrap();
+            drive(&procedure, &course, 7, (Sensors::Accelerations, StatedLoads::Unknown), &odometer).unwrap();
         let done_s = odometer.done_s.load(Ordering::Relaxed);
         // All of the way is reported, up to a report's length.
         assert!((done_s as f64 - course.longest_s()).abs() <= 10.0, "{done_s}");
@@ -117,7 +117,7 @@ fn on_wheel_speeds_one_tire_is_found_and_runs_of_a_kind_are_put_together() {
     let go = |_: u64, _: u64| ControlFlow::Continue(());
     let on_wheel_speeds = |only: &str| Request {
         sensors: Sensors::WheelSpeeds,
-        loads: LoadsTold::Constant,
+        loads: StatedLoads::Constant,
         repeats: 2,
         ..request(only)
     };

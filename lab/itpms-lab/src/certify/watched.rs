@@ -2,8 +2,7 @@
 //!
 //! Called by `drive`, which holds what it says against what was done to the car.
 
-use itpms_core::model::CarEstimate;
-use itpms_core::model::{CarConfig, CarSample, Corner, CornerSample, ParameterError, Wheels};
+use itpms_core::model::{CarConfig, CarEstimate, CarSample, Corner, CornerSample, ParameterError, Wheels};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_core::warning::MonitorReport;
 use itpms_core::wheel_speed::{LoadUncertainty, WheelSpeedSample};
@@ -14,7 +13,7 @@ use super::course::Course;
 use super::outcome::TracePoint;
 use super::procedure::Procedure;
 use super::telltale::{Lamp, lit, lit_by_alerts};
-use super::{CertifyError, LoadsTold};
+use super::{CertifyError, StatedLoads};
 use crate::sensors::{Pulses, Sensors, wheel_speed_config, wheel_speed_sample};
 
 /// A car and what was estimated last, where it has accelerometers.
@@ -28,13 +27,13 @@ impl Watched {
     pub(super) fn new(
         procedure: &Procedure,
         course: &Course,
-        loads: LoadsTold,
+        loads: StatedLoads,
         sensors: Sensors,
     ) -> Result<Self, CertifyError> {
         let scenario = &course.scenario;
         let load = match loads {
-            LoadsTold::Constant => LoadUncertainty::constant(),
-            LoadsTold::Unknown => LoadUncertainty::unknown(),
+            StatedLoads::Constant => LoadUncertainty::constant(),
+            StatedLoads::Unknown => LoadUncertainty::unknown(),
         };
         let wheel_speeds = wheel_speed_config(scenario, load);
         let mut config = CarConfig { corners: [None; 4], wheelbase_m: Some(scenario.wheelbase_m) };
@@ -75,13 +74,8 @@ impl Watched {
         }
         let Some((sample, _)) = wheel_speed_sample(row) else { return };
         let sample = WheelSpeedSample { time_s: offset_s + sample.time_s, ..sample };
-        match &mut self.pulses {
-            Some(pulses) => {
-                pulses.until(row.time_s, offset_s);
-                self.car.update_with_pulses(&sample, &mut pulses.torsion);
-            }
-            None => self.car.update_wheel_speeds(&sample),
-        }
+        let pulses = self.pulses.as_mut().map(|pulses| pulses.until(row.time_s, offset_s));
+        self.car.update_wheel_speeds(&sample, pulses);
     }
 
     /// A sample of a parked car: what its accelerometers read, and wheels that stand.
@@ -91,14 +85,15 @@ impl Watched {
                 .map(|[body, wheel]| Some(CornerSample { body_accel_m_s2: body, wheel_accel_m_s2: wheel }));
             self.estimate = Some(self.car.update(&CarSample { time_s, speed_m_s: 0.0, corners }));
         }
-        self.car.update_wheel_speeds(&WheelSpeedSample {
+        let sample = WheelSpeedSample {
             time_s,
             wheel_speed_m_s: [0.0; 4],
             yaw_rate_rad_s: 0.0,
             accel_x_m_s2: 0.0,
             accel_y_m_s2: 0.0,
             brake: Some(true),
-        });
+        };
+        self.car.update_wheel_speeds(&sample, None);
     }
 
     pub(super) fn report(&self) -> &MonitorReport<f64> {

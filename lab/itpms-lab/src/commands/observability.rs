@@ -56,13 +56,12 @@ fn subject(vehicle: &Vehicle, asked: Option<Corner>) -> Result<Subject, Failure>
     Ok(Subject::new(&vehicle.name, corner.label(), config, vehicle.corner(partner)))
 }
 
-/// Page, figures, tables, and everything as JSON.
+/// Page, figures, and everything as JSON.
 fn write(folder: &Folder, result: &Observability, json: &str, screen: &Screen) -> Result<(), Failure> {
     let mut contents = vec![
         ("observability.json".to_owned(), format!("{json}\n")),
         ("observability.html".to_owned(), result.page()),
     ];
-    contents.extend(result.tables().into_iter().map(|(name, text)| (format!("{name}.csv"), text)));
     contents
         .extend(result.figures().into_iter().map(|figure| (format!("{}.svg", figure.name()), figure.svg())));
     folder.fill(contents, screen)

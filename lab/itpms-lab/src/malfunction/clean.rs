@@ -1,7 +1,6 @@
 //! The same drives without a malfunction: what is reported for nothing, and how far off a pressure is anyway.
 
-use itpms_core::model::CarEstimate;
-use itpms_core::model::{CarSample, Validity};
+use itpms_core::model::{CarEstimate, CarSample, Validity};
 use itpms_core::warning::{Cause, Change, MonitorReport};
 use serde::Serialize;
 

@@ -82,12 +82,12 @@ impl Recorded {
         let mut car = CarConfig { corners: [None; 4], wheelbase_m: Some(scenario.wheelbase_m) };
         let mut pressure_kpa = [f64::NAN; 4];
         for (i, corner) in Corner::ALL.into_iter().enumerate() {
-            let told = scenario.corner_config(corner)?;
-            pressure_kpa[i] = SHARES[i] * told.placard_kpa;
+            let config = scenario.corner_config(corner)?;
+            pressure_kpa[i] = SHARES[i] * config.placard_kpa;
             if let Some(spec) = scenario.corner.get_mut(corner) {
                 spec.pressure = Pressure::ConstantKpa(pressure_kpa[i]);
             }
-            car.corners[i] = Some(told);
+            car.corners[i] = Some(config);
         }
         let rows: Vec<CarSample<f64>> =
             Simulation::new(&scenario, seed)?.map(|row| row.car_sample()).collect();

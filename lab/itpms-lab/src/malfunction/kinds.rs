@@ -28,7 +28,7 @@ impl Kind {
     }
 
     /// Whether this is a malfunction at a wheel it happens to, under any of the words that pass. Gives the word.
-    pub fn said_as(&self, cause: &Cause<f64>, wheels: Wheels) -> Option<&'static str> {
+    pub fn label_of(&self, cause: &Cause<f64>, wheels: Wheels) -> Option<&'static str> {
         let label = malfunction_label(cause)?;
         wheels.iter().any(|corner| self.wheels().contains(corner)).then_some(label)
     }
@@ -243,9 +243,9 @@ mod tests {
             assert!(!exact.is_empty(), "{}", kind.name);
             for exact in exact {
                 assert!(kind.is_exactly(&exact), "{}", kind.name);
-                let label = kind.said_as(&exact, kind.wheels()).unwrap();
+                let label = kind.label_of(&exact, kind.wheels()).unwrap();
                 assert_eq!(kind.labels[0], label, "{}", kind.name);
-                assert_eq!(kind.said_as(&exact, Wheels::NONE), None, "{}", kind.name);
+                assert_eq!(kind.label_of(&exact, Wheels::NONE), None, "{}", kind.name);
             }
         }
     }

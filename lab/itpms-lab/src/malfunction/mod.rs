@@ -232,8 +232,8 @@ fn monitored(drive: &Recorded) -> Result<Box<MonitoredCar<f64>>, MalfunctionErro
 /// Where a malfunction was not reported, and could not have been because the car hardly drove, that is not held against anybody; what
 /// was shown and warned of counts. The same holds for how a drive went on after its end.
 fn row(kind: &Kind, outcomes: &[&Outcome]) -> Row {
-    let could_be_said = |o: &&&Outcome| o.said_after_s.is_some() || o.driven_s >= kind.stated_s;
-    let said: Vec<f64> = outcomes.iter().filter_map(|o| o.said_after_s).collect();
+    let is_counted = |o: &&&Outcome| o.reported_after_s.is_some() || o.driven_s >= kind.stated_s;
+    let said: Vec<f64> = outcomes.iter().filter_map(|o| o.reported_after_s).collect();
     let awaited: Vec<&&Outcome> = outcomes.iter().filter(|o| o.driven_after_s > AWAITED_S).collect();
     let recovered: Vec<f64> = awaited.iter().filter_map(|o| o.recovered_after_s).collect();
     let mean = |figure: fn(&Outcome) -> f64| {
@@ -242,15 +242,15 @@ fn row(kind: &Kind, outcomes: &[&Outcome]) -> Row {
     let tires = |warnings: fn(&Outcome) -> TireWarnings| {
         outcomes.iter().fold(TireWarnings::default(), |sum, o| sum.plus(warnings(o)))
     };
-    let named = outcomes.iter().filter(|o| o.said_after_s.is_some() && kind.labels.contains(&o.label));
+    let named = outcomes.iter().filter(|o| o.reported_after_s.is_some() && kind.labels.contains(&o.label));
     let worst = |values: &[f64]| values.iter().copied().fold(f64::NAN, f64::max);
     Row {
         name: kind.name,
-        drives: outcomes.iter().filter(could_be_said).count(),
+        drives: outcomes.iter().filter(is_counted).count(),
         said: said.len(),
         in_time: said.iter().filter(|time_s| **time_s <= kind.stated_s).count(),
         named: named.count(),
-        named_exactly: outcomes.iter().filter(|o| o.said_after_s.is_some() && o.exactly).count(),
+        named_exactly: outcomes.iter().filter(|o| o.reported_after_s.is_some() && o.exactly).count(),
         others_said: outcomes.iter().map(|o| o.others_said).sum(),
         stated_s: kind.stated_s,
         said_median_s: percentile(&said, 0.5),
@@ -286,7 +286,7 @@ mod tests {
     /// Reported by its name after a second, and well again after two.
     fn good() -> Outcome {
         Outcome {
-            said_after_s: Some(1.0),
+            reported_after_s: Some(1.0),
             label: "stuck",
             exactly: true,
             driven_s: 21.0,
@@ -326,7 +326,7 @@ mod tests {
     fn what_a_short_drive_showed_counts_though_nobody_could_have_said_it() {
         let tires_during = TireWarnings { low: 1, ..TireWarnings::default() };
         let short =
-            Outcome { said_after_s: None, driven_s: 0.5, tires_during, driven_after_s: 10.0, ..good() };
+            Outcome { reported_after_s: None, driven_s: 0.5, tires_during, driven_after_s: 10.0, ..good() };
         let row = row(&stuck(), &[&good(), &short]);
         assert_eq!((row.drives, row.said, row.tire_warnings_during.total()), (1, 1, 1));
         assert_eq!((row.recovered, row.awaited), (1, 1));
@@ -348,7 +348,7 @@ mod tests {
         // The car stood or the drive ended before that could be seen.
         let ended = Outcome { driven_after_s: 10.0, ..lost };
         assert!(line(&table(&[&good(), &ended])).ends_with("2.0"));
-        let late = Outcome { said_after_s: Some(9.0), ..good() };
+        let late = Outcome { reported_after_s: Some(9.0), ..good() };
         assert!(line(&table(&[&late])).ends_with("late"));
         let warned = TireWarnings { low: 1, all_low: 2, ..TireWarnings::default() };
         let text = line(&table(&[&Outcome { tires_after: warned, ..good() }]));

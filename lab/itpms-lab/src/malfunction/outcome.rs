@@ -23,7 +23,7 @@ const FAR_KPA: f64 = 20.0;
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Outcome {
     /// Seconds of driving until it was reported; `None`: never.
-    pub(super) said_after_s: Option<f64>,
+    pub(super) reported_after_s: Option<f64>,
     /// What it was called then, and whether nothing but the very malfunction was.
     pub(super) label: &'static str,
     pub(super) exactly: bool,
@@ -135,7 +135,7 @@ pub(super) fn run(kind: &Kind, drive: &Recorded, mut car: Box<MonitoredCar<f64>>
                 outcome.driven_s += step_driven_s;
                 outcome.before.add(shown, period_s);
                 let alerts: Vec<Alert<f64>> = report.alerts().copied().collect();
-                if outcome.is_said(kind, &alerts) {
+                if outcome.take_report(kind, &alerts) {
                     (phase, since_s) = (Phase::Said, 0.0);
                 } else if drive.ends.is_none() && lasted_s > LONGEST_S {
                     (phase, since_s) = (Phase::Over, 0.0);
@@ -181,13 +181,13 @@ impl Outcome {
     }
 
     /// Whether a malfunction is reported at a wheel that it happens to; then when, and by which name.
-    fn is_said(&mut self, kind: &Kind, alerts: &[Alert<f64>]) -> bool {
-        let Some(label) = alerts.iter().find_map(|alert| kind.said_as(&alert.cause, alert.wheels)) else {
+    fn take_report(&mut self, kind: &Kind, alerts: &[Alert<f64>]) -> bool {
+        let Some(label) = alerts.iter().find_map(|alert| kind.label_of(&alert.cause, alert.wheels)) else {
             return false;
         };
         let mut malfunctions = alerts.iter().filter(|alert| malfunction_label(&alert.cause).is_some());
         self.exactly = malfunctions.all(|alert| kind.is_exactly(&alert.cause));
-        (self.said_after_s, self.label) = (Some(self.driven_s), label);
+        (self.reported_after_s, self.label) = (Some(self.driven_s), label);
         true
     }
 }
@@ -320,7 +320,7 @@ mod tests {
         let wheel = |corner| Sensor { corner, place: Place::Wheel };
         let said = |alerts: &[Alert<f64>]| {
             let mut outcome = Outcome { driven_s: 3.0, ..Outcome::default() };
-            outcome.is_said(&kind, alerts).then_some((outcome.label, outcome.exactly))
+            outcome.take_report(&kind, alerts).then_some((outcome.label, outcome.exactly))
         };
         let (right, other_wheel) =
             (broken(Malfunction::Stuck(wheel(fl))), broken(Malfunction::Stuck(wheel(fr))));

@@ -11,7 +11,7 @@
 //! | `information` | Fisher information of wheels that pass over the same road |
 //! | `car` | what an uncertain mass, spring or damper does to the accelerations |
 //! | `sources` | which wheel passes where: the four sources, alone and together |
-//! | `figures`, `summary`, `page`, `tables` | the result drawn, in words, as HTML, and as CSV |
+//! | `figures`, `summary`, `page` | the result drawn, in words, and as HTML |
 
 mod car;
 mod dual;
@@ -23,7 +23,6 @@ mod rank;
 mod sources;
 mod subject;
 mod summary;
-mod tables;
 mod twin;
 
 pub use rank::{RankCase, Stiffness, TOLERANCE};

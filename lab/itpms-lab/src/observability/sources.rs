@@ -5,8 +5,7 @@
 
 use std::fmt;
 
-use itpms_core::model::CornerConfig;
-use itpms_core::model::{ParameterError, QuarterCar};
+use itpms_core::model::{CornerConfig, ParameterError, QuarterCar};
 use nalgebra::DMatrix;
 use serde::Serialize;
 

@@ -22,13 +22,13 @@ impl Observability {
             c.noise_m_s2,
             c.rate_hz
         );
-        self.tell_twins(&mut text);
-        self.tell_ranks(&mut text);
-        self.tell_bounds(&mut text);
+        self.write_twins(&mut text);
+        self.write_ranks(&mut text);
+        self.write_bounds(&mut text);
         text
     }
 
-    fn tell_twins(&self, text: &mut String) {
+    fn write_twins(&self, text: &mut String) {
         *text += "\nTwo tires, two roads, one measurement\n";
         *text += "  tire                                 road differs by   accelerations differ by (body, wheel)\n";
         for twin in self.twins.drives.iter().skip(1) {
@@ -42,7 +42,7 @@ impl Observability {
         }
     }
 
-    fn tell_ranks(&self, text: &mut String) {
+    fn write_ranks(&self, text: &mut String) {
         *text += "\nRank with the road as unknown input (7 derivatives, 20 instants)\n";
         *text +=
             "  case                                            rank  missing  of these drift  stiffness\n";
@@ -64,7 +64,7 @@ impl Observability {
         );
     }
 
-    fn tell_bounds(&self, text: &mut String) {
+    fn write_bounds(&self, text: &mut String) {
         let c = &self.conditions;
         let loss = 100.0 * (1.0 - c.pressure_after_kpa / c.placard_kpa);
         *text += "\nNo estimator can know the pressure better than (kPa, one sd; - is not at all)\n";

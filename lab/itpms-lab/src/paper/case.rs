@@ -46,11 +46,11 @@ impl Case {
         case.changed(|corner| corner.unsprung_mass_kg = request.bench_unsprung_mass_kg)
     }
 
-    /// The true sprung mass in kg, while the estimators are given `told_kg`.
-    pub(super) fn with_sprung_mass(self, true_kg: f64, told_kg: f64) -> Result<Self, PaperError> {
+    /// The true sprung mass in kg, while the estimators are given `stated_kg`.
+    pub(super) fn with_sprung_mass(self, true_kg: f64, stated_kg: f64) -> Result<Self, PaperError> {
         self.changed(|corner| {
-            corner.sprung_mass_kg = told_kg;
-            corner.truth.sprung_mass_factor = true_kg / told_kg;
+            corner.sprung_mass_kg = stated_kg;
+            corner.truth.sprung_mass_factor = true_kg / stated_kg;
         })
     }
 

@@ -25,8 +25,8 @@ const MARGIN_S: f64 = 6.0;
 const BAND_PER_M: (f64, f64) = (0.1, 2.0);
 /// Length in m of a spectrum's segment: the longest wave fits ten times.
 const SEGMENT_M: f64 = 100.0;
-/// Seconds between two words to the recorder about the stiffness: each costs it some work.
-const TELL_S: f64 = 0.1;
+/// Seconds between updates of the recorder's stiffness: each costs it some work.
+const STIFFNESS_PERIOD_S: f64 = 0.1;
 const ERROR_PERCENT: f64 = 8.0;
 const IRI_PERCENT: f64 = 5.0;
 
@@ -103,10 +103,10 @@ fn record(case: &Case, turn: Turn) -> Result<(Vec<f64>, Vec<f64>), ScoreError> {
     let mut recorder =
         RoadRecorder::new(&config, vec![RoadRow::default(); rows], vec![Segment::default(); segments])?;
     let (mut record, mut truth) = (vec![], vec![]);
-    let mut told_s = f64::NEG_INFINITY;
+    let mut updated_s = f64::NEG_INFINITY;
     case.drive(turn.seed, |row, corner, estimate| {
-        if row.time_s - told_s >= TELL_S {
-            told_s = row.time_s;
+        if row.time_s - updated_s >= STIFFNESS_PERIOD_S {
+            updated_s = row.time_s;
             // Refused where an estimator has diverged; then the last good one stays.
             let _ = recorder
                 .filter_mut()

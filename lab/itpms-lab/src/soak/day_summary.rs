@@ -57,9 +57,9 @@ impl DaySummary {
         for (hour, day) in days() {
             let of = conditions.entry(day.condition.label()).or_default();
             of.hours += hour.driven_s / 3600.0;
-            let told = hour.said.iter().filter(|said| said.cause != super::hour::NO_INFORMATION).count();
-            of.false_warnings += told;
-            if told > 0 {
+            let reported = hour.said.iter().filter(|said| said.cause != super::hour::NO_INFORMATION).count();
+            of.false_warnings += reported;
+            if reported > 0 {
                 of.seeds.push(hour.seed);
             }
             if let Some(yaw) = &day.yaw {

@@ -3,8 +3,7 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use itpms_core::model::CarEstimate;
-use itpms_core::model::{CarConfig, Corner};
+use itpms_core::model::{CarConfig, CarEstimate, Corner};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_core::warning::{Alert, Change, Limits, MonitorReport};
 use itpms_sim::scenario::Scenario;

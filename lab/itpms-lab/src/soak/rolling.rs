@@ -48,13 +48,8 @@ pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) 
         rows += 1;
         km = 1e-3 * row.distance_m;
         let Some((sample, truth)) = wheel_speed_sample(&row) else { continue };
-        match &mut pulses {
-            Some(pulses) => {
-                pulses.until(row.time_s, 0.0);
-                wheels.update_with_pulses(&sample, &mut pulses.torsion);
-            }
-            None => wheels.update(&sample),
-        }
+        let passed = pulses.as_mut().map(|pulses| pulses.until(row.time_s, 0.0));
+        wheels.update_with_pulses(&sample, passed);
         wheels.write_report_into(&mut report);
         note(row.time_s, &before, &report, &mut said);
         before = report;

@@ -40,7 +40,7 @@ fn without_corners_it_is_the_monitor_of_its_wheel_speeds_at_any_rate() {
     drive(|sample| {
         wheels.update(sample);
         wheels.write_report_into(&mut expected);
-        car.update_wheel_speeds(sample);
+        car.update_wheel_speeds(sample, None);
         warned |= expected.alerts().count() > 0;
         assert_eq!(format!("{:?}", car.report()), format!("{expected:?}"));
     });
@@ -61,7 +61,7 @@ fn beside_accelerations_its_alert_stands_in_the_cars_report_until_the_car_is_cal
         // Its accelerometers have nothing to say.
         let silent = CarSample { time_s: sample.time_s, speed_m_s: f64::NAN, corners: [None; 4] };
         car.update(&silent);
-        car.update_wheel_speeds(sample);
+        car.update_wheel_speeds(sample, None);
     });
     let named = |car: &MonitoredCar<f64>| {
         let differs = |alert: &&crate::warning::Alert<f64>| matches!(alert.cause, Cause::Differs { .. });

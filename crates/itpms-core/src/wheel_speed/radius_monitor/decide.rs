@@ -38,8 +38,8 @@ impl<T: Real> RadiusMonitor<T> {
         counts
     }
 
-    /// What is known beforehand of what the usual load has done since the calibration, its covariance included: half of what a load does is
-    /// the car's usual one, half the day's.
+    /// Prior covariance of the usual load's effect since the calibration, the calibration's included: half of a load's variance is the car's
+    /// usual one, half the day's.
     fn usual(&self, calibration: &RadiusCalibration<T>) -> Triangle<T> {
         let mut usual = PLACES.map(|(i, j)| calibration.covariance_1e6[i][j]);
         add_load(&mut usual, &self.config.load, 0.5);
@@ -79,7 +79,7 @@ impl<T: Real> RadiusMonitor<T> {
         Some((change, covariance))
     }
 
-    /// By how much the three ratios are others than at the calibration, and the covariance of what they are now.
+    /// Change of the three ratios since the calibration, and the covariance of their present values.
     fn now(&self, calibration: &RadiusCalibration<T>) -> ([T; 3], Triangle<T>) {
         let belief = self.filter.belief();
         let now = |i: usize| belief.mean[OFFSET + i] + belief.mean[CHANGE + i];
@@ -102,8 +102,8 @@ impl<T: Real> RadiusMonitor<T> {
         }
     }
 
-    /// What was lost while the car drove is told from what loads have done, since they move at a stop only: of what is found of the drive,
-    /// and since the calibration, that counts which speaks more for a loss.
+    /// Loads move at a stop only, so a loss while the car drove is separable from them: of the changes in this drive and since the calibration
+    /// the one with more evidence for a loss counts.
     pub(super) fn decide(&mut self, block: &Block<T>) {
         let per_ln = T::lit(SCALE) * self.config.radius_per_ln_pressure;
         let fifth = T::lit(FIFTH) * per_ln;

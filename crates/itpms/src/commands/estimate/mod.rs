@@ -7,9 +7,8 @@ mod summary;
 use itpms_console::{Failure, Interrupt, Screen, names, threads};
 use itpms_core::model::Corner;
 use itpms_data::{LogReader, Vehicle};
-use itpms_drive::EstimatorKind;
 use itpms_drive::tire_sensors::sent_pressures;
-use itpms_drive::{Done, FilePaths, Files, Job, Settings, common_corners, wheel_speed_use};
+use itpms_drive::{Done, EstimatorKind, FilePaths, Files, Job, Settings, common_corners, wheel_speed_use};
 
 use super::reference;
 use crate::args::EstimateArgs;

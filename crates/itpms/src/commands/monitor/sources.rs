@@ -5,11 +5,10 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use itpms_console::{Failure, Screen};
-use itpms_data::DataError;
-use itpms_data::LogReader;
 use itpms_data::can::FrameReader;
 use itpms_data::dbc::Decoder;
 use itpms_data::signals::SignalMap;
+use itpms_data::{DataError, LogReader};
 use itpms_live::broker::BrokerAddress;
 use itpms_live::feed::Feed;
 use itpms_live::input::{Input, NoteSink, SourceName};

@@ -61,14 +61,14 @@ pub(super) fn save_forever(kind: &Path, files: [&PathBuf; 2], target: &Path) -> 
     .collect::<Result<Vec<_>, _>>()?
     .try_into()
     .map_err(|_| Failure::Usage("two files".to_owned()))?;
-    let mut told = false;
+    let mut reported = false;
     loop {
         for save in &saves {
             save()?;
-            if !told {
+            if !reported {
                 // Whoever kills waits for this.
                 stderr().write_all(b"!").map_err(fail)?;
-                told = true;
+                reported = true;
             }
         }
     }

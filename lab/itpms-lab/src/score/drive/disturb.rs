@@ -194,9 +194,9 @@ mod tests {
         for disturbance in ALONE.iter().skip(1) {
             let changed = (disturbance.change)(usual.clone());
             let same_drive = changed.scenario == usual.scenario;
-            let same_told =
+            let same_stated =
                 (changed.speed_factor, changed.wheelbase_m) == (usual.speed_factor, usual.wheelbase_m);
-            assert!(!(same_drive && same_told), "{}", disturbance.name);
+            assert!(!(same_drive && same_stated), "{}", disturbance.name);
         }
     }
 }

@@ -2,8 +2,7 @@
 //!
 //! Called by the plan of the four-wheel parts.
 
-use itpms_core::model::CarEstimate;
-use itpms_core::model::{CarConfig, Corner, VehicleCalibration};
+use itpms_core::model::{CarConfig, CarEstimate, Corner, VehicleCalibration};
 use itpms_core::warning::MonitorReport;
 use itpms_sim::simulation::{SimRow, Simulation};
 use itpms_sim::time_profile::Pressure;

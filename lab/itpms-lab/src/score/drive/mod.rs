@@ -27,8 +27,7 @@ mod real_list;
 mod several;
 
 use itpms_core::car::{EstimatorOptions, Sources};
-use itpms_core::model::CarEstimate;
-use itpms_core::model::{CarConfig, Corner};
+use itpms_core::model::{CarConfig, CarEstimate, Corner};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_sim::scenario::{CornerSpec, Scenario};
 use itpms_sim::sensor::SensorSpec;

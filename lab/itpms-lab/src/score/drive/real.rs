@@ -4,8 +4,7 @@
 //! at one speed. Every drive is estimated twice: as it comes, and after a calibration at its start. In a second drive
 //! after a calibration one tire after the other loses a fifth.
 
-use itpms_core::model::CarEstimate;
-use itpms_core::model::{Confidence, Corner};
+use itpms_core::model::{CarEstimate, Confidence, Corner};
 use itpms_core::warning::{Alert, Cause, Change, MonitorReport};
 use itpms_sim::road::{RoadClass, RoadSpec};
 use itpms_sim::simulation::{SimRow, Simulation};
