@@ -85,6 +85,8 @@ struct Powers<T: Real> {
     /// Of the deflection's rate, and its cross power with the rate of each element's force.
     velocity: SVector<T, BINS>,
     elements: SMatrix<T, BINS, { 2 * ELEMENTS }>,
+    /// Of the deflection in all bins, the same and that of the last second.
+    loudness: [T; 2],
 }
 
 impl<T: Real> Powers<T> {
@@ -93,6 +95,7 @@ impl<T: Real> Powers<T> {
             power.fill(T::zero());
         }
         self.elements.fill(T::zero());
+        self.loudness = [T::zero(); 2];
     }
 }
 
@@ -338,10 +341,19 @@ impl<T: Real> BodyEquation<T> {
             }
             follow(&mut powers.residual[bin], residual.norm_sqr());
             follow(&mut powers.noise[bin], noise);
+            if bin == 0 {
+                let [usual, newest] = &mut powers.loudness;
+                follow(usual, loudness);
+                *newest += gain.max(seconds) * (loudness - *newest);
+            }
+            // On a road that is smoother than of late less is left, but for the sensors' noise; and how a strut sticks shows there.
+            let [usual, newest] = powers.loudness;
+            let quieter = (newest / usual.max(T::lit(1e-12))).min(T::one());
             // A loud frame, as over a hole, counts no more than a usual one.
             let loud = (body.norm_sqr() / powers.body[bin].max(T::lit(1e-12))).max(T::one());
             let error = T::lit(MODEL_ERROR * MODEL_ERROR) * powers.body[bin];
-            let weight = T::lit(2.0 * OVERLAP) / ((powers.residual[bin] + error).max(T::lit(1e-12)) * loud);
+            let left = (powers.residual[bin] + error) * quieter + noise * (T::one() - quieter);
+            let weight = T::lit(2.0 * OVERLAP) / (left.max(T::lit(1e-12)) * loud);
             // Towards the parameters at which the linearized residual vanishes.
             let [re, im] = [slope.map(|s| s.re), slope.map(|s| s.im)];
             let target = [re.dot(&x) - residual.re, im.dot(&x) - residual.im];
