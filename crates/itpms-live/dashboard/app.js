@@ -1,6 +1,7 @@
 // The page: takes what comes over the stream and draws it at a pace the eye and the machine can follow.
 
 import { Alerts } from "./alerts.js";
+import { drawBeside } from "./beside.js";
 import { drawCar } from "./car.js";
 import { Pressures, States } from "./charts.js";
 import { Connection } from "./connection.js";
@@ -96,6 +97,7 @@ function drawNumbers() {
   put(by("subline"), newest ? subline(newest) : "");
   drawCar(newest, state);
   drawWheels(newest, state);
+  drawBeside(newest, state);
   drawHealth(newest, state);
   alerts.silence(newest, state);
   alerts.draw(state);

@@ -127,6 +127,15 @@ fn a_sensor_that_sees_a_leak_is_believed() {
     let lost = summary["tire_sensors"]["fl"]["lost_kpa"].as_f64().unwrap();
     assert!((lost - 0.12 * PLACARD_KPA).abs() < 10.0, "{lost}");
     assert!(page.contains("by its own sensor the tire has lost"));
+    // The live monitor finds the same, warns of it, and no longer calls all tires fine.
+    bench.run("monitor --replay truck.log --speed max --dbc truck.dbc --vehicle car.toml --calibrate-s 300 --json live.jsonl").success();
+    let live = bench.read("live.jsonl");
+    let lines: Vec<Value> = live.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let warned = lines.iter().filter(|line| line["kind"] == "tire-sensor-leak");
+    assert_eq!(warned.map(|line| line["wheels"][0].as_str().unwrap()).collect::<Vec<_>>(), ["fl"]);
+    let last = lines.last().unwrap();
+    assert_eq!(last["tire_sensors"], summary["tire_sensors"]);
+    assert!(last["alerts"].as_array().unwrap().iter().any(|alert| alert["kind"] == "tire-sensor-leak"));
 }
 
 #[test]

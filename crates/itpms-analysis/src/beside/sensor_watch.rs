@@ -3,7 +3,7 @@
 //! What a sensor sends has changed since its first readings by `D`, the estimate by `E`, each less the median of what the other wheels with a
 //! sensor changed by, so that warmth cancels. `D - E` is nothing but noise while a sensor is right, however the tire fares; where it is not, the
 //! sensor drifts, or has stuck while its tire went on. A loss that the estimate does not deny is a leak: the pressure at 20 C, by the sensor's
-//! own temperature, falls along a line. What levels say of each other is the report's (`itpms_analysis::report`).
+//! own temperature, falls along a line. What levels say of each other is the report's ([`crate::report`]).
 
 mod watched_sensor;
 
@@ -12,9 +12,9 @@ use itpms_core::wheel_speed::WheelRadius;
 use itpms_data::LogRow;
 use itpms_data::out::RadiusRow;
 
-pub(crate) use self::watched_sensor::sensors_json;
+pub(super) use self::watched_sensor::sensors_json;
 pub use self::watched_sensor::{SensorState, WatchedSensor};
-use crate::drive::Estimates;
+use super::Estimates;
 
 /// Readings of so many s count as one.
 const BIN_S: f64 = 10.0;
@@ -82,7 +82,7 @@ struct Wheel {
 
 /// See the [module](self).
 #[derive(Debug, Clone)]
-pub(crate) struct SensorWatch {
+pub(super) struct SensorWatch {
     wheels: [Wheel; 4],
     bin: Option<f64>,
     bins: usize,
@@ -90,7 +90,7 @@ pub(crate) struct SensorWatch {
 }
 
 impl SensorWatch {
-    pub(crate) fn new(placards_kpa: [Option<f64>; 4]) -> Self {
+    pub(super) fn new(placards_kpa: [Option<f64>; 4]) -> Self {
         let wheel = |placard_kpa: Option<f64>| Wheel {
             placard_kpa: placard_kpa.unwrap_or(f64::NAN),
             last_c: f64::NAN,
@@ -102,7 +102,7 @@ impl SensorWatch {
     }
 
     /// Takes a row and what was estimated after it; hands on what is newly found.
-    pub(crate) fn take(
+    pub(super) fn take(
         &mut self,
         row: &LogRow,
         estimates: &Estimates,
@@ -144,7 +144,7 @@ impl SensorWatch {
     }
 
     /// All that is known at the end.
-    pub(crate) fn conclude(&self) -> [WatchedSensor; 4] {
+    pub(super) fn conclude(&self) -> [WatchedSensor; 4] {
         self.wheels.each_ref().map(|wheel| {
             wheel.now.unwrap_or(WatchedSensor { pressure_kpa: wheel.last_kpa, ..WatchedSensor::NOTHING })
         })

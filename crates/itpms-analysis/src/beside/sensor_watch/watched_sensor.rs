@@ -120,7 +120,7 @@ impl WatchedSensor {
 }
 
 /// The sensors that sent anything, by wheel; null where none did.
-pub(crate) fn sensors_json(sensors: &[WatchedSensor; 4]) -> Value {
+pub(in crate::beside) fn sensors_json(sensors: &[WatchedSensor; 4]) -> Value {
     let sent = Corner::ALL.iter().zip(sensors).filter(|(_, sensor)| sensor.pressure_kpa.is_finite());
     let sent: Map<String, Value> =
         sent.map(|(corner, sensor)| (corner.label().to_owned(), Value::Object(sensor.object()))).collect();
