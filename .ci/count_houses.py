@@ -27,10 +27,10 @@ LABORATORY = ("lab/", "crates/itpms-sim", "crates/itpms-paper")
 # House, ceiling in lines, goal in lines. The core is a part of the product.
 HOUSES = [
     ("core, with its tests", 35_100, 26_000),
-    ("product, with the core", 125_400, 92_000),
+    ("product, with the core", 125_500, 92_000),
     ("formats", 16_500, 16_000),
     ("laboratory", 38_500, 34_000),
-    ("all, with examples and checks", 181_300, 150_000),
+    ("all, with examples and checks", 181_400, 150_000),
 ]
 # Constants of the core that are numbers to choose, not sizes or names, at most.
 CHOSEN = 630

@@ -18,7 +18,8 @@ const DAMPER = { fine: ["fine", "Fine"], weak: ["malfunction", "Weak"], worn: ["
 const TURN = { found: ["fine", "Known"], rising: ["malfunction", "Rising"], "no-line": ["fine", "None"], slow: ["unknown", "Learning"] };
 const SENSOR = { fine: ["fine", "Fine"], leak: ["low", "Leak"], drift: ["malfunction", "Drifts"], stuck: ["malfunction", "Stuck"], learning: ["unknown", "Learning"] };
 
-const within = (value, sd, n, unit) => `${digits(value, n)} ± ${digits(sd, n)}${unit}`;
+// On one line.
+const within = (value, sd, n, unit) => `${digits(value, n)} ± ${digits(sd, n)}${unit}`.replaceAll(" ", "\u00a0");
 const why = (because) => BECAUSE[because] ?? because ?? "";
 
 function damper(it) {

@@ -149,6 +149,15 @@ fn a_sensor_that_drifts_is_named() {
 }
 
 #[test]
+fn a_sensor_that_rises_hides_no_leak() {
+    let bench = Bench::new();
+    drive(&bench, 0.0, |time_s, truth| truth + 40.0 * (time_s / SECONDS));
+    let (summary, kinds, page) = estimate(&bench);
+    assert_eq!(kinds, ["tire-sensor-drift fl"], "{}", summary["tire_sensors"]);
+    assert!(page.contains("a tire gains no air while it rolls"));
+}
+
+#[test]
 fn a_sensor_that_is_stuck_while_its_tire_loses_air_is_named() {
     let bench = Bench::new();
     drive(&bench, 0.45, |_, _| PLACARD_KPA);
