@@ -67,7 +67,7 @@ const connection = new Connection("/api/events", (name, data) => {
 by("retry").addEventListener("click", () => connection.now());
 
 // ---- drawing ------------------------------------------------------------------------------------------------------------
-let scheduled = false, numbers_ms = 0, charts_ms = 0;
+let scheduled = false, numbers_ms = -Infinity, charts_ms = -Infinity;
 
 // As often as there is something new, but numbers at most five times a second and curves twice: nobody reads faster.
 function schedule() {

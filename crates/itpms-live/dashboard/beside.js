@@ -33,7 +33,7 @@ function turn(it) {
   return `${within(it.force_n, it.force_sd_n, 0, " N")}${grams}${it.rise_n == null ? "" : `; risen by ${within(it.rise_n, it.rise_sd_n, 0, " N")}`}`;
 }
 function sensor(it, wheel) {
-  const kpa = wheel?.tire_sensor_kpa ?? it.pressure_kpa, off = (value, sd) => `${number(value, 0)} ± ${number(sd, 0)} ${UNIT}`;
+  const kpa = wheel?.tire_sensor_kpa ?? it.pressure_kpa, off = (value, sd) => `${number(value, 0).replace("-", "−")}\u00a0±\u00a0${number(sd, 0)}\u00a0${UNIT}`;
   const more = it.state === "leak" ? `, lost ${off(it.lost_kpa, it.lost_sd_kpa)}` : it.state === "drift" || it.state === "stuck" ? `, off by ${off(it.against_estimate_kpa, it.against_estimate_sd_kpa)}` : "";
   return `${number(kpa, 0)} ${UNIT}${more}`;
 }
