@@ -172,7 +172,7 @@ impl Car {
             tracks: ["left", "right"].map(|side| Track { side, shared: true, incoherence: 0.07 }).to_vec(),
             alerts: self.alerts.clone(),
             sensors: self.sensors(),
-            beside: beside(self.time_s),
+            beside: Arc::new(beside(self.time_s)),
             wheels,
         }
     }

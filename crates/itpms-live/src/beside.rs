@@ -3,6 +3,7 @@
 //! Owned by the drive. Rows are listened to as they come; what they show is worked out once a minute, on a thread of its own: it takes some
 //! tenths of a second, and the estimate waits for nobody. A drive ends with a long stop, after which the car may carry something else.
 
+use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 
 use itpms_analysis::beside::{Beside, Findings, Identified};
@@ -30,7 +31,7 @@ pub(crate) struct BesideWatch {
     working: Option<JoinHandle<Findings>>,
     looked_s: f64,
     moved_s: f64,
-    shown: Map<String, Value>,
+    shown: Arc<Map<String, Value>>,
     /// What was found and stands, as alerts.
     standing: Vec<Map<String, Value>>,
 }
@@ -95,7 +96,7 @@ impl BesideWatch {
     }
 
     /// `dampers`, `load`, `once_per_turn` and `tire_sensors`, as in `itpms estimate --json`.
-    pub(crate) fn shown(&self) -> &Map<String, Value> {
+    pub(crate) fn shown(&self) -> &Arc<Map<String, Value>> {
         &self.shown
     }
 
@@ -128,9 +129,9 @@ impl BesideWatch {
     }
 }
 
-fn shown(findings: &Findings) -> Map<String, Value> {
+fn shown(findings: &Findings) -> Arc<Map<String, Value>> {
     let all = findings.json().into_iter().filter(|(name, _)| *name != "tire_sensors_kpa");
-    all.map(|(name, value)| (name.to_owned(), value)).collect()
+    Arc::new(all.map(|(name, value)| (name.to_owned(), value)).collect())
 }
 
 /// A line of `events.jsonl` as an alert of the monitor.

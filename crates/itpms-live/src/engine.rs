@@ -365,7 +365,7 @@ impl Engine {
             snapshot.wheels = describe::wheels(drive, &self.vehicle);
             snapshot.tracks = describe::tracks(drive);
             snapshot.alerts = describe::alerts(drive);
-            snapshot.beside = drive.beside.shown().clone();
+            snapshot.beside = Arc::clone(drive.beside.shown());
             snapshot.sensors = describe::sensors(drive);
             // A wheel of which nothing is known may be the one that is low.
             snapshot.all_fine = self.source.state == SourceState::Live

@@ -4,6 +4,7 @@
 //! part of the contract with scripts. A number that is not known is NaN here and `null` in JSON. Holds no logic.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -37,7 +38,7 @@ pub struct Snapshot {
     pub sensors: Vec<SensorHealth>,
     /// `dampers`, `load`, `once_per_turn` and `tire_sensors` as in `itpms estimate --json`, of the drive so far and at most a minute old.
     #[serde(flatten)]
-    pub beside: Map<String, Value>,
+    pub beside: Arc<Map<String, Value>>,
     /// Corners of the vehicle file that do not come, and why.
     pub not_estimated: BTreeMap<&'static str, String>,
     /// Whether every wheel of the vehicle file comes and is known to be fine, and the source is live: the only time to say "all good".

@@ -380,7 +380,7 @@ mod tests {
             cold_pressure_sd_kpa: Some(5.1),
             ..Wheel::default()
         };
-        let beside = beside.as_object().unwrap().clone();
+        let beside = beside.as_object().unwrap().clone().into();
         let snapshot = Snapshot { wheels: vec![cold], beside, ..Snapshot::default() };
         let mut frames = Frames::new().unwrap();
         let (first, second) = (frames.of(&snapshot), frames.of(&snapshot));
