@@ -3,6 +3,7 @@
 //!
 //! | module | idea |
 //! |---|---|
+//! | [`beside`] | what is found of a car beside its pressures, as a drive goes on |
 //! | [`bound`] | Cramer-Rao bound on a pressure from one corner, or from front and rear of a side |
 //! | [`identify`] | spring, damper and tire from bench tests, with standard errors |
 //! | [`learn`] | parameters of a car from drives at known pressures |
@@ -18,6 +19,7 @@
 #![forbid(unsafe_code)]
 #![allow(missing_docs, reason = "a part of the program: names say it, and comments what they do not")]
 
+pub mod beside;
 pub mod bound;
 pub mod identify;
 pub mod learn;

@@ -1,7 +1,7 @@
 //! What turns with a wheel: the force once per turn, how much of it grows with the square of the speed, and whether it rises in a drive
 //! (docs/math/rotation.md).
 //!
-//! Called by `itpms-drive` with the rows of a log. An imbalance and a tire that is not round push a wheel with `F = K + M omega^2` once per turn;
+//! Called by [`crate::beside`] with the rows of a drive. An imbalance and a tire that is not round push a wheel with `F = K + M omega^2` once per turn;
 //! what a wheel feels is `m_u a_w + (k_t + i w c_t) z_w + k_s (z_w - z_b) + c (v_w - v_b)`, where a damper's friction counts by what it is
 //! to a small motion in a large one. Accelerations are taken down to the wheel's own turning in quarters of a second, windows of eight seconds
 //! are added up, and what stands beside the line is noise. For the force no phase is kept from window to window: a radius that changes with the speed, and a
@@ -49,8 +49,8 @@ const MINUTE: usize = 7;
 const RISE_N: f64 = 40.0;
 const RISE_SDS: f64 = 4.0;
 const ALIKE: f64 = 0.15;
-/// Parts that are kept: four hours.
-const MOST_PARTS: usize = 57_600;
+/// Parts that are kept, whole minutes in either half: two hours. Of more the older half is forgotten.
+const MOST_PARTS: usize = 128 * MINUTE * PARTS;
 /// Corner in rad/s of the high pass that a strut's rate is known behind.
 const RATE_RAD_S: f64 = TAU;
 
@@ -169,7 +169,7 @@ impl RotationWatch {
         }
         self.turned_rad += rad_per_s * step_s;
         let usable = wheel.is_finite() && body.is_finite() && rad_per_s > SLOWEST_RAD_S;
-        if !usable || self.parts.len() >= MOST_PARTS {
+        if !usable {
             self.now = Part::default();
             return;
         }
@@ -187,6 +187,10 @@ impl RotationWatch {
         self.now.rate2 += self.rate_m_s * self.rate_m_s;
         self.now.count += 1.0;
         if time_s - self.begun_s >= PART_S {
+            if self.parts.len() >= MOST_PARTS {
+                self.parts.drain(..MOST_PARTS / 2);
+                self.looked = self.looked.saturating_sub(MOST_PARTS / 2);
+            }
             let part = std::mem::take(&mut self.now);
             let n = part.count;
             self.parts.push(Part {
@@ -262,13 +266,24 @@ impl RotationWatch {
         }
     }
 
-    /// The force in a window at a turning rate so many steps off.
-    fn force_at(parts: &[Part], forces: &[Complex<f64>], steps: i32) -> Complex<f64> {
-        let middle = parts[parts.len() / 2].turned_rad;
-        let turn =
-            |part: &Part| Complex::from_polar(1.0, -f64::from(steps) * STEP * (part.turned_rad - middle));
-        parts.iter().zip(forces).map(|(part, force)| force * turn(part)).sum::<Complex<f64>>()
-            / parts.len() as f64
+    /// The forces in a window at `N` turning rates, the first of them `from` steps off, each `every` steps from the one before.
+    fn forces_at<const N: usize>(
+        (parts, forces): &(&[Part], Vec<Complex<f64>>),
+        from: i32,
+        every: i32,
+    ) -> [Complex<f64>; N] {
+        let (middle, count) = (parts[parts.len() / 2].turned_rad, parts.len() as f64);
+        let mut sums = [Complex::new(0.0, 0.0); N];
+        for (part, force) in parts.iter().zip(forces) {
+            let turn =
+                |steps: i32| Complex::from_polar(1.0, -f64::from(steps) * STEP * (part.turned_rad - middle));
+            let (mut turned, further) = (force * turn(from), turn(every));
+            for sum in &mut sums {
+                *sum += turned;
+                turned *= further;
+            }
+        }
+        sums.map(|sum| sum / count)
     }
 
     /// Windows of one stretch of driving, with the forces of their parts.
@@ -284,10 +299,11 @@ impl RotationWatch {
         if windows.len() < FEWEST {
             return None;
         }
-        let sum = |steps: i32| {
-            windows.iter().map(|(parts, forces)| Self::force_at(parts, forces, steps).norm_sqr()).sum::<f64>()
-        };
-        let sums: Vec<f64> = (-STEPS..=STEPS).map(sum).collect();
+        let mut sums = [0.0; 2 * STEPS as usize + 1];
+        for window in &windows {
+            let forces: [_; 2 * STEPS as usize + 1] = Self::forces_at(window, -STEPS, 1);
+            sums.iter_mut().zip(forces).for_each(|(sum, force)| *sum += force.norm_sqr());
+        }
         let best = (0..sums.len()).max_by(|a, b| sums[*a].total_cmp(&sums[*b]))?;
         let mut rest: Vec<f64> =
             (0..sums.len()).filter(|at| at.abs_diff(best) >= BESIDE as usize).map(|at| sums[at]).collect();
@@ -298,14 +314,18 @@ impl RotationWatch {
     }
 
     fn windows(&self, wheel: &TurningWheel, at: i32) -> Vec<Window> {
-        let of = |(parts, forces): &(&[Part], Vec<Complex<f64>>)| {
-            let beside = (BESIDE..=BESIDE + 8).step_by(2).flat_map(|off| [at - off, at + off]);
-            let noises: Vec<f64> =
-                beside.map(|steps| Self::force_at(parts, forces, steps).norm_sqr()).collect();
+        const FAR: i32 = BESIDE + 8;
+        let of = |window: &(&[Part], Vec<Complex<f64>>)| {
+            let parts = window.0;
+            let forces: [_; FAR as usize + 1] = Self::forces_at(window, at - FAR, 2);
+            let middle = FAR as usize / 2;
+            let beside = forces.iter().enumerate();
+            let beside = beside.filter(|(place, _)| 2 * place.abs_diff(middle) >= BESIDE as usize);
+            let noises: Vec<f64> = beside.map(|(_, force)| force.norm_sqr()).collect();
             let noise = noises.iter().sum::<f64>() / noises.len() as f64;
             let rad_per_s2 =
                 parts.iter().map(|part| part.rad_per_s.powi(2)).sum::<f64>() / parts.len() as f64;
-            let force = Self::force_at(parts, forces, at);
+            let force = forces[middle];
             let Part { turned_rad, stretch, .. } = parts[PARTS / 2];
             Window {
                 time_s: parts[PARTS - 1].time_s,
@@ -400,99 +420,4 @@ fn imbalance_g(windows: &[Window], off: f64) -> Option<Measured> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    const WHEEL: TurningWheel = TurningWheel {
-        unsprung_mass_kg: 40.0,
-        tire_n_per_m: 220e3,
-        tire_damping_n_s_per_m: 50.0,
-        spring_n_per_m: 28e3,
-        damping_n_s_per_m: 1800.0,
-        friction_n: 0.0,
-    };
-    const BODY_KG: f64 = 380.0;
-
-    /// Accelerations of wheel and body for a force of one newton, solved from the equations of both.
-    fn answer(w: f64) -> [Complex<f64>; 2] {
-        let strut = Complex::new(WHEEL.spring_n_per_m, w * WHEEL.damping_n_s_per_m);
-        let tire = Complex::new(WHEEL.tire_n_per_m, w * WHEEL.tire_damping_n_s_per_m);
-        let body = strut / (strut - BODY_KG * w * w);
-        let z = 1.0 / (tire + strut - WHEEL.unsprung_mass_kg * w * w - strut * body);
-        [-w * w * z, -w * w * z * body]
-    }
-
-    /// A wheel at these turning rates with a force of `run_out_n` and an imbalance, in noise of `noise` m/s² a sample.
-    fn driven(
-        seconds: f64,
-        turning: impl Fn(f64) -> f64,
-        run_out_n: f64,
-        kg_m: impl Fn(f64) -> f64,
-        noise: f64,
-        mut each: impl FnMut(&mut RotationWatch),
-    ) -> RotationWatch {
-        let (mut watch, step_s, mut turned, mut random) = (RotationWatch::default(), 0.005, 0.0, 1u64);
-        let mut white = || {
-            (0..12).fold(-6.0, |sum, _| {
-                random =
-                    random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-                sum + (random >> 11) as f64 / (1u64 << 53) as f64
-            })
-        };
-        for k in 0..(seconds / step_s) as usize {
-            let time_s = k as f64 * step_s;
-            let w = turning(time_s);
-            turned += w * step_s;
-            // 90 degrees between the two.
-            let force = Complex::from_polar(1.0, turned) * Complex::new(run_out_n, kg_m(time_s) * w * w);
-            let [wheel, body] = answer(w).map(|answer| (answer * force).re + noise * white());
-            watch.push(time_s, [wheel, body], w * 1.012);
-            each(&mut watch);
-        }
-        watch
-    }
-
-    fn sweep(time_s: f64) -> f64 {
-        75.0 + 30.0 * (time_s / 25.0).sin()
-    }
-
-    #[test]
-    fn a_sweep_parts_imbalance_from_run_out() {
-        let found = driven(400.0, sweep, 25.0, |_| 0.006, 1.0, |_| {}).conclude(&WHEEL);
-        let turning2 = found.at_rad_per_s.powi(2);
-        let truth = 25f64.hypot(0.006 * turning2);
-        let (force, grams) = (found.force_n.unwrap(), found.imbalance_g.unwrap());
-        assert!((force.value / truth - 1.0).abs() < 0.1, "{force:?} {truth}");
-        assert!((grams.value - 30.0).abs() < 8.0, "{grams:?}");
-        assert!(found.rise.is_none() && found.state == RotationState::Found);
-        // At one speed the force alone.
-        let steady = driven(300.0, |_| 80.0, 25.0, |_| 0.006, 1.0, |_| {}).conclude(&WHEEL);
-        assert!((steady.force_n.unwrap().value / 25f64.hypot(0.006 * 6400.0) - 1.0).abs() < 0.1);
-        assert!(steady.imbalance_g.is_none());
-    }
-
-    #[test]
-    fn without_a_line_nothing_is_claimed() {
-        let none = driven(300.0, sweep, 0.0, |_| 0.0, 1.0, |_| {}).conclude(&WHEEL);
-        assert_eq!((none.state, none.force_n), (RotationState::NoLine, None));
-        let slow = driven(300.0, |_| 20.0, 50.0, |_| 0.0, 1.0, |_| {}).conclude(&WHEEL);
-        assert_eq!(slow.state, RotationState::Slow);
-    }
-
-    #[test]
-    fn a_weight_that_is_lost_is_an_event_and_a_steady_one_is_not() {
-        let events = |lost_kg_m: f64| {
-            let mut found = Vec::new();
-            let kg_m = move |time_s: f64| if time_s > 240.0 { 0.003 + lost_kg_m } else { 0.003 };
-            let steady = |time_s: f64| 80.0 + 2.0 * (time_s / 9.0).sin();
-            driven(600.0, steady, 10.0, kg_m, 1.0, |watch| found.extend(watch.rises(&WHEEL)));
-            found
-        };
-        assert!(events(0.0).is_empty());
-        let found = events(0.012);
-        let [(rise, since_s)] = found[..] else { panic!("{found:?}") };
-        // From 10 and 19 N to 10 and 96.
-        assert!((rise.value - 75.0).abs() < 3.0 * rise.sd, "{rise:?}");
-        assert!((300.0..440.0).contains(&since_s), "{since_s}");
-    }
-}
+mod tests;

@@ -1,6 +1,7 @@
 //! A vehicle file held against a drive: whether the suspension in the drive is the file's, and where the estimator says that body and wheel
 //! do not go together.
 
+use itpms_analysis::beside::{SuspensionWatch, dampers_json, left_right_lines};
 use itpms_analysis::suspension::SuspensionVerdict;
 use itpms_analysis::transfer::{CornerCheck, CrossSpectra, Suspension, Verdict, page};
 use itpms_core::model::Corner;
@@ -15,7 +16,6 @@ use crate::error::DriveError;
 use crate::run::{Fit, ROWS_PER_LOOK, Watch};
 use crate::settings::Settings;
 use crate::summary::fit_json;
-use crate::suspension::{SuspensionWatch, dampers_json, left_right_lines};
 use crate::time_axis::TimeAxis;
 
 const GAP_STEPS: f64 = 1.5;

@@ -128,6 +128,11 @@ impl Drive {
         Ok(self)
     }
 
+    /// The estimator, but for those of the paper.
+    pub(crate) fn estimator(&self) -> Option<&CarEstimator<f64>> {
+        self.car.estimator()
+    }
+
     /// The cars as they seem to be now, in the order of [`Corner::ALL`].
     pub fn quarter_cars(&self) -> QuarterCars {
         self.car.estimator().map_or([None; 4], CarEstimator::quarter_cars)

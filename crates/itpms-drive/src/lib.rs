@@ -6,6 +6,7 @@
 //! | [`drive`] | the estimator of a drive's car under its monitor |
 //! | [`alerts`] | what the monitor reported and took back |
 //! | [`road`] | the road record, late but smooth |
+//! | `road_survey` | its roughness, holes and bumps, and where they are |
 //! | [`run`] | a log, row by row, through all of these into a [`Sink`] |
 //! | [`pipeline`] | the same with reading and recording on threads of their own |
 //! | [`concerns`] | what should be known before believing the result |
@@ -14,13 +15,10 @@
 //! | [`check`](mod@check) | a vehicle file held against a drive |
 //! | [`field`] | the field kit: an owner's log with known pressures, judged and packed |
 //! | [`summary`] | what is known at the end, as JSON |
-//! | `suspension` | dampers and load of a drive, beside its pressures |
 //! | [`files`] | the sink of the command line: files, complete or not there |
 //! | [`fleet`] | many drives of many cars |
 //! | [`simulated`] | simulated drives as logs hold them |
 //! | [`wheel_speeds`](wheel_speed_use) | wheel speeds under their monitor, alone or beside accelerations |
-//! | `rotation` | what turns with the wheels |
-//! | `sensor_watch` | the tires' own sensors: slow leaks, and sensors that are wrong |
 //! | `air` | what a log says of the air that cannot be |
 //! | `pulses` | tooth pulses read along with a log |
 //! | [`error`] | why there is no result |
@@ -48,13 +46,11 @@ mod provenance;
 mod pulses;
 pub mod reference;
 pub mod road;
-mod rotation;
+mod road_survey;
 pub mod run;
-mod sensor_watch;
 pub mod settings;
 pub mod simulated;
 pub mod summary;
-mod suspension;
 mod time_axis;
 pub mod tire_sensors;
 mod wheel_speeds;
@@ -74,10 +70,8 @@ pub use learn_radius::{LearnedRadius, learn_radius};
 pub use pipeline::estimate_in_pipeline;
 pub use reference::Taught;
 pub use road::{LateRow, RoadTrack};
-pub use rotation::rotation_line;
+pub use road_survey::{RoadSurvey, SurveyedRoad};
 pub use run::{Done, Heights, Job, Sink, Watch, estimate};
-pub use sensor_watch::{SensorState, WatchedSensor};
 pub use settings::Settings;
 pub use summary::{corner_lines, summary_json, torsion_line, wheel_speed_lines};
-pub use suspension::{SentLoads, left_right_lines, suspension_lines};
 pub use wheel_speeds::wheel_speed_use;

@@ -2,9 +2,8 @@
 
 use std::ops::ControlFlow;
 
+use itpms_analysis::beside::{Beside, Findings, Identified};
 use itpms_analysis::report::{CornerRow, Provenance, ReportCollector, ReportData, ReportOptions};
-use itpms_analysis::rotation::OncePerTurn;
-use itpms_analysis::suspension::SuspensionVerdict;
 use itpms_core::model::{BodyFit, Corner, Misfit};
 use itpms_core::torsion::TorsionChange;
 use itpms_core::warning::{Cause, Change, MonitorReport};
@@ -23,9 +22,6 @@ use crate::provenance::provenance;
 use crate::pulses::Pulses;
 use crate::reference::{self, Taught};
 use crate::road::{LateRow, RoadTrack};
-use crate::rotation::{self, Rotation};
-use crate::sensor_watch::{SensorWatch, WatchedSensor};
-use crate::suspension::{SentLoads, SuspensionWatch};
 use crate::time_axis::TimeAxis;
 use crate::wheel_speeds::{YawFault, wheel_speed_use};
 
@@ -91,16 +87,8 @@ pub struct Done {
     pub torsion: Option<[Option<TorsionChange<f64>>; 4]>,
     /// Whether the log has a temperature of the air, for cold pressures.
     pub has_temperature: bool,
-    /// What the tires' own sensors sent last, in kPa, in the order of [`Corner::ALL`](itpms_core::model::Corner::ALL); NaN: nothing.
-    pub sensors_kpa: [f64; 4],
-    /// What is known of the tires' own sensors, in the same order.
-    pub sensors: [WatchedSensor; 4],
-    /// Loads of the axles by the car's own sensors.
-    pub sent_loads: SentLoads,
-    /// What turns with the wheels, of corners with accelerations, in the same order.
-    pub once_per_turn: [Option<OncePerTurn>; 4],
-    /// Dampers and load, where all four corners are measured.
-    pub suspension: Option<SuspensionVerdict>,
+    /// Dampers and load, the tires' own sensors, what turns with the wheels.
+    pub beside: Findings,
 }
 
 impl Done {
@@ -164,7 +152,7 @@ pub(crate) fn begin(log: &LogReader, job: &Job<'_>) -> Result<(Drive, Record), D
     };
     let axis = TimeAxis::of(job.vehicle);
     let before = reference::read(job.settings, job.vehicle)?.and_then(|(_, stored)| stored.suspension);
-    let suspension = SuspensionWatch::new(job.vehicle, job.corners, log.survey().sample_period_s, before);
+    let beside = Beside::new(job.vehicle, job.corners, rate_hz.recip(), before);
     Ok((
         drive,
         Record {
@@ -174,12 +162,8 @@ pub(crate) fn begin(log: &LogReader, job: &Job<'_>) -> Result<(Drive, Record), D
             axis,
             plausibility: Plausibility::default(),
             rolling_radius_m: job.vehicle.rolling_radius_m().unwrap_or(f64::NAN),
-            sensors_kpa: [f64::NAN; 4],
-            axle_kg: [f64::NAN; 2],
-            sensors: SensorWatch::new(Corner::ALL.map(|corner| job.vehicle.placard_kpa(corner))),
-            rotation: Rotation::new(job.vehicle, job.corners),
             air: AirCheck::default(),
-            suspension,
+            beside,
         },
     ))
 }
@@ -207,26 +191,20 @@ pub(crate) fn conclude(
     let has_temperature = log.columns().motion.air.temperature && !job.corners.is_empty();
     let of_air: Vec<String> = record.air.concerns(has_temperature).collect();
     let of_pulses = pulses.finish(log.path(), log.last_time_s().unwrap_or(f64::NAN))?;
-    let sent_loads = SentLoads { axle_kg: record.axle_kg, gross_axle_kg: job.vehicle.details.gross_axle_kg };
-    let once_per_turn = record.rotation.conclude(&drive);
-    let (sensors_kpa, sensors) = (record.sensors_kpa, record.sensors.conclude());
-    let suspension = record.suspension.as_ref().map(SuspensionWatch::conclude);
-    let struts = suspension.as_ref().and_then(|verdict| verdict.learned);
-    let provenance = provenance(job, log, &sensors_kpa);
+    let beside = record.beside.conclude(&Identified::by(drive.estimator()));
+    let struts = beside.suspension.as_ref().and_then(|verdict| verdict.learned);
+    let provenance = provenance(job, log, &beside.sensors_kpa);
     let (mut data, alerts) = record.complete(provenance, sink)?;
     let mut concerns = concerns::of(job, log, &drive);
     concerns.extend(implausible);
     concerns.extend(of_air);
     concerns.extend(of_pulses);
     concerns.extend(concerns::of_tire_sensors(&data));
-    let (origin_s, unit) = (data.drive.origin_s, data.pressure_unit);
-    let of = |(corner, sensor): (&Corner, &WatchedSensor)| sensor.words(*corner, origin_s, unit);
-    concerns.extend(Corner::ALL.iter().zip(&sensors).filter_map(of));
-    concerns.extend(rotation::rises(&once_per_turn, origin_s));
+    concerns.extend(beside.concerns(data.drive.origin_s, data.pressure_unit));
     concerns.extend(concerns::of_level(&data));
     data.concerns.clone_from(&concerns);
-    data.suspension.clone_from(&suspension);
-    data.once_per_turn = once_per_turn;
+    data.suspension.clone_from(&beside.suspension);
+    data.once_per_turn = beside.once_per_turn;
     let not_estimated = concerns::not_estimated(job, log);
     data.not_estimated = not_estimated.iter().map(|(corner, _)| *corner).collect();
     let fits = Corner::ALL.map(|corner| drive.fit(corner));
@@ -242,11 +220,7 @@ pub(crate) fn conclude(
         radii: drive.radii(),
         torsion: drive.torsion(),
         has_temperature,
-        sensors_kpa,
-        sensors,
-        sent_loads,
-        once_per_turn,
-        suspension,
+        beside,
     })
 }
 
@@ -258,13 +232,8 @@ pub(crate) struct Record {
     axis: TimeAxis,
     plausibility: Plausibility,
     rolling_radius_m: f64,
-    /// What the tires' own sensors sent last, in kPa; NaN: nothing.
-    sensors_kpa: [f64; 4],
-    axle_kg: [f64; 2],
-    sensors: SensorWatch,
-    rotation: Rotation,
     air: AirCheck,
-    suspension: Option<SuspensionWatch>,
+    beside: Beside,
 }
 
 impl Record {
@@ -283,19 +252,8 @@ impl Record {
         self.axis.take(row);
         self.plausibility.take(row, self.rolling_radius_m);
         self.air.take(&row.motion.air);
-        if let Some(suspension) = &mut self.suspension {
-            suspension.take(row);
-        }
-        let sent = row.motion.tire_sensor_kpa.into_iter().chain(row.motion.axle_kg);
-        for (last, sent) in self.sensors_kpa.iter_mut().chain(&mut self.axle_kg).zip(sent) {
-            if sent.is_finite() {
-                *last = sent;
-            }
-        }
         let mut noticed = Vec::new();
-        let note = |corner: Corner, sensor: &WatchedSensor| noticed.extend(sensor.event(corner));
-        self.sensors.take(row, estimates, radii, note);
-        self.rotation.take(row, estimates, |event| noticed.push(event));
+        self.beside.take(row, estimates, radii, |event| noticed.push(event));
         noticed.iter().try_for_each(|event| sink.notice(event))?;
         if let Some(radii) = radii {
             self.collector.push_radii(row.time_s, &radii.radii);

@@ -8,8 +8,6 @@ use itpms_data::out::{RadiusRow, state_label};
 use serde_json::{Map, Value, json};
 
 use crate::run::{Done, Fit};
-use crate::suspension::{dampers_json, load_json};
-use crate::{rotation, sensor_watch};
 
 /// Seconds before the end for which a reading counts as the one at the end.
 const FRESH_S: f64 = 1.0;
@@ -38,17 +36,13 @@ pub fn summary_json(done: &Done, rows: u64) -> Map<String, Value> {
         ("not_estimated", Value::Object(not_estimated.collect())),
         ("wheel_speeds", json!(done.radii.as_ref().map(wheels_json))),
         ("torsion", json!(done.torsion.as_ref().map(torsion_json))),
-        ("dampers", dampers_json(done.suspension.as_ref())),
-        ("load", load_json(done.suspension.as_ref(), &done.sent_loads)),
-        ("once_per_turn", rotation::json(&done.once_per_turn)),
-        ("tire_sensors_kpa", sensors_json(&done.sensors_kpa)),
-        ("tire_sensors", sensor_watch::sensors_json(&done.sensors)),
         ("alerts", alerts.json()),
         ("rows", json!(rows)),
         ("warnings", json!(concerns)),
     ]
-    .map(|(key, value)| (key.to_owned(), value))
     .into_iter()
+    .chain(done.beside.json())
+    .map(|(key, value)| (key.to_owned(), value))
     .collect()
 }
 
@@ -59,14 +53,6 @@ pub fn corner_lines(done: &Done, end_s: f64) -> Vec<String> {
         done.data.corners.iter().map(|corner| corner_line(corner, end_s, done.data.pressure_unit));
     let others = done.not_estimated.iter();
     estimated.chain(others.map(|(corner, why)| format!("{}  not estimated: {why}", corner.label()))).collect()
-}
-
-/// What the tires' own sensors sent last; null where none did.
-fn sensors_json(sensors_kpa: &[f64; 4]) -> Value {
-    let sent = Corner::ALL.iter().zip(sensors_kpa).filter(|(_, kpa)| kpa.is_finite());
-    let sent: Map<String, Value> =
-        sent.map(|(corner, kpa)| (corner.label().to_owned(), json!(kpa))).collect();
-    if sent.is_empty() { Value::Null } else { Value::Object(sent) }
 }
 
 /// What tooth pulses say of each tire since the calibration; null of one of which nothing was learned.

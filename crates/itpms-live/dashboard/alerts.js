@@ -12,6 +12,10 @@ const KINDS = {
   flat: ["low", "Flat, on its rim"],
   differs: ["low", "Differs from the others"],
   "slow-leak": ["low", "Slow leak"],
+  "tire-sensor-leak": ["low", "Leak by its own sensor"],
+  "tire-sensor-drift": ["malfunction", "Own sensor drifts"],
+  "tire-sensor-stuck": ["malfunction", "Own sensor is stuck"],
+  "unbalance-rising": ["malfunction", "Imbalance rises"],
   malfunction: ["malfunction", "Malfunction"],
   "no-information": ["unknown", "No information"],
 };
@@ -51,7 +55,7 @@ function reason(alert) {
     case "no-information":
       return `no information in ${n(alert.driven_s / 60)} min of driving`;
     default:
-      return (alert.text ?? "").replace(/; since .*$/, "").replace(/^(malfunction: |\w+ slow leak: )/, "").replace(/\b(fl|fr|rl|rr)\b/g, (corner) => lower(NAMES[corner]));
+      return (alert.text ?? "").replace(/; since .*$/, "").replace(/^(malfunction: |\w+ slow leak: |(fl|fr|rl|rr): )/, "").replace(/\b(fl|fr|rl|rr)\b/g, (corner) => lower(NAMES[corner]));
   }
 }
 

@@ -1,6 +1,7 @@
 // The page: takes what comes over the stream and draws it at a pace the eye and the machine can follow.
 
 import { Alerts } from "./alerts.js";
+import { drawBeside } from "./beside.js";
 import { drawCar } from "./car.js";
 import { Pressures, States } from "./charts.js";
 import { Connection } from "./connection.js";
@@ -66,7 +67,7 @@ const connection = new Connection("/api/events", (name, data) => {
 by("retry").addEventListener("click", () => connection.now());
 
 // ---- drawing ------------------------------------------------------------------------------------------------------------
-let scheduled = false, numbers_ms = 0, charts_ms = 0;
+let scheduled = false, numbers_ms = -Infinity, charts_ms = -Infinity;
 
 // As often as there is something new, but numbers at most five times a second and curves twice: nobody reads faster.
 function schedule() {
@@ -96,6 +97,7 @@ function drawNumbers() {
   put(by("subline"), newest ? subline(newest) : "");
   drawCar(newest, state);
   drawWheels(newest, state);
+  drawBeside(newest, state);
   drawHealth(newest, state);
   alerts.silence(newest, state);
   alerts.draw(state);

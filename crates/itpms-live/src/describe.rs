@@ -44,6 +44,7 @@ fn rolling(drive: &Drive, vehicle: &Vehicle, corner: Corner) -> Option<Wheel> {
         informed_age_s: drive.time_s() - report.informed_s,
         road_m: nan,
         iri_m_per_km: nan,
+        tire_sensor_kpa: known(drive.beside.sent_kpa()[corner.index()]),
         ..Wheel::default()
     })
 }
@@ -97,6 +98,7 @@ fn wheel(drive: &Drive, vehicle: &Vehicle, corner: Corner) -> Option<Wheel> {
         informed_age_s: report.map_or(f64::NAN, |report| drive.time_s() - report.informed_s),
         road_m: estimate.road_m,
         iri_m_per_km: drive.roughness.iri_m_per_km[i],
+        tire_sensor_kpa: known(drive.beside.sent_kpa()[i]),
     })
 }
 
@@ -122,8 +124,9 @@ pub(crate) fn tracks(drive: &Drive) -> Vec<Track> {
         .collect()
 }
 
-pub(crate) fn alerts(report: &MonitorReport<f64>) -> Vec<Map<String, Value>> {
-    report.alerts().map(alert_object).collect()
+pub(crate) fn alerts(drive: &Drive) -> Vec<Map<String, Value>> {
+    let beside = drive.beside.standing().iter().cloned();
+    drive.report().alerts().map(alert_object).chain(beside).collect()
 }
 
 /// Both accelerometers of every corner. A malfunction that names none of its sensors is one of all it could be.

@@ -11,13 +11,26 @@ use itpms_data::out::RateGate;
 use itpms_data::pulses::Pulse;
 use itpms_data::{LogRow, Vehicle};
 use itpms_road::RoadUnderCar;
+use serde_json::{Map, Value};
 
+use crate::beside::BesideWatch;
 pub use crate::clock::Clock;
 use crate::error::LiveError;
 pub use crate::options::DriveOptions;
 use crate::roughness::Roughness;
 use crate::speed::SpeedDoubt;
 use crate::wheels::{Wheels, lacks};
+
+/// What began and what ended.
+#[derive(Debug)]
+pub enum Reported {
+    /// By the monitor.
+    Change(Change<f64>),
+    /// Found beside the pressures, as an alert.
+    BesideBegun(Map<String, Value>),
+    /// See [`BesideBegun`](Self::BesideBegun).
+    BesideEnded(Map<String, Value>),
+}
 
 /// A drive being estimated. Made and restored in parts that are moved about: whoever does so needs a stack as a program's first
 /// thread has it (8 MB), not a test's.
@@ -30,6 +43,7 @@ pub struct Drive {
     pub(crate) gate: RateGate,
     pub(crate) progress: Progress,
     pub(crate) roughness: Roughness,
+    pub(crate) beside: BesideWatch,
     pub(crate) latest: Option<CarEstimate<f64>>,
 }
 
@@ -71,6 +85,7 @@ impl Drive {
             car.begin_calibration(seconds).map_err(|error| refused(&error))?;
         }
         let roughness = Roughness::new(&clock)?;
+        let beside = BesideWatch::new(vehicle, &clock, options);
         let progress = Progress { rows: 0, time_s: f64::NAN, odometer: Odometer::new(), before: None };
         Ok(Self {
             clock,
@@ -80,6 +95,7 @@ impl Drive {
             gate: RateGate::new(options.rate_hz),
             progress,
             roughness,
+            beside,
             latest: None,
         })
     }
@@ -92,7 +108,7 @@ impl Drive {
     }
 
     /// Takes a row; gives what began and ended to `reported`. `true` if an estimate is due to be published.
-    pub fn update(&mut self, row: &LogRow, mut reported: impl FnMut(f64, Change<f64>)) -> bool {
+    pub fn update(&mut self, row: &LogRow, mut reported: impl FnMut(f64, Reported)) -> bool {
         self.car.follow_air(&row.motion.air);
         let mut estimate = self.car.update(&row.sample());
         self.road.update(&row.sample(), &self.car.estimator().quarter_cars(), &mut estimate);
@@ -108,16 +124,28 @@ impl Drive {
         };
         let speed_m_s = progress.odometer.push(row.time_s, measured_m_s);
         self.roughness.push(&estimate, speed_m_s, progress.odometer.distance_m());
+        self.beside.take(row, speed_m_s, &estimate.corners, &self.car, &mut reported);
         self.latest = Some(estimate);
         let report = self.car.report();
         if self.progress.before.as_ref().is_none_or(|before| before.time_s != report.time_s) {
             let time_s = report.time_s;
             match self.progress.before.replace(*report) {
-                None => report.alerts().for_each(|alert| reported(time_s, Change::Begun(*alert))),
-                Some(before) => report.changes_since(&before).for_each(|change| reported(time_s, change)),
+                None => {
+                    report
+                        .alerts()
+                        .for_each(|alert| reported(time_s, Reported::Change(Change::Begun(*alert))));
+                }
+                Some(before) => report
+                    .changes_since(&before)
+                    .for_each(|change| reported(time_s, Reported::Change(change))),
             }
         }
         self.gate.lets_through(row.time_s)
+    }
+
+    /// There are no more rows: what takes a while is worked out of all of them.
+    pub(crate) fn finish(&mut self) {
+        self.beside.finish(&self.car);
     }
 
     /// The monitor's report after the last row.

@@ -16,7 +16,7 @@ use itpms_data::signals::doubt_of;
 use itpms_data::{LogRow, Vehicle};
 
 use crate::describe;
-use crate::drive::{Clock, Drive, DriveOptions};
+use crate::drive::{Clock, Drive, DriveOptions, Reported};
 use crate::error::LiveError;
 use crate::input::{Note, NoteSink, SourceName};
 use crate::latency::LatencyWindow;
@@ -170,6 +170,9 @@ impl Engine {
         {
             self.end_survey(true, publish)?;
         }
+        if let Stage::Running(drive) = &mut self.stage {
+            drive.finish();
+        }
         if let Some(word) = self.units.finish() {
             self.warn(&word);
         }
@@ -273,7 +276,7 @@ impl Engine {
         let rate_hz = saved.sample_rate_hz();
         let same_rate = (clock.sample_rate_hz / rate_hz - 1.0).abs() <= SAME_RATE;
         if saved.corners() == clock.corners && saved.has_wheel_speeds() == clock.wheel_speeds && same_rate {
-            let drive = saved.resume(&self.options)?;
+            let drive = saved.resume(&self.vehicle, &self.options)?;
             let time_s = drive.time_s();
             if self.options.pulses && !saved.has_pulses() {
                 self.warn("the saved state has nothing of tooth pulses, and goes on without them");
@@ -317,8 +320,8 @@ impl Engine {
             self.pulses.pop_front();
         }
         let transitions = &mut self.transitions;
-        let due = drive.update(row, |time_s, change| {
-            publish(Published::Warning(Arc::new(transition(*transitions, time_s, &change))));
+        let due = drive.update(row, |time_s, reported| {
+            publish(Published::Warning(Arc::new(transition(*transitions, time_s, reported))));
             *transitions += 1;
         });
         if drive.clock.has_side()
@@ -361,11 +364,13 @@ impl Engine {
             snapshot.distance_m = drive.progress.odometer.distance_m();
             snapshot.wheels = describe::wheels(drive, &self.vehicle);
             snapshot.tracks = describe::tracks(drive);
-            snapshot.alerts = describe::alerts(drive.report());
+            snapshot.alerts = describe::alerts(drive);
+            snapshot.beside = Arc::clone(drive.beside.shown());
             snapshot.sensors = describe::sensors(drive);
             // A wheel of which nothing is known may be the one that is low.
             snapshot.all_fine = self.source.state == SourceState::Live
                 && drive.report().is_all_fine()
+                && !drive.beside.sees_a_leak()
                 && !drive.clock.corners.is_empty()
                 && self.not_estimated.is_empty();
         }
@@ -391,12 +396,14 @@ impl Engine {
     }
 }
 
-fn transition(seq: u64, time_s: f64, change: &Change<f64>) -> Transition {
-    let (event, alert) = match change {
-        Change::Begun(alert) => ("begun", alert),
-        Change::Ended(alert) => ("ended", alert),
+fn transition(seq: u64, time_s: f64, reported: Reported) -> Transition {
+    let (event, alert) = match reported {
+        Reported::Change(Change::Begun(alert)) => ("begun", alert_object(&alert)),
+        Reported::Change(Change::Ended(alert)) => ("ended", alert_object(&alert)),
+        Reported::BesideBegun(alert) => ("begun", alert),
+        Reported::BesideEnded(alert) => ("ended", alert),
     };
-    Transition { seq, time_s, unix_s: unix_s(), event, alert: alert_object(alert) }
+    Transition { seq, time_s, unix_s: unix_s(), event, alert }
 }
 
 /// A wall clock before 1970 gives a wrong stamp, not a wrong estimate.

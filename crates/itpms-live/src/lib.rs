@@ -22,6 +22,7 @@
 #![forbid(unsafe_code)]
 #![allow(missing_docs, reason = "a part of the program: names say it, and comments what they do not")]
 
+mod beside;
 pub mod broker;
 mod clock;
 mod describe;

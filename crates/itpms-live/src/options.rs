@@ -4,7 +4,7 @@ use itpms_core::model::VehicleCalibration;
 use itpms_core::warning::Regulation;
 use itpms_core::wheel_speed::{RadiusCalibration, RadiusDays};
 use itpms_data::log::UnitCheck;
-use itpms_data::reference::LearnedTorsion;
+use itpms_data::reference::{LearnedTorsion, SuspensionReference};
 
 /// How a drive is estimated and how often it is published.
 #[derive(Debug, Clone)]
@@ -14,6 +14,8 @@ pub struct DriveOptions {
     pub calibrate_s: Option<f64>,
     /// What an earlier calibration taught of this car.
     pub reference: Option<VehicleCalibration<f64>>,
+    /// What it has shown of struts and body, against which dampers and load are judged.
+    pub suspension_reference: Option<SuspensionReference>,
     pub wheel_reference: Option<RadiusCalibration<f64>>,
     /// What the days since then have shown of them.
     pub days_reference: Option<RadiusDays<f64>>,
@@ -32,6 +34,7 @@ impl Default for DriveOptions {
             regulation: Regulation::default(),
             calibrate_s: None,
             reference: None,
+            suspension_reference: None,
             wheel_reference: None,
             days_reference: None,
             pulses: false,

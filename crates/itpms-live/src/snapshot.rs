@@ -4,6 +4,7 @@
 //! part of the contract with scripts. A number that is not known is NaN here and `null` in JSON. Holds no logic.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -35,6 +36,9 @@ pub struct Snapshot {
     /// depend on the kind).
     pub alerts: Vec<Map<String, Value>>,
     pub sensors: Vec<SensorHealth>,
+    /// `dampers`, `load`, `once_per_turn` and `tire_sensors` as in `itpms estimate --json`, of the drive so far and at most a minute old.
+    #[serde(flatten)]
+    pub beside: Arc<Map<String, Value>>,
     /// Corners of the vehicle file that do not come, and why.
     pub not_estimated: BTreeMap<&'static str, String>,
     /// Whether every wheel of the vehicle file comes and is known to be fine, and the source is live: the only time to say "all good".
@@ -142,6 +146,9 @@ pub struct Wheel {
     pub road_m: f64,
     /// International Roughness Index of the last full 100 m under this wheel.
     pub iri_m_per_km: f64,
+    /// What the tire's own sensor sent last, in kPa; absent where it sends nothing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tire_sensor_kpa: Option<f64>,
 }
 
 /// How front and rear of one side meet the same road.

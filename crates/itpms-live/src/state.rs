@@ -21,6 +21,7 @@ use itpms_data::reference::{Unsealed, VehicleIdentity, seal, unsealed};
 use itpms_road::RoadUnderCar;
 use serde::{Deserialize, Serialize};
 
+use crate::beside::BesideWatch;
 use crate::drive::{Clock, Drive, DriveOptions, Progress};
 use crate::error::LiveError;
 use crate::roughness::Roughness;
@@ -137,7 +138,7 @@ impl SavedDrive {
     }
 
     /// The drive, to go on with the next row.
-    pub(crate) fn resume(&self, options: &DriveOptions) -> Result<Drive, LiveError> {
+    pub(crate) fn resume(&self, vehicle: &Vehicle, options: &DriveOptions) -> Result<Drive, LiveError> {
         let clock = Clock {
             sample_rate_hz: self.sample_rate_hz,
             corners: self.corners.clone(),
@@ -153,7 +154,8 @@ impl SavedDrive {
         }
         let (car, progress) = (self.car.clone(), self.progress.clone());
         let (road, wheels) = (self.road.clone(), self.wheels.clone());
-        Ok(Drive { clock, car, road, wheels, gate, progress, roughness, latest: None })
+        let beside = BesideWatch::new(vehicle, &clock, options);
+        Ok(Drive { clock, car, road, wheels, gate, progress, roughness, beside, latest: None })
     }
 
     pub(crate) fn has_wheel_speeds(&self) -> bool {

@@ -5,14 +5,15 @@ use std::path::{Path, PathBuf};
 use itpms_analysis::report::render_report;
 use itpms_core::model::Corner;
 use itpms_core::warning::Change;
+use itpms_data::log::PositionColumns;
 use itpms_data::out::{RadiusRow, RateGate, States, transition_object};
 use itpms_data::{LogReader, LogRow};
 use itpms_drive::drive::Estimates;
 use itpms_drive::fleet::wheels::{Begun, wheels};
 use itpms_drive::reference::Saving;
 use itpms_drive::{
-    Done, DriveError, Heights, Job, LateRow, Settings, Sink, common_corners, corner_lines, summary_json,
-    torsion_line, wheel_speed_lines, wheel_speed_use,
+    Done, DriveError, Heights, Job, LateRow, RoadSurvey, Settings, Sink, SurveyedRoad, common_corners,
+    corner_lines, summary_json, torsion_line, wheel_speed_lines, wheel_speed_use,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyIterator;
@@ -70,7 +71,7 @@ fn run(
     // For a report the road is smoothed; the same report, whatever else was kept.
     let report = options.report;
     let road = match options.roughness {
-        _ if report || keep_road => Heights::Smoothed,
+        _ if report || keep_road || options.road_map => Heights::Smoothed,
         true => Heights::Causal,
         false => Heights::None,
     };
@@ -82,21 +83,31 @@ fn run(
         let has_temperature = log.columns().motion.air.temperature;
         let found = Found::new(&corners, wheel_speeds, has_temperature, 0);
         let mut kept = Kept::new(&corners, found, settings.rate_hz, keep_road);
+        if options.road_map {
+            if log.columns().motion.position == PositionColumns::Absent {
+                let why = "no latitude_deg and longitude_deg, so no map: expected both columns, or a map that names them";
+                return Err(DriveError::Mismatch(format!("{}: {why}", log.path().display())));
+            }
+            let survey = RoadSurvey::new(SEGMENT_M, &corners, log.survey().estimator_rate_hz());
+            kept.survey = Some(survey.map_err(|error| DriveError::Mismatch(error.to_string()))?);
+        }
         let job = Job { vehicle, corners: &corners, settings: &settings, reading: &reading, road, report };
         let done = itpms_drive::estimate(&mut log, &job, &mut kept, &mut |share| meanwhile.done(share))?;
         if let Some(saving) = saving {
             saving.complete(settings.calibrate_s, done.data.drive.duration_s, done.learned)?.commit()?;
         }
+        let map = kept.survey.take().map(|survey| map_json(&survey.finish(vehicle.wheelbase_m)));
         let rows = log.repairs().rows_kept;
         let figures = Value::Object(summary_json(&done, rows));
         let end_s = log.last_time_s().map_or(f64::NAN, |end_s| end_s - done.data.drive.origin_s);
         let unit = done.data.pressure_unit;
         let lines = corner_lines(&done, end_s).into_iter();
         let lines = lines.chain(done.radii.iter().flat_map(wheel_speed_lines));
-        let lines = lines.chain(torsion_line(&done, unit)).collect();
+        let lines = lines.chain(torsion_line(&done, unit)).chain(done.beside.lines()).collect();
         Ok(Estimated {
             done,
             kept,
+            map,
             figures,
             lines,
             report,
@@ -107,12 +118,20 @@ fn run(
     result.map_err(|error| errors::drive(py, &error))
 }
 
+/// Length in m of a segment of a road's map, as the command has it unless told.
+const SEGMENT_M: f64 = 100.0;
+
+fn map_json(road: &SurveyedRoad) -> String {
+    road.geojson().0.to_string()
+}
+
 /// What is kept of a drive while it is estimated: rows at the wanted rate, the road at the log's, transitions.
 struct Kept {
     corners: Vec<Corner>,
     gate: RateGate,
     found: Found,
     road: Option<Columns>,
+    survey: Option<RoadSurvey>,
     transitions: Vec<Value>,
     begun: Begun,
     first_s: Option<f64>,
@@ -131,6 +150,7 @@ impl Kept {
             gate: RateGate::new(rate_hz),
             found,
             road: road.then(|| named([first, of("road_m"), of("road_sd_m")].concat())),
+            survey: None,
             transitions: Vec::new(),
             begun: Begun::default(),
             first_s: None,
@@ -155,6 +175,9 @@ impl Sink for Kept {
     }
 
     fn road(&mut self, late: &LateRow) -> Result<(), DriveError> {
+        if let Some(survey) = &mut self.survey {
+            survey.take(late);
+        }
         let Some(road) = &mut self.road else { return Ok(()) };
         let of = |field: fn(&itpms_core::model::CornerEstimate<f64>) -> f64| {
             self.corners
@@ -185,6 +208,7 @@ impl Sink for Kept {
 pub(crate) struct Estimated {
     done: Done,
     kept: Kept,
+    map: Option<String>,
     figures: Value,
     lines: Vec<String>,
     report: bool,
@@ -207,6 +231,11 @@ impl Estimated {
     /// The road: names and bytes, or `None` where it was not kept.
     fn road<'py>(&self, py: Python<'py>) -> PyResult<Option<Packed<'py>>> {
         self.kept.road.as_ref().map(|road| columns::all(py, road)).transpose()
+    }
+
+    /// The road's map as GeoJSON, or `None` where it was not asked for.
+    fn road_map(&self) -> Option<String> {
+        self.map.clone()
     }
 
     /// What the monitor reported and took back: a JSON list of what `itpms estimate --events` writes.

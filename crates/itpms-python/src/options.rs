@@ -33,6 +33,9 @@ pub(crate) struct Options {
     pressure_unit: String,
     #[pyo3(item)]
     pub(crate) road: bool,
+    /// The road's map with its places.
+    #[pyo3(item)]
+    pub(crate) road_map: bool,
     #[pyo3(item)]
     pub(crate) report: bool,
     /// The road's roughness, as the fleet has it.

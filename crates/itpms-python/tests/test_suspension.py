@@ -66,6 +66,9 @@ def test_a_worn_damper_and_a_load_are_found(tmp_path):
     assert found.load["state"] == "known"
     for name, kg in {"front_axle": 740.0, "rear_axle": 820.0, "total": 1560.0, "added": 200.0}.items():
         assert abs(found.load[f"{name}_kg"] - kg) < 2 * found.load[f"{name}_sd_kg"], name
+    # Line by line as the command shows them, and nothing turns with these wheels.
+    assert "dampers over the reference: fl fine" in repr(found) and "load: front axle" in repr(found)
+    assert {wheel["state"] for wheel in found.once_per_turn.values()} == {"no-line"}
     # What was pickled says the same.
     again = pickle.loads(pickle.dumps(found))
     assert json.dumps(again.load) == json.dumps(found.load)
@@ -78,3 +81,50 @@ def test_where_corners_are_missing_both_are_empty(drive):
     columns = {name: values for name, values in drive.columns.items() if not name.startswith("rr_")}
     result = itpms.estimate(columns, drive.vehicle, report=False)
     assert result.dampers == {} and result.load == {}
+    assert result.cold == {} and result.tire_sensors == {} and set(result.once_per_turn) == {"fl", "fr", "rl"}
+
+
+def first_seconds(drive: itpms.Simulation, seconds: float) -> dict[str, np.ndarray]:
+    begins = drive.columns["time_s"] < seconds
+    return {name: values[begins] for name, values in drive.columns.items()}
+
+
+def test_cold_pressures_and_own_sensors_where_the_drive_has_what_they_need():
+    first = itpms.simulate("drive-normal", 3)
+    columns = first_seconds(first, 900.0)
+    time_s = columns["time_s"]
+    columns["ambient_temperature_c"] = np.full_like(time_s, -10.0)
+    # Every five seconds; one of them stays where it is as the others warm up by 24 kPa.
+    sends = np.arange(len(time_s)) % round(5.0 / (time_s[1] - time_s[0])) == 0
+    for name in ("fl", "fr", "rl", "rr"):
+        kpa = 230.0 + (0.0 if name == "rl" else 24.0) * time_s / time_s[-1]
+        columns[f"{name}_tpms_kpa"] = np.where(sends, np.round(kpa), np.nan)
+    result = itpms.estimate(columns, first.vehicle, report=False)
+    assert (
+        result.cold["fl"] == result.summary["corners"]["fl"]["cold"]
+        and result.cold["fl"]["ambient_temperature_c"] == -10.0
+    )
+    states = {name: sensor["state"] for name, sensor in result.tire_sensors.items()}
+    assert states == {"fl": "fine", "fr": "fine", "rl": "stuck", "rr": "fine"}
+    assert result.tire_sensors["rl"]["pressure_kpa"] == 230.0
+
+
+def test_the_roads_map_has_the_places_and_only_where_it_was_asked_for():
+    first = itpms.simulate("drive-normal", 3)
+    columns = first_seconds(first, 300.0)
+    # Northwards from 48 degrees, at what the speed makes of it.
+    way_m = np.concatenate([[0.0], np.cumsum(np.diff(columns["time_s"]) * columns["speed_m_s"][1:])])
+    columns["latitude_deg"] = 48.0 + way_m / 111_195.0
+    columns["longitude_deg"] = np.full_like(way_m, 11.0)
+    result = itpms.estimate(columns, first.vehicle, report=False, road_map=True)
+    lines = [feature for feature in result.road_map["features"] if feature["geometry"]["type"] == "LineString"]
+    assert len(lines) >= 3
+    for line in lines:
+        [[_, begins], *_, [_, ends]] = line["geometry"]["coordinates"]
+        length_m = line["properties"]["end_m"] - line["properties"]["start_m"]
+        assert (ends - begins) * 111_195.0 == pytest.approx(length_m, rel=0.02)
+    assert any(line["properties"]["iri_m_per_km"] for line in lines)
+    with pytest.raises(itpms.SettingError, match="road_map=True"):
+        itpms.estimate(columns, first.vehicle, report=False).road_map  # noqa: B018
+    with pytest.raises(itpms.ItpmsError, match="latitude_deg"):
+        itpms.estimate(first_seconds(first, 60.0), first.vehicle, report=False, road_map=True)

@@ -33,7 +33,7 @@ fn wave(frequency_hz: f64, number: f64, t: f64) -> f64 {
 fn loss() -> Ride {
     Ride {
         seconds: 30.0,
-        roughness_m3: 1e-12,
+        roughness_m3: |_| 1e-12,
         noise_m_s2: 0.2,
         speed_m_s: |_| 20.0 / 3.6,
         pressure_kpa: |t| 241.3 - 51.3 * ((t - 15.0) / 3.0).clamp(0.0, 1.0),
@@ -138,7 +138,7 @@ fn a_road_that_does_not_repeat_is_never_taken_for_one() {
     // An unbalanced wheel shakes 0.4 mm of road's worth at 11 Hz, stronger than this road does there.
     let unbalanced: fn(f64) -> f64 = |t| 4e-4 * (std::f64::consts::TAU * 11.0 * t).sin();
     for (seed, bump) in [(1, (|_| 0.0) as fn(f64) -> f64), (2, unbalanced)] {
-        let ride = Ride { seconds: 120.0, roughness_m3: 16e-6, bump_m: bump, ..Ride::new(seed) };
+        let ride = Ride { seconds: 120.0, roughness_m3: |_| 16e-6, bump_m: bump, ..Ride::new(seed) };
         let rows = ride.rows();
         let corner = CornerConfig::paper();
         let looked_for = run(bed_of(&corner), &rows);

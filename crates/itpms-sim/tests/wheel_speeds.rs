@@ -17,6 +17,7 @@ const STILL: WheelSpeedSpec = WheelSpeedSpec {
     latency_ms: 0.0,
     resolution_km_h: 0.0,
     lost_share: 0.0,
+    turns_imbalance: false,
     yaw_rate: true,
     accel_x: true,
     accel_y: true,

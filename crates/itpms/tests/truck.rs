@@ -127,6 +127,15 @@ fn a_sensor_that_sees_a_leak_is_believed() {
     let lost = summary["tire_sensors"]["fl"]["lost_kpa"].as_f64().unwrap();
     assert!((lost - 0.12 * PLACARD_KPA).abs() < 10.0, "{lost}");
     assert!(page.contains("by its own sensor the tire has lost"));
+    // The live monitor finds the same, warns of it, and no longer calls all tires fine.
+    bench.run("monitor --replay truck.log --speed max --dbc truck.dbc --vehicle car.toml --calibrate-s 300 --json live.jsonl").success();
+    let live = bench.read("live.jsonl");
+    let lines: Vec<Value> = live.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let warned = lines.iter().filter(|line| line["kind"] == "tire-sensor-leak");
+    assert_eq!(warned.map(|line| line["wheels"][0].as_str().unwrap()).collect::<Vec<_>>(), ["fl"]);
+    let last = lines.last().unwrap();
+    assert_eq!(last["tire_sensors"], summary["tire_sensors"]);
+    assert!(last["alerts"].as_array().unwrap().iter().any(|alert| alert["kind"] == "tire-sensor-leak"));
 }
 
 #[test]
@@ -137,6 +146,15 @@ fn a_sensor_that_drifts_is_named() {
     assert_eq!(kinds.last().unwrap(), "tire-sensor-drift fl", "{kinds:?} {}", summary["tire_sensors"]);
     assert_eq!([state(&summary, "fl"), state(&summary, "rr")], ["drift", "fine"]);
     assert!(page.contains("the tire&#39;s own sensor drifts") || page.contains("own sensor drifts"));
+}
+
+#[test]
+fn a_sensor_that_rises_hides_no_leak() {
+    let bench = Bench::new();
+    drive(&bench, 0.0, |time_s, truth| truth + 40.0 * (time_s / SECONDS));
+    let (summary, kinds, page) = estimate(&bench);
+    assert_eq!(kinds, ["tire-sensor-drift fl"], "{}", summary["tire_sensors"]);
+    assert!(page.contains("a tire gains no air while it rolls"));
 }
 
 #[test]

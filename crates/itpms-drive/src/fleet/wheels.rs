@@ -45,7 +45,7 @@ impl Begun {
 pub fn wheels(done: &Done, begun: &Begun) -> Vec<WheelRecord> {
     let of = |corner: &CornerReport| {
         let i = corner.corner.index();
-        let damper = done.suspension.as_ref().map(|verdict| &verdict.dampers[i]);
+        let damper = done.beside.suspension.as_ref().map(|verdict| &verdict.dampers[i]);
         wheel(corner, begun.begun[i], done.fits[i].as_ref(), damper)
     };
     match &done.radii {

@@ -44,6 +44,17 @@ test("nothing is called fine before it is known, and live values change", async 
   assert.equal(await page.evaluate(() => document.cookie), "");
 });
 
+test("what is found beside the pressures is a table and a sentence", async (t) => {
+  const { page, complaints } = await watch(t);
+  await isLive(page);
+  const rows = () => page.locator("#beside-rows tr").allInnerTexts();
+  const [, fr, rl] = await until("rows", rows, (texts) => texts.length === 4);
+  assert.match(rl, /^Rear left\s+Worn\s+0\.49\s±\s0\.03 of the reference\s+None\s+no force stands out of the road\s+Fine\s+240 kPa$/);
+  assert.match(fr, /Drifts\s+240 kPa, off by 21\s±\s4\skPa$/);
+  await until("load", text(page, "#load"), (words) => words === "Load learning: half a minute of driving is needed.");
+  assert.deepEqual(complaints, []);
+});
+
 test("a low tire turns red, with sign and word, and is said once", async (t) => {
   const { page, car } = await watch(t);
   await isKnown(page);

@@ -55,6 +55,7 @@ const ASSETS: &[Asset] = &[
     asset!("icon.svg", PICTURE),
     asset!("app.js", SCRIPT),
     asset!("alerts.js", SCRIPT),
+    asset!("beside.js", SCRIPT),
     asset!("car.js", SCRIPT),
     asset!("charts.js", SCRIPT),
     asset!("connection.js", SCRIPT),

@@ -1,4 +1,5 @@
-//! Estimates as CAN frames of our own DBC: a frame per wheel, one of further standard deviations and one of status with every estimate.
+//! Estimates as CAN frames of our own DBC: a frame per wheel, one of further standard deviations and one of status with every estimate, and
+//! with every tenth what is found beside the pressures.
 //!
 //! The frames are made from the very text that `itpms monitor --print-dbc` prints: what it says of bits, factors and
 //! labels is what is sent.
@@ -10,6 +11,7 @@ use std::path::Path;
 
 use itpms_data::can::{CanFrame, CanId, Direction, FrameKind, candump};
 use itpms_data::dbc::{Dbc, Message};
+use serde_json::Value;
 
 use super::{Output, WhenSlow};
 use crate::engine::{Published, unix_s};
@@ -22,6 +24,16 @@ pub const DBC: &str = include_str!("itpms.dbc");
 
 const STATUS: &str = "ITPMS_Status";
 const DEVIATIONS: &str = "ITPMS_Deviations";
+const COLD: &str = "ITPMS_Cold";
+const DAMPERS: &str = "ITPMS_Dampers";
+const LOAD: &str = "ITPMS_Load";
+const TURNING: &str = "ITPMS_Turning";
+/// What is found beside the pressures changes slowly: once in so many sets.
+const BESIDE_EVERY: u64 = 10;
+const DAMPER_STATES: [&str; 6] = ["unknown", "learning", "fine", "weak", "worn", "stiff"];
+const LOAD_STATES: [&str; 4] = ["unknown", "learning", "known", "overload"];
+const TURNING_STATES: [&str; 4] = ["slow", "no-line", "found", "rising"];
+const SENSOR_STATES: [&str; 6] = ["unknown", "learning", "fine", "leak", "drift", "stuck"];
 const STATES: [&str; 6] = ["unknown", "fine", "low", "over", "malfunction", "uncertain"];
 const WARNINGS: [&str; 3] = ["none", "low", "malfunction"];
 const LEVELS: [&str; 2] = ["file", "calibration"];
@@ -62,6 +74,9 @@ impl Frames {
                 let any = !snapshot.wheels.is_empty();
                 any.then(|| frame(message, time_s, |signal| deviation_value(snapshot, sets, signal)))
                     .flatten()
+            } else if [COLD, DAMPERS, LOAD, TURNING].contains(&message.name.as_str()) {
+                let due = sets.is_multiple_of(BESIDE_EVERY) && has(snapshot, &message.name);
+                due.then(|| frame(message, time_s, |signal| beside_value(snapshot, sets, signal))).flatten()
             } else {
                 let wheel = snapshot.wheels.iter().find(|wheel| message.name.ends_with(&upper(wheel.corner)));
                 wheel.and_then(|wheel| frame(message, time_s, |signal| wheel_value(wheel, sets, signal)))
@@ -128,9 +143,56 @@ fn deviation_value(snapshot: &Snapshot, sets: u64, signal: &str) -> f64 {
     }
 }
 
+/// Whether there is anything to send in such a frame.
+fn has(snapshot: &Snapshot, message: &str) -> bool {
+    let is = |what: &str| snapshot.beside.get(what).is_some_and(Value::is_object);
+    match message {
+        COLD => snapshot.wheels.iter().any(|wheel| wheel.cold_pressure_kpa.is_some()),
+        DAMPERS => is("dampers"),
+        LOAD => is("load"),
+        _ => is("once_per_turn") || is("tire_sensors"),
+    }
+}
+
+fn beside_value(snapshot: &Snapshot, sets: u64, signal: &str) -> f64 {
+    let of_corner = signal.rsplit_once('_').map(|(what, corner)| (what, corner.to_ascii_lowercase()));
+    let (what, corner) = of_corner.filter(|(what, _)| *what != "ITPMS").unwrap_or((signal, String::new()));
+    let of = |group: &str, key: &str| {
+        let group = snapshot.beside.get(group)?;
+        (if corner.is_empty() { group } else { group.get(&corner)? }).get(key)
+    };
+    let number = |group, key| of(group, key).and_then(Value::as_f64).unwrap_or(f64::NAN);
+    let word = |words: &[&str], group| {
+        let word = of(group, "state").and_then(Value::as_str);
+        word.map_or(0.0, |word| place(words, word))
+    };
+    let wheel = || snapshot.wheels.iter().find(|wheel| wheel.corner == corner);
+    match what {
+        "ITPMS_ColdPressure" => wheel().and_then(|wheel| wheel.cold_pressure_kpa).unwrap_or(f64::NAN),
+        "ITPMS_ColdPressureSd" => wheel().and_then(|wheel| wheel.cold_pressure_sd_kpa).unwrap_or(f64::NAN),
+        "ITPMS_Damper" => word(&DAMPER_STATES, "dampers"),
+        "ITPMS_DamperOverReference" => number("dampers", "over_reference"),
+        "ITPMS_DamperOverReferenceSd" => number("dampers", "over_reference_sd"),
+        "ITPMS_FrontAxle" => number("load", "front_axle_kg"),
+        "ITPMS_RearAxle" => number("load", "rear_axle_kg"),
+        "ITPMS_TotalSd" => number("load", "total_sd_kg"),
+        "ITPMS_Added" => number("load", "added_kg"),
+        "ITPMS_AddedSd" => number("load", "added_sd_kg"),
+        "ITPMS_LoadState" => word(&LOAD_STATES, "load"),
+        "ITPMS_OncePerTurn" => number("once_per_turn", "force_n"),
+        "ITPMS_OncePerTurnState" => word(&TURNING_STATES, "once_per_turn"),
+        "ITPMS_TireSensor" => word(&SENSOR_STATES, "tire_sensors"),
+        "ITPMS_Counter" => (sets / BESIDE_EVERY % 16) as f64,
+        _ => f64::NAN,
+    }
+}
+
+/// The place of a word among those of a signal.
+fn place(words: &[&str], word: &str) -> f64 {
+    words.iter().position(|one| *one == word).map_or(f64::NAN, |place| place as f64)
+}
+
 fn wheel_value(wheel: &Wheel, sets: u64, signal: &str) -> f64 {
-    let place =
-        |words: &[&str], word: &str| words.iter().position(|w| *w == word).map_or(f64::NAN, |p| p as f64);
     // The corner's two letters tell the wheels' signals apart.
     match signal.get(..signal.len().saturating_sub(3)).unwrap_or_default() {
         "ITPMS_Pressure" => wheel.pressure_kpa,
@@ -293,5 +355,66 @@ mod bus {
         let socket = CanSocket::open(name)?;
         socket.set_write_timeout(PATIENCE)?;
         Ok(socket)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashMap;
+
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn what_is_found_beside_the_pressures_is_in_frames_of_its_own() {
+        let beside = json!({
+            "dampers": { "rl": { "state": "worn", "over_reference": 0.49, "over_reference_sd": 0.04 } },
+            "load": { "state": "overload", "front_axle_kg": 812.0, "rear_axle_kg": 905.0, "total_sd_kg": 34.0, "added_kg": -241.0, "added_sd_kg": null },
+            "once_per_turn": { "fr": { "state": "rising", "force_n": 81.3 } },
+            "tire_sensors": { "rr": { "state": "stuck" } },
+        });
+        let cold = Wheel {
+            corner: "fl",
+            cold_pressure_kpa: Some(218.2),
+            cold_pressure_sd_kpa: Some(5.1),
+            ..Wheel::default()
+        };
+        let beside = beside.as_object().unwrap().clone().into();
+        let snapshot = Snapshot { wheels: vec![cold], beside, ..Snapshot::default() };
+        let mut frames = Frames::new().unwrap();
+        let (first, second) = (frames.of(&snapshot), frames.of(&snapshot));
+        assert_eq!(first.len(), second.len() + 4, "with every tenth set");
+        let dbc = description().unwrap();
+        let mut found = HashMap::new();
+        for frame in &first {
+            let message = dbc.message(frame.id).unwrap();
+            message.decode(frame.data(), |place, value| {
+                found.insert(message.signals[place].name.clone(), value);
+            });
+        }
+        for (signal, value, half_a_step) in [
+            ("ITPMS_ColdPressure_FL", 218.2, 0.25),
+            ("ITPMS_ColdPressureSd_FL", 5.1, 1.0),
+            ("ITPMS_Damper_RL", 4.0, 0.0),
+            ("ITPMS_Damper_FL", 0.0, 0.0),
+            ("ITPMS_DamperOverReference_RL", 0.49, 0.005),
+            ("ITPMS_DamperOverReferenceSd_RL", 0.04, 0.01),
+            ("ITPMS_FrontAxle", 812.0, 1.0),
+            ("ITPMS_RearAxle", 905.0, 1.0),
+            ("ITPMS_TotalSd", 34.0, 1.0),
+            ("ITPMS_Added", -241.0, 1.0),
+            ("ITPMS_LoadState", 3.0, 0.0),
+            ("ITPMS_OncePerTurn_FR", 81.3, 0.5),
+            ("ITPMS_OncePerTurnState_FR", 3.0, 0.0),
+            ("ITPMS_TireSensor_RR", 5.0, 0.0),
+        ] {
+            let sent = found.get(signal).copied().unwrap_or(f64::NAN);
+            assert!((sent - value).abs() <= half_a_step + 1e-9, "{signal}: {sent}");
+        }
+        // What is not known is no number.
+        for unknown in ["ITPMS_AddedSd", "ITPMS_OncePerTurn_FL", "ITPMS_ColdPressure_RR"] {
+            assert!(found.get(unknown).is_none_or(|value| value.is_nan()), "{unknown} {found:?}");
+        }
     }
 }

@@ -29,7 +29,7 @@ const CAR: [(&str, FieldType); 6] = [
     ("all_fine", FieldType::Flag),
 ];
 
-const WHEEL: [(&str, FieldType); 25] = [
+const WHEEL: [(&str, FieldType); 26] = [
     ("state", FieldType::Label),
     ("doubt", FieldType::Label),
     ("pressure_kpa", FieldType::Number),
@@ -55,6 +55,7 @@ const WHEEL: [(&str, FieldType); 25] = [
     ("informed_age_s", FieldType::Number),
     ("road_m", FieldType::Number),
     ("iri_m_per_km", FieldType::Number),
+    ("tire_sensor_kpa", FieldType::Number),
 ];
 
 pub struct McapOut {

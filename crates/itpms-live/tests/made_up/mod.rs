@@ -31,6 +31,7 @@ pub(crate) fn snapshot(seq: u64, time_s: f64, state: SourceState) -> Arc<Snapsho
         tracks: vec![],
         alerts: vec![],
         sensors: vec![],
+        beside: Arc::default(),
         not_estimated: Default::default(),
         all_fine: false,
     })

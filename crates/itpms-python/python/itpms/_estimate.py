@@ -35,6 +35,7 @@ def estimate(
     *,
     rate_hz: float = 10.0,
     road: bool = False,
+    road_map: bool = False,
     report: bool = True,
     estimator: str = "informed",
     regulation: str = "un-r141",
@@ -64,6 +65,8 @@ def estimate(
         vehicle: The car: a :class:`Vehicle` or the path of a vehicle file. A simulated drive has its own.
         rate_hz: Rows per second of the result.
         road: Keep the road under each wheel, at the log's rate.
+        road_map: Keep :attr:`Result.road_map`, which has the places where the car was: the drive needs ``latitude_deg`` and
+            ``longitude_deg``.
         report: Keep what :meth:`Result.report` shows, and tell the roughness of the road. Without it the road is not smoothed, which
             is a quarter of the work.
         estimator: ``informed``, ``aekf-ui-informed``, or as published ``aekf-ui``, ``ekf-ui``.
@@ -93,6 +96,7 @@ def estimate(
     options: dict[str, Any] = {
         "rate_hz": rate_hz,
         "road": road,
+        "road_map": road_map,
         "report": report,
         "roughness": False,
         "estimator": estimator,
@@ -252,6 +256,7 @@ class Car:
             "rate_hz": 10.0,
             "pressure_unit": "kpa",
             "road": False,
+            "road_map": False,
             "report": False,
             "roughness": False,
             "estimator": estimator,

@@ -37,6 +37,7 @@ ASKED = (
     "estimates",
     "warnings",
     "road",
+    "road_map",
     "transitions",
     "figures",
     "wheels",

@@ -96,6 +96,19 @@ class Result:
         return table_of(unpacked(columns), self._kind)
 
     @property
+    def road_map(self) -> dict[str, Any]:
+        """The road as GeoJSON, as ``itpms roughness --geojson`` writes it: lines of 100 m with their roughness, points of holes and bumps.
+
+        Raises:
+            SettingError: it was not asked for: where the car was is in no other result.
+        """
+        road = self._inner.road_map()
+        if road is None:
+            raise SettingError("the road's map was not kept, expected estimate(..., road_map=True)")
+        found: dict[str, Any] = json.loads(road)
+        return found
+
+    @property
     def events(self) -> list[dict[str, Any]]:
         """Warnings and malfunctions as they came and went, in order: the objects of ``itpms estimate --events``."""
         found: list[dict[str, Any]] = json.loads(self._inner.transitions())
@@ -128,6 +141,36 @@ class Result:
         known.
         """
         found: dict[str, Any] = self.summary.get("load") or {}
+        return found
+
+    @property
+    def cold(self) -> dict[str, dict[str, Any]]:
+        """What each tire would have once it had cooled down to the air, by corner; empty where the drive has no ``ambient_temperature_c``.
+
+        ``pressure_kpa``, ``sd_kpa``, ``ambient_temperature_c``, ``add_kpa`` (None: nothing) and ``state`` (``add``, ``fine`` or
+        ``unknown``).
+        """
+        corners: dict[str, dict[str, Any]] = self.summary["corners"]
+        return {name: corner["cold"] for name, corner in corners.items() if "cold" in corner}
+
+    @property
+    def once_per_turn(self) -> dict[str, dict[str, Any]]:
+        """The force that turns with each wheel, by corner; empty of wheel speeds alone.
+
+        ``force_n`` at ``at_rad_per_s``, ``imbalance_g`` (only where speeds were swept), ``rise_n``, each with ``force_sd_n`` and so on,
+        ``since_s`` and ``state`` (``slow``, ``no-line``, ``found`` or ``rising``); None: not known.
+        """
+        found: dict[str, dict[str, Any]] = self.summary.get("once_per_turn") or {}
+        return found
+
+    @property
+    def tire_sensors(self) -> dict[str, dict[str, Any]]:
+        """What the drive says of the tires' own sensors, by corner; empty where none sends anything.
+
+        ``pressure_kpa``, ``lost_kpa``, ``lost_kpa_per_h``, ``against_estimate_kpa``, each but the first with ``lost_sd_kpa`` and so on,
+        ``since_s`` and ``state`` (``learning``, ``fine``, ``leak``, ``drift`` or ``stuck``); None: not known.
+        """
+        found: dict[str, dict[str, Any]] = self.summary.get("tire_sensors") or {}
         return found
 
     @property

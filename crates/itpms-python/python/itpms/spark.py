@@ -144,6 +144,7 @@ def estimate(
         "rate_hz": _RATE_HZ,
         "pressure_unit": "kpa",
         "road": False,
+        "road_map": False,
         "report": False,
         "roughness": True,
         "estimator": estimator,

@@ -162,7 +162,8 @@ impl Simulation {
         let start = self.step as f64;
         let times = [start, start + 0.5, start + 1.0].map(|step| self.time_s(step));
         let front_m = times.map(|time_s| self.speed_m_s.integral(time_s));
-        let step = Step { start_s: times[0], step_s: self.time_s(1.0), front_m };
+        let turns = self.wheel_speeds.as_ref().map_or([1.0; 4], WheelSpeedRun::imbalance_turns);
+        let step = Step { start_s: times[0], step_s: self.time_s(1.0), front_m, turns };
         self.step += 1;
         self.ride.turn(&step);
         let [left_m, right_m] = self.ride.beside_m();

@@ -20,6 +20,8 @@ pub(crate) struct Step {
     pub(crate) step_s: f64,
     /// The front axle's distance in m at its start, middle and end.
     pub(crate) front_m: [f64; 3],
+    /// By how much each wheel's imbalance turns over what the way and its radius make of it: slip, bends, loads.
+    pub(crate) turns: [f64; 4],
 }
 
 /// The masses, by `Corner::index`.
@@ -109,6 +111,8 @@ pub(crate) struct CarRide {
     payload: Payload,
     speed_m_s: TimeProfile,
     wheels: Imbalance,
+    /// What each wheel has rolled beyond the front axle's way, in m.
+    beyond_m: [f64; 4],
     wider_m: [f64; 2],
     /// Where the last step ended.
     reached: Reached,
@@ -160,12 +164,13 @@ impl CarRide {
             car,
             reached: Reached {
                 car_m_s2: motion.car_m_s2(start_s),
-                wheel_force_n: wheels.forces_n(speed, front_m),
+                wheel_force_n: wheels.forces_n([speed; 4], [front_m; 4]),
             },
             motion,
             payload,
             speed_m_s: speed_m_s.clone(),
             wheels,
+            beyond_m: [0.0; 4],
             wider_m: spec.wider_m(),
         })
     }
@@ -181,13 +186,17 @@ impl CarRide {
         }
         let [middle_m_s, end_m_s] =
             [step.start_s + 0.5 * step.step_s, end_s].map(|time_s| self.speed_m_s.value(time_s));
-        let [_, middle_m, end_m] = step.front_m;
+        let [start_m, middle_m, end_m] = step.front_m;
         let start = self.reached;
-        let middle_n = self.wheels.forces_n(middle_m_s, middle_m);
-        self.reached = Reached {
-            car_m_s2: self.motion.car_m_s2(end_s),
-            wheel_force_n: self.wheels.forces_n(end_m_s, end_m),
+        let beyond_m = self.beyond_m;
+        let at = |front_m: f64| {
+            [0, 1, 2, 3].map(|i| front_m + beyond_m[i] + (step.turns[i] - 1.0) * (front_m - start_m))
         };
+        let rolling = |speed_m_s: f64| step.turns.map(|turns| turns * speed_m_s);
+        let middle_n = self.wheels.forces_n(rolling(middle_m_s), at(middle_m));
+        let end_n = self.wheels.forces_n(rolling(end_m_s), at(end_m));
+        self.beyond_m = [0, 1, 2, 3].map(|i| beyond_m[i] + (step.turns[i] - 1.0) * (end_m - start_m));
+        self.reached = Reached { car_m_s2: self.motion.car_m_s2(end_s), wheel_force_n: end_n };
         let end = self.reached;
         // Accelerations are straight within a step but for the points of their profiles.
         let halfway = [0, 1].map(|i| 0.5 * (start.car_m_s2[i] + end.car_m_s2[i]));
@@ -219,22 +228,22 @@ impl Imbalance {
         }
     }
 
-    /// Vertical forces in N at a speed in m/s and a distance in m: `U ω² cos(angle)`.
-    fn forces_n(&self, speed_m_s: f64, distance_m: f64) -> [f64; 4] {
-        // Wheels of one size turn as one.
+    /// Vertical forces in N at the wheels' speeds in m/s and ways in m: `U ω² cos(angle)`.
+    fn forces_n(&self, speed_m_s: [f64; 4], way_m: [f64; 4]) -> [f64; 4] {
+        // Wheels that have turned alike are at one angle.
         let mut turned = (f64::NAN, (0.0, 0.0));
         let mut forces = [0.0; 4];
-        for (force, (&per_radius_m, &[cos_kg_m, sin_kg_m])) in
-            forces.iter_mut().zip(self.per_radius_m.iter().zip(&self.kg_m))
-        {
+        for (i, force) in forces.iter_mut().enumerate() {
+            let (per_radius_m, [cos_kg_m, sin_kg_m]) = (self.per_radius_m[i], self.kg_m[i]);
             if cos_kg_m == 0.0 && sin_kg_m == 0.0 {
                 continue;
             }
-            if turned.0 != per_radius_m {
-                turned = (per_radius_m, (distance_m * per_radius_m).sin_cos());
+            let angle = way_m[i] * per_radius_m;
+            if turned.0 != angle {
+                turned = (angle, angle.sin_cos());
             }
             let (sin, cos) = turned.1;
-            let rad_per_s = speed_m_s * per_radius_m;
+            let rad_per_s = speed_m_s[i] * per_radius_m;
             *force = rad_per_s * rad_per_s * (cos_kg_m * cos - sin_kg_m * sin);
         }
         forces

@@ -181,6 +181,11 @@ impl WheelSpeedRun {
         self.row
     }
 
+    /// By how much each wheel's imbalance turned over what the car's way makes of it at the last message.
+    pub(crate) fn imbalance_turns(&self) -> [f64; 4] {
+        if self.spec.turns_imbalance { self.rolled.turns } else { [1.0; 4] }
+    }
+
     /// How the wheels roll at the next message, and when that is, in s.
     pub(crate) fn roll(&mut self) -> (f64, Rolled) {
         let step_s = 1e-3 * self.spec.period_ms;

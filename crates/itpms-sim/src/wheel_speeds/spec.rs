@@ -37,6 +37,8 @@ pub struct WheelSpeedSpec {
     pub resolution_km_h: f64,
     /// Share of the messages that is lost: the one before holds.
     pub lost_share: f64,
+    /// Imbalances of the wheels turn with these speeds; unless given, with the car's way, which leaves accelerations as they are without wheel speeds.
+    pub turns_imbalance: bool,
     pub yaw_rate: bool,
     pub accel_x: bool,
     pub accel_y: bool,
@@ -82,6 +84,7 @@ impl Default for WheelSpeedSpec {
             latency_ms: 10.0,
             resolution_km_h: 0.03,
             lost_share: 1e-3,
+            turns_imbalance: false,
             yaw_rate: true,
             accel_x: true,
             accel_y: true,

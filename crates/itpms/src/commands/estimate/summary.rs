@@ -1,7 +1,7 @@
 //! What is reported at the end: a line for the drive, one per corner and one per alert, or the same as JSON.
 
 use itpms_console::Screen;
-use itpms_drive::{rotation_line, summary_json, suspension_lines, torsion_line, wheel_speed_lines};
+use itpms_drive::{summary_json, torsion_line, wheel_speed_lines};
 use serde_json::{Value, json};
 
 use super::Estimated;
@@ -33,9 +33,7 @@ pub(crate) fn corner_lines(estimated: &Estimated) -> Vec<String> {
     let mut lines = itpms_drive::corner_lines(done, end_s);
     lines.extend(done.radii.iter().flat_map(wheel_speed_lines));
     lines.extend(torsion_line(done, unit));
-    lines.extend(suspension_lines(done.suspension.as_ref()));
-    lines.extend(done.sent_loads.line());
-    lines.extend(rotation_line(&done.once_per_turn));
+    lines.extend(done.beside.lines());
     lines.extend(done.alerts.sentences(origin_s, unit));
     lines
 }

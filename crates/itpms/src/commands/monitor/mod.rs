@@ -106,20 +106,22 @@ fn notes(screen: Screen) -> NoteSink {
 
 /// The vehicle becomes the one from which a reference counts.
 fn options(args: &MonitorArgs, vehicle: &mut Vehicle) -> Result<DriveOptions, Failure> {
-    let (reference, wheel_reference, torsion_reference, days_reference) = match &args.reference {
-        Some(path) => {
-            let file = args.vehicle.as_deref().unwrap_or(Path::new("--vehicle"));
-            let (known, stored) = reference::of(path, vehicle, file)?;
-            *vehicle = known;
-            let corners = stored.has_corners().then_some(stored.reference);
-            (corners, stored.wheel_speeds, stored.torsion, Some(stored.days))
-        }
-        None => (None, None, [None; 4], None),
-    };
+    let (reference, suspension_reference, wheel_reference, torsion_reference, days_reference) =
+        match &args.reference {
+            Some(path) => {
+                let file = args.vehicle.as_deref().unwrap_or(Path::new("--vehicle"));
+                let (known, stored) = reference::of(path, vehicle, file)?;
+                *vehicle = known;
+                let corners = stored.has_corners().then_some(stored.reference);
+                (corners, stored.suspension, stored.wheel_speeds, stored.torsion, Some(stored.days))
+            }
+            None => (None, None, None, [None; 4], None),
+        };
     Ok(DriveOptions {
         regulation: args.regulation,
         calibrate_s: args.calibrate_s,
         reference,
+        suspension_reference,
         wheel_reference,
         days_reference,
         pulses: args.pulses.is_some(),

@@ -11,10 +11,11 @@ mod profile;
 use std::fs;
 use std::path::Path;
 
-use itpms_analysis::roughness::{RoughnessTable, SideAnomaly, Way, geojson, map_page};
+use itpms_analysis::roughness::{RoughnessTable, SideAnomaly, map_page};
 use itpms_console::{Failure, Interrupt, Screen, names};
 use itpms_data::out::AtomicFile;
-use serde_json::{Value, json};
+use itpms_drive::SurveyedRoad;
+use serde_json::json;
 
 use crate::args::RoughnessArgs;
 
@@ -27,34 +28,18 @@ const ROUGHEST_M_PER_KM: f64 = 60.0;
 struct Found {
     /// The input in a few words.
     about: String,
-    table: RoughnessTable,
-    /// Holes and bumps of the left and the right track, of a drive.
-    anomalies: [Vec<SideAnomaly>; 2],
-    /// Where the car was, of a drive.
-    way: Way,
+    road: SurveyedRoad,
     warnings: Vec<String>,
 }
 
-/// How the tracks of [`Found::anomalies`] are called.
-const SIDES: [&str; 2] = ["left", "right"];
-
 impl Found {
     fn of_table(about: String, table: RoughnessTable, warnings: Vec<String>) -> Self {
-        Self { about, table, anomalies: Default::default(), way: Way::default(), warnings }
-    }
-
-    /// Holes and bumps with their tracks, in the order of the road.
-    fn along_the_road(&self) -> Vec<(&'static str, SideAnomaly)> {
-        let sides = SIDES.into_iter().zip(&self.anomalies);
-        let mut all: Vec<_> =
-            sides.flat_map(|(track, found)| found.iter().map(move |one| (track, *one))).collect();
-        all.sort_by(|(_, a), (_, b)| a.anomaly.at_m.total_cmp(&b.anomaly.at_m));
-        all
+        Self { about, road: SurveyedRoad::of_table(table), warnings }
     }
 
     /// A line each, no more than `most`.
     fn anomaly_lines(&self, most: usize) -> Vec<String> {
-        let all = self.along_the_road();
+        let all = self.road.along_the_road();
         let line = |(track, SideAnomaly { anomaly, passes }): &(&str, SideAnomaly)| {
             format!(
                 "{:>14.1} m  {track:<5}  {} of {:.0} mm (sd {:.0}), {:.1} m long, by {passes} {}, at {:.1} s",
@@ -73,22 +58,6 @@ impl Found {
         }
         lines
     }
-
-    fn anomalies_json(&self) -> Value {
-        let one = |(track, SideAnomaly { anomaly, passes }): (&str, SideAnomaly)| {
-            json!({
-                "kind": anomaly.kind(),
-                "track": track,
-                "distance_m": anomaly.at_m,
-                "time_s": anomaly.time_s,
-                "height_m": anomaly.height_m,
-                "height_sd_m": anomaly.height_sd_m,
-                "length_m": anomaly.length_m,
-                "passes": passes,
-            })
-        };
-        self.along_the_road().into_iter().map(one).collect()
-    }
 }
 
 pub(crate) fn run(args: &RoughnessArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
@@ -99,13 +68,12 @@ pub(crate) fn run(args: &RoughnessArgs, screen: &Screen, interrupt: &Interrupt) 
         None => profile::survey(args)?,
     };
     interrupt.check()?;
-    if let Some(iri) = found.table.roughest_m_per_km().filter(|iri| *iri > ROUGHEST_M_PER_KM) {
+    if let Some(iri) = found.road.table.roughest_m_per_km().filter(|iri| *iri > ROUGHEST_M_PER_KM) {
         found.warnings.push(format!("an IRI of {iri:.0} m/km is no road's: heights in another unit than m?"));
     }
-    write(file, || found.table.csv())?;
+    write(file, || found.road.table.csv())?;
     if map.is_some() || page.is_some() {
-        let [left, right] = [0, 1].map(|side| (SIDES[side], found.anomalies[side].as_slice()));
-        let (road, left_out) = geojson(&found.table, &[left, right], &found.way);
+        let (road, left_out) = found.road.geojson();
         let name = args.input.file_name().unwrap_or(args.input.as_os_str()).to_string_lossy();
         write(map, || format!("{road}\n"))?;
         write(page, || map_page(&name, &found.about, &road))?;
@@ -119,18 +87,18 @@ pub(crate) fn run(args: &RoughnessArgs, screen: &Screen, interrupt: &Interrupt) 
         screen.warn(format!("{}: {warning}", args.input.display()));
     }
     if args.json {
-        let mut value = found.table.json();
+        let mut value = found.road.table.json();
         value["input"] = json!(args.input.display().to_string());
         value["warnings"] = json!(found.warnings);
         if args.vehicle.is_some() {
-            value["anomalies"] = found.anomalies_json();
+            value["anomalies"] = found.road.anomalies_json();
         }
         value["output"] = json!(args.output.as_ref().map(|path| path.display().to_string()));
         screen.print_lines(format!("{value:#}"));
         return Ok(());
     }
     screen.print(format!("{}: {}", args.input.display(), found.about));
-    for line in found.table.lines(MOST_LINES).into_iter().chain(found.anomaly_lines(MOST_LINES)) {
+    for line in found.road.table.lines(MOST_LINES).into_iter().chain(found.anomaly_lines(MOST_LINES)) {
         screen.print(line);
     }
     Ok(())

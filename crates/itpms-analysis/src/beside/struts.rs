@@ -1,16 +1,18 @@
 //! Dampers and load of a drive: its rows to the spectra that these are read from, and what is said of them in the end.
 
-use itpms_analysis::suspension::{
-    Because, CarBody, DamperHealth, Load, Masses, Measured, SuspensionSpectra, SuspensionVerdict, Terms,
-};
 use itpms_core::model::Corner;
 use itpms_data::reference::SuspensionReference;
 use itpms_data::{LogRow, Vehicle};
 use serde_json::{Map, Value, json};
 
+use crate::suspension::{
+    Because, CarBody, DamperHealth, Load, LoadState, Masses, Measured, SuspensionSpectra, SuspensionVerdict,
+    Terms,
+};
+
 /// Listens to a drive of a car whose four corners are all measured.
 #[derive(Debug, Clone)]
-pub(crate) struct SuspensionWatch {
+pub struct SuspensionWatch {
     car: CarBody,
     terms: Terms,
     spectra: SuspensionSpectra,
@@ -19,7 +21,7 @@ pub(crate) struct SuspensionWatch {
 
 impl SuspensionWatch {
     /// For rows so many seconds apart; `None` for a car that lacks a corner, in its file or in the log.
-    pub(crate) fn new(
+    pub fn new(
         vehicle: &Vehicle,
         corners: &[Corner],
         step_s: f64,
@@ -35,14 +37,14 @@ impl SuspensionWatch {
         Some(Self { car, terms, spectra: SuspensionSpectra::new(step_s), reference })
     }
 
-    pub(crate) fn take(&mut self, row: &LogRow) {
+    pub fn take(&mut self, row: &LogRow) {
         let accelerations = row.corners.map(|corner| {
             corner.map_or([f64::NAN; 2], |corner| [corner.wheel_accel_m_s2, corner.body_accel_m_s2])
         });
         self.spectra.push(row.time_s, row.speed_m_s, &accelerations);
     }
 
-    pub(crate) fn conclude(&self) -> SuspensionVerdict {
+    pub fn conclude(&self) -> SuspensionVerdict {
         SuspensionVerdict::of(&self.car, &self.spectra, self.reference.as_ref(), &self.terms)
     }
 }
@@ -73,7 +75,7 @@ fn of_because(because: Option<Because>) -> Value {
 }
 
 /// The dampers of a drive; null where they are not looked at.
-pub(crate) fn dampers_json(verdict: Option<&SuspensionVerdict>) -> Value {
+pub fn dampers_json(verdict: Option<&SuspensionVerdict>) -> Value {
     let Some(verdict) = verdict else { return Value::Null };
     let damper = |(corner, damper): (&Corner, &DamperHealth)| {
         let mut object = Map::new();
@@ -116,7 +118,7 @@ impl SentLoads {
 }
 
 /// What the axles carry; null where that is not looked at, and nothing was sent.
-pub(crate) fn load_json(verdict: Option<&SuspensionVerdict>, sent: &SentLoads) -> Value {
+pub(super) fn load_json(verdict: Option<&SuspensionVerdict>, sent: &SentLoads) -> Value {
     let mut object = Map::new();
     if sent.line().is_some() {
         let [front, rear] = sent.axle_kg.map(|kg| Some(kg).filter(|kg| kg.is_finite()));
@@ -189,7 +191,7 @@ pub fn suspension_lines(verdict: Option<&SuspensionVerdict>) -> Vec<String> {
             total_kg.value,
             total_kg.sd,
             added_kg.value,
-            if verdict.load.state == itpms_analysis::suspension::LoadState::Overload { ": OVERLOAD" } else { "" }
+            if verdict.load.state == LoadState::Overload { ": OVERLOAD" } else { "" }
         ),
         (None, because) => {
             format!("load: {}: {}", verdict.load.state.label(), because.map_or("nothing was read", Because::words))

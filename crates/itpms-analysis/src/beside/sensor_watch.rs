@@ -2,8 +2,8 @@
 //!
 //! What a sensor sends has changed since its first readings by `D`, the estimate by `E`, each less the median of what the other wheels with a
 //! sensor changed by, so that warmth cancels. `D - E` is nothing but noise while a sensor is right, however the tire fares; where it is not, the
-//! sensor drifts, or has stuck while its tire went on. A loss that the estimate does not deny is a leak: the pressure at 20 C, by the sensor's
-//! own temperature, falls along a line. What levels say of each other is the report's (`itpms_analysis::report`).
+//! sensor drifts, or has stuck while its tire went on; so does one that rises, since a tire gains no air while it rolls. A loss that the estimate does not deny is a leak: the pressure at 20 C, by the sensor's
+//! own temperature, falls along a line. What levels say of each other is the report's ([`crate::report`]).
 
 mod watched_sensor;
 
@@ -12,9 +12,9 @@ use itpms_core::wheel_speed::WheelRadius;
 use itpms_data::LogRow;
 use itpms_data::out::RadiusRow;
 
-pub(crate) use self::watched_sensor::sensors_json;
+pub(super) use self::watched_sensor::sensors_json;
 pub use self::watched_sensor::{SensorState, WatchedSensor};
-use crate::drive::Estimates;
+use super::Estimates;
 
 /// Readings of so many s count as one.
 const BIN_S: f64 = 10.0;
@@ -37,8 +37,12 @@ const SENSOR_SHARE: f64 = 0.005;
 /// A loss is worth naming from this share of the absolute pressure on, and from so many steps of the sensor.
 const LEAST_LOSS: f64 = 0.015;
 const LEAST_STEPS: f64 = 2.0;
-/// Share of the smallest loss that would have shown by wheel speeds that an unseen one has as its standard deviation.
-const UNSEEN_SD: f64 = 1.0 / 3.0;
+/// Share of the smallest loss that would have shown by wheel speeds that an unseen one has as its standard deviation: what would have shown is
+/// `SDS` of it.
+const UNSEEN_SD: f64 = 1.0 / SDS;
+/// Whoever stands for so many s may have filled a tire; below this speed in m/s a car stands.
+const FILLING_S: f64 = 60.0;
+const STANDING_M_S: f64 = 1.0;
 /// What warmth moves, in kPa and in steps of the sensor, where a pressure that does not move is none.
 const STUCK_KPA: f64 = 8.0;
 const STUCK_STEPS: f64 = 3.0;
@@ -82,15 +86,18 @@ struct Wheel {
 
 /// See the [module](self).
 #[derive(Debug, Clone)]
-pub(crate) struct SensorWatch {
+pub(super) struct SensorWatch {
     wheels: [Wheel; 4],
     bin: Option<f64>,
     bins: usize,
     air_kpa: f64,
+    /// When it rolled last, and when it last stood for long.
+    rolled_s: f64,
+    stood_s: f64,
 }
 
 impl SensorWatch {
-    pub(crate) fn new(placards_kpa: [Option<f64>; 4]) -> Self {
+    pub(super) fn new(placards_kpa: [Option<f64>; 4]) -> Self {
         let wheel = |placard_kpa: Option<f64>| Wheel {
             placard_kpa: placard_kpa.unwrap_or(f64::NAN),
             last_c: f64::NAN,
@@ -98,11 +105,12 @@ impl SensorWatch {
             last_kpa: f64::NAN,
             ..Wheel::default()
         };
-        Self { wheels: placards_kpa.map(wheel), bin: None, bins: 0, air_kpa: AIR_KPA }
+        let (rolled_s, stood_s) = (f64::NAN, f64::NEG_INFINITY);
+        Self { wheels: placards_kpa.map(wheel), bin: None, bins: 0, air_kpa: AIR_KPA, rolled_s, stood_s }
     }
 
     /// Takes a row and what was estimated after it; hands on what is newly found.
-    pub(crate) fn take(
+    pub(super) fn take(
         &mut self,
         row: &LogRow,
         estimates: &Estimates,
@@ -113,6 +121,7 @@ impl SensorWatch {
         if barometric_kpa.is_finite() {
             self.air_kpa = barometric_kpa;
         }
+        self.roll(row);
         let sent = row.motion.tire_sensor_kpa.into_iter().zip(row.motion.tire_sensor_c);
         let mut any = false;
         for (wheel, (kpa, c)) in self.wheels.iter_mut().zip(sent) {
@@ -143,8 +152,20 @@ impl SensorWatch {
         }
     }
 
+    /// Whether the car rolls, by its speed or by a wheel's.
+    fn roll(&mut self, row: &LogRow) {
+        let [wheel_m_s, ..] = row.motion.wheel_speed_m_s;
+        let speed_m_s = if row.speed_m_s.is_nan() { wheel_m_s } else { row.speed_m_s };
+        if self.rolled_s.is_nan() || row.time_s - self.rolled_s > FILLING_S {
+            self.stood_s = row.time_s;
+        }
+        if speed_m_s > STANDING_M_S {
+            self.rolled_s = row.time_s;
+        }
+    }
+
     /// All that is known at the end.
-    pub(crate) fn conclude(&self) -> [WatchedSensor; 4] {
+    pub(super) fn conclude(&self) -> [WatchedSensor; 4] {
         self.wheels.each_ref().map(|wheel| {
             wheel.now.unwrap_or(WatchedSensor { pressure_kpa: wheel.last_kpa, ..WatchedSensor::NOTHING })
         })
@@ -246,6 +267,14 @@ impl SensorWatch {
             .collect();
         let (slope, slope_sd) = line(&points, own_sd_kpa)?;
         let lost_kpa = [-slope * span_s, slope_sd * span_s];
+        // Since it was last filled, perhaps; a brake warms a tire, which only temperatures tell.
+        let rolling = &points[wheel.readings.partition_point(|reading| reading.time_s < self.stood_s)..];
+        let rolled_s = rolling.first().map_or(0.0, |begun| span_s - begun[0]);
+        let warmth_known =
+            self.wheels.iter().all(|wheel| wheel.readings.is_empty() || wheel.last_c.is_finite());
+        let long = rolling.len() >= FEWEST && rolled_s >= LEAST_S;
+        let rise = line(rolling, own_sd_kpa).filter(|_| long && warmth_known);
+        let rise_kpa = rise.map_or([f64::NAN; 2], |(slope, sd)| [slope * rolled_s, sd * rolled_s]);
         let [value, sd] = against_estimate_kpa;
         let is_wrong = value.abs() > SDS * sd;
         // Warmer air in a tire moves the pressure, unless a leak takes as much at every moment.
@@ -264,6 +293,7 @@ impl SensorWatch {
             _ if stuck => SensorState::Stuck,
             (true, true) => SensorState::Stuck,
             (true, false) => SensorState::Drift,
+            _ if rise_kpa[0] > least_kpa && rise_kpa[0] > SDS * rise_kpa[1] => SensorState::Drift,
             _ if !never_moved && lost_kpa[0] > least_kpa && lost_kpa[0] > SDS * lost_kpa[1] => {
                 SensorState::Leak
             }
@@ -365,4 +395,52 @@ fn estimated(
         let sd = radius.lost_share_sd.max(UNSEEN_SD * radius.detectable_loss_share);
         [-radius.lost_share * placard_kpa, sd * placard_kpa]
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use itpms_data::log::LogMotion;
+
+    use super::*;
+
+    /// The states at the end, and what was found on the way, of a drive of half an hour in which tires warm up by 20 K and stand for so many
+    /// seconds in its middle; the front left sensor sends what `sent` makes of time and truth, the others send the truth.
+    fn watched(standing_s: f64, sent: impl Fn(f64, f64) -> f64) -> ([SensorState; 4], Vec<SensorState>) {
+        let mut watch = SensorWatch::new([Some(240.0); 4]);
+        let mut found = Vec::new();
+        for k in 0..1800 {
+            let time_s = f64::from(k);
+            let stands = (900.0..900.0 + standing_s).contains(&time_s);
+            let warm_k = 20.0 * (1.0 - (-time_s / 600.0).exp());
+            let truth = (240.0 + AIR_KPA) * (WARM_K + warm_k) / WARM_K - AIR_KPA;
+            let mut motion = LogMotion::UNKNOWN;
+            // One of the four every two seconds, in steps of 2.5 kPa.
+            if k % 2 == 0 {
+                let place = (k / 2 % 4) as usize;
+                let kpa = if place == 0 { sent(time_s, truth) } else { truth };
+                motion.tire_sensor_kpa[place] = (kpa / 2.5).round() * 2.5;
+                motion.tire_sensor_c[place] = (20.0 + warm_k).round();
+            }
+            let row =
+                LogRow { time_s, speed_m_s: if stands { 0.0 } else { 25.0 }, corners: [None; 4], motion };
+            watch.take(&row, &[None; 4], None, |_, sensor| found.push(sensor.state));
+        }
+        (watch.conclude().map(|sensor| sensor.state), found)
+    }
+
+    #[test]
+    fn a_sensor_that_rises_while_it_rolls_drifts_and_a_tire_that_is_filled_at_a_stop_is_fine() {
+        use SensorState::{Drift, Fine, Leak};
+        assert_eq!(watched(120.0, |_, truth| truth), ([Fine; 4], vec![]));
+        let (states, found) = watched(120.0, |time_s, truth| truth + 30.0 * time_s / 1800.0);
+        assert_eq!((states, found), ([Drift, Fine, Fine, Fine], vec![Drift]));
+        let filled = |time_s: f64, truth: f64| if time_s > 950.0 { truth + 30.0 } else { truth };
+        assert_eq!(watched(120.0, filled), ([Fine; 4], vec![]));
+        // Nobody fills a tire at 90 km/h.
+        assert_eq!(watched(0.0, filled).0[0], Drift);
+        assert_eq!(
+            watched(120.0, |time_s, truth| truth - 30.0 * time_s / 1800.0).0,
+            [Leak, Fine, Fine, Fine]
+        );
+    }
 }

@@ -1,12 +1,12 @@
 //! What turns with the wheels of a drive: rows to the watch of each wheel, by its own speed where the car sends it.
 
-use itpms_analysis::rotation::{OncePerTurn, RotationState, RotationWatch, TurningWheel};
-use itpms_analysis::suspension::Measured;
 use itpms_core::model::Corner;
 use itpms_data::{LogRow, Vehicle};
 use serde_json::{Map, Value, json};
 
-use crate::drive::{Drive, Estimates};
+use super::{Estimates, Identified};
+use crate::rotation::{OncePerTurn, RotationState, RotationWatch, TurningWheel};
+use crate::suspension::Measured;
 
 /// Rolling radius in m where the file has none.
 const USUAL_RADIUS_M: f64 = 0.31;
@@ -14,6 +14,7 @@ const USUAL_RADIUS_M: f64 = 0.31;
 /// For how long in s a wheel's own speed goes on.
 const HELD_S: f64 = 0.5;
 
+#[derive(Debug, Clone)]
 struct Wheel {
     wheel: TurningWheel,
     radius_m: f64,
@@ -23,12 +24,13 @@ struct Wheel {
 }
 
 /// Listens to the wheels of a drive.
-pub(crate) struct Rotation {
+#[derive(Debug, Clone)]
+pub(super) struct Rotation {
     wheels: [Option<Wheel>; 4],
 }
 
 impl Rotation {
-    pub(crate) fn new(vehicle: &Vehicle, corners: &[Corner]) -> Self {
+    pub(super) fn new(vehicle: &Vehicle, corners: &[Corner]) -> Self {
         let wheel = |corner: Corner| {
             let config = vehicle.corner(corner).filter(|_| corners.contains(&corner))?;
             let car = &config.quarter_car;
@@ -47,7 +49,7 @@ impl Rotation {
     }
 
     /// Takes a row and what was estimated after it; hands on a force that has risen, as a line of `events.jsonl`.
-    pub(crate) fn take(
+    pub(super) fn take(
         &mut self,
         row: &LogRow,
         estimates: &Estimates,
@@ -61,8 +63,11 @@ impl Rotation {
             if own.is_finite() {
                 wheel.own = Some((row.time_s, own));
             }
-            let fresh = wheel.own.filter(|(at_s, _)| row.time_s - at_s < HELD_S);
-            let rad_per_s = fresh.map_or(row.speed_m_s / wheel.radius_m, |(_, own)| own);
+            let rad_per_s = match wheel.own {
+                Some((at_s, own)) if row.time_s - at_s < HELD_S => own,
+                Some(_) => f64::NAN,
+                None => row.speed_m_s / wheel.radius_m,
+            };
             if let Some(estimate) = estimates[place].filter(|estimate| estimate.validity.is_valid()) {
                 wheel.wheel.tire_n_per_m = estimate.stiffness_n_per_m;
             }
@@ -77,18 +82,20 @@ impl Rotation {
     }
 
     /// What the drive has shown, with the car as it was identified.
-    pub(crate) fn conclude(&self, drive: &Drive) -> [Option<OncePerTurn>; 4] {
-        let cars = drive.quarter_cars();
+    pub(super) fn conclude(&self, car: &Identified) -> [Option<OncePerTurn>; 4] {
         Corner::ALL.map(|corner| {
-            let Wheel { wheel, watch, .. } = self.wheels[corner.index()].as_ref()?;
-            let fit = drive.fit(corner).map(|(fit, _)| fit.friction_n).filter(|friction_n| *friction_n > 0.0);
-            let damping = cars[corner.index()].map_or(wheel.damping_n_s_per_m, |car| car.damping_n_s_per_m());
+            let Wheel { wheel, watch, own, .. } = self.wheels[corner.index()].as_ref()?;
+            let friction_n = car.friction_n[corner.index()].filter(|friction_n| *friction_n > 0.0);
+            let damping = car.quarter_cars[corner.index()]
+                .map_or(wheel.damping_n_s_per_m, |car| car.damping_n_s_per_m());
             let wheel = TurningWheel {
                 damping_n_s_per_m: damping,
-                friction_n: fit.unwrap_or(wheel.friction_n),
+                friction_n: friction_n.unwrap_or(wheel.friction_n),
                 ..*wheel
             };
-            Some(watch.conclude(&wheel))
+            let found = watch.conclude(&wheel);
+            // By the car's speed phases do not hold, and an imbalance would be another.
+            Some(OncePerTurn { imbalance_g: found.imbalance_g.filter(|_| own.is_some()), ..found })
         })
     }
 }
@@ -101,7 +108,7 @@ fn rise_words(label: &str, rise: Measured, since_s: f64) -> String {
 }
 
 /// Of each wheel that is looked at; null without accelerations.
-pub(crate) fn json(wheels: &[Option<OncePerTurn>; 4]) -> Value {
+pub(super) fn json(wheels: &[Option<OncePerTurn>; 4]) -> Value {
     let measured = |of: Option<Measured>| of.map_or([None; 2], |of| [Some(of.value), Some(of.sd)]);
     let one = |(corner, one): (&Corner, &Option<OncePerTurn>)| {
         let one = one.as_ref()?;
@@ -132,7 +139,7 @@ pub fn rotation_line(wheels: &[Option<OncePerTurn>; 4]) -> Option<String> {
 }
 
 /// What has risen, a sentence each.
-pub(crate) fn rises(wheels: &[Option<OncePerTurn>; 4], origin_s: f64) -> Vec<String> {
+pub(super) fn rises(wheels: &[Option<OncePerTurn>; 4], origin_s: f64) -> Vec<String> {
     let risen = Corner::ALL.iter().zip(wheels).filter_map(|(corner, one)| {
         let (rise, since_s) = one.as_ref().filter(|one| one.state == RotationState::Rising)?.rise?;
         Some(rise_words(corner.label(), rise, since_s - origin_s))

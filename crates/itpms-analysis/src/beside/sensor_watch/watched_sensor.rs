@@ -3,6 +3,8 @@
 use itpms_core::model::{Corner, PressureUnit};
 use serde_json::{Map, Value, json};
 
+use super::SDS;
+
 itpms_core::labelled! {
     /// What is known of a tire's own sensor at a drive's end.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -64,7 +66,16 @@ impl WatchedSensor {
                 "{say}: the tire's own sensor stays at {} {unit} whatever its tire does: it is stuck; {wrong}",
                 unit.number(self.pressure_kpa, 0)
             )),
-            SensorState::Drift => Some(format!("{say}: the tire's own sensor drifts: {wrong}")),
+            SensorState::Drift => {
+                let [value, sd] = self.against_estimate_kpa;
+                let rises = format!(
+                    "it has risen by {}, and a tire gains no air while it rolls; {since}: do not rely on it",
+                    shown([-self.lost_kpa[0], self.lost_kpa[1]])
+                );
+                // The rise was it, where the estimate says little.
+                let why = if value.abs() > SDS * sd { wrong } else { rises };
+                Some(format!("{say}: the tire's own sensor drifts: {why}"))
+            }
             SensorState::Leak => {
                 let [value, sd] = self.against_estimate_kpa;
                 // The estimate has an opinion where half of the loss would stand out.
@@ -120,7 +131,7 @@ impl WatchedSensor {
 }
 
 /// The sensors that sent anything, by wheel; null where none did.
-pub(crate) fn sensors_json(sensors: &[WatchedSensor; 4]) -> Value {
+pub(in crate::beside) fn sensors_json(sensors: &[WatchedSensor; 4]) -> Value {
     let sent = Corner::ALL.iter().zip(sensors).filter(|(_, sensor)| sensor.pressure_kpa.is_finite());
     let sent: Map<String, Value> =
         sent.map(|(corner, sensor)| (corner.label().to_owned(), Value::Object(sensor.object()))).collect();
