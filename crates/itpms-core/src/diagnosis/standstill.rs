@@ -11,8 +11,8 @@ use crate::real::Real;
 /// 1 m/s² rms at 0.2 m/s.
 const STANDS_M_S: f64 = 0.1;
 const LOOK_S: f64 = 1.0;
-/// Rms of a wheel's acceleration in m/s² that no car that stands has: engines, doors and sensors make a tenth to a third.
-/// And with how much it stands again. Between lies noise.
+/// Rms of a wheel's acceleration in m/s², white noise taken off, that no car that stands has: engines and doors make a tenth to a third.
+/// And with how much it stands again.
 const ROLLS_M_S2: f64 = 1.0;
 const CALM_M_S2: f64 = 0.5;
 
@@ -22,11 +22,14 @@ struct Spread<T> {
     count: T,
     mean: T,
     squares: T,
+    /// The last two values, and the sum of the squares of second differences.
+    last: [T; 2],
+    rough: T,
 }
 
 impl<T: Real> Spread<T> {
     fn new() -> Self {
-        Self { count: T::zero(), mean: T::zero(), squares: T::zero() }
+        Self { last: [T::lit(f64::NAN); 2], ..Self::BLANK }
     }
 
     fn take(&mut self, value: T) {
@@ -36,11 +39,19 @@ impl<T: Real> Spread<T> {
             self.mean += off / self.count;
             self.squares += off * (value - self.mean);
         }
+        let [before, last] = self.last;
+        let second = value - last - last + before;
+        if second.is_finite() {
+            self.rough += second * second;
+        }
+        self.last = [last, value];
     }
 
+    /// Without what white noise adds, whose second differences have 1² + 2² + 1² times its power; those of a wheel's hop have nearly none.
     /// `None` without a value.
     fn rms(&self) -> Option<T> {
-        (self.count > T::zero()).then(|| (self.squares / self.count).sqrt())
+        let motion = self.squares - self.rough / T::lit(6.0);
+        (self.count > T::zero()).then(|| (motion / self.count).at_least(T::zero()).sqrt())
     }
 }
 
@@ -152,6 +163,28 @@ mod tests {
         assert!(stands[601..].iter().all(|v| *v == 0.0));
         assert_eq!(drive(&mut standstill, 11.0, 0.2, [5.0; 4], 2.0)[399], 0.2);
         assert!(drive(&mut standstill, 13.0, 0.0, [0.9; 4], 5.0).iter().all(|v| *v == 0.0));
+    }
+
+    /// Sensors of 1 m/s², in a car that stands and in one that rolls with a broken wire.
+    #[test]
+    fn noise_is_no_rolling_and_hides_none() {
+        let mut random = crate::random::Random(3);
+        let mut stand = |standstill: &mut Standstill<f64>, from_s: f64, rms: f64| {
+            (0..1600).fold(0.0, |_, k| {
+                let time_s = from_s + f64::from(k) / 200.0;
+                let wave = (core::f64::consts::TAU * 11.0 * time_s).sin() * core::f64::consts::SQRT_2 * rms;
+                let mut corner = || CornerSample {
+                    body_accel_m_s2: 9.81,
+                    wheel_accel_m_s2: 9.81 + wave + random.normal(),
+                };
+                let corners = [(); 4].map(|()| Some(corner()));
+                standstill.take(time_s, 0.0, &CarSample { time_s, speed_m_s: 0.0, corners })
+            })
+        };
+        let mut standstill = Standstill::new();
+        assert_eq!(stand(&mut standstill, 0.0, 0.0), 0.0);
+        assert!(stand(&mut standstill, 8.0, 1.6).is_nan());
+        assert_eq!(stand(&mut standstill, 16.0, 0.2), 0.0);
     }
 
     #[test]
