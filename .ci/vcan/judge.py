@@ -163,8 +163,9 @@ def sent(out, log, run):
     """The frames of our own DBC say what the lines of JSON say, within their quantisation."""
     messages = layouts(out / "itpms.dbc")
     places = {name: place for layout in messages.values() for name, place in layout.items()}
-    # Before the first row there are no wheels, and none are sent.
-    sets = [values for values in sets_of_frames(out / log, messages) if len(values) == len(places)]
+    # Before the first row there are no wheels, and none are sent; what else is found is sent as soon as it is.
+    wheels = {f"ITPMS_{signal}_{corner}" for signal in ("Pressure", "PressureSd", "Valid") for corner in ("FL", "FR", "RL", "RR")}
+    sets = [values for values in sets_of_frames(out / log, messages) if wheels <= values.keys()]
     estimates = [estimate for estimate in run.estimates if estimate["wheels"]]
 
     def same(values, name, value):

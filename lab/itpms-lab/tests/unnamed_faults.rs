@@ -49,21 +49,20 @@ struct Found {
     valid_s: f64,
 }
 
-fn drive(spoil: Spoil) -> Found {
-    const SEED: u64 = 1;
+fn drive(spoil: Spoil, seed: u64) -> Found {
     let mut scenario = Scenario::builtin("drive-normal").unwrap();
     let mut file = CarConfig { corners: [None; 4], wheelbase_m: Some(scenario.wheelbase_m) };
     for (corner, _) in scenario.corner.iter() {
         file.corners[corner.index()] = Some(scenario.corner_config(corner).unwrap());
     }
     scenario.journey.as_mut().unwrap().tolerances = None;
-    ToleranceSpec::typical().apply(SEED, &mut scenario);
+    ToleranceSpec::typical().apply(seed, &mut scenario);
     scenario.duration_s = DRIVE_S;
     let step_s = 1.0 / scenario.rate_hz;
     let mut car = Box::new(MonitoredCar::unconfigured());
     car.configure(&MonitorConfig::new(&file), scenario.rate_hz).unwrap();
     let mut found = Found { low_s: 0.0, absurd_s: 0.0, misfits: [None; 4], valid_s: 0.0 };
-    for row in Simulation::new(&scenario, SEED).unwrap() {
+    for row in Simulation::new(&scenario, seed).unwrap() {
         let estimate = car.update(&spoil(row.car_sample()));
         if row.time_s < SEEN_S {
             continue;
@@ -84,21 +83,26 @@ fn drive(spoil: Spoil) -> Found {
 
 #[test]
 fn a_fault_that_no_tire_explains_is_no_pressure() {
-    let healthy = drive(|sample| sample);
+    let healthy = drive(|sample| sample, 1);
     assert_eq!((healthy.low_s, healthy.absurd_s, healthy.misfits), (0.0, 0.0, [None; 4]));
     assert!(healthy.valid_s > 0.8 * (DRIVE_S - SEEN_S), "{}", healthy.valid_s);
-    let [left, all] = [[0, 2].as_slice(), &[0, 1, 2, 3]];
-    let faults: [(&str, Spoil, Misfit, &[usize]); 4] = [
-        ("front wheels x 0.75", front_gain, Misfit::Response, left),
-        ("corners exchanged across", diagonal_exchanged, Misfit::Apart, all),
-        ("axles exchanged", axles_exchanged, Misfit::Apart, all),
-        ("speed x 1.3", fast, Misfit::Apart, all),
+    let faults: [(&str, Spoil); 3] = [
+        ("corners exchanged across", diagonal_exchanged),
+        ("axles exchanged", axles_exchanged),
+        ("speed x 1.3", fast),
     ];
-    for (name, spoil, misfit, corners) in faults {
-        let found = drive(spoil);
-        for &corner in corners {
-            assert_eq!(found.misfits[corner], Some(misfit), "{name}, corner {corner}");
-        }
+    for (name, spoil) in faults {
+        let found = drive(spoil, 1);
+        assert_eq!(found.misfits, [Some(Misfit::Apart); 4], "{name}");
         assert_eq!((found.low_s, found.absurd_s), (0.0, 0.0), "{name}");
+    }
+}
+
+/// A gain that is common to both wheels of an axle has no witness among the sensors, and is not named in every drive: pressures of the
+/// rear axle are up to a third too high (docs/math/monitor.md, section 6). No tire is called low for it.
+#[test]
+fn a_gain_of_both_front_wheels_makes_no_tire_low() {
+    for seed in 1..4 {
+        assert_eq!(drive(front_gain, seed).low_s, 0.0, "seed {seed}");
     }
 }

@@ -16,7 +16,7 @@ const NODES_APART: usize = 5;
 /// Probability from which on a cell matters, and of such cells every so many are fitted, the most likely one among them.
 const MATTERS: f64 = 1e-4;
 const APART: usize = 2;
-/// Mean power of a frame over what was expected, or one over that, from which on the level may have jumped.
+/// Mean power of a frame over what was expected from which on the level may have jumped; downwards below one over its square, as most frames have less than the mean.
 const NOT_EXPECTED: f64 = 2.0;
 
 /// The fits of one frame, as far as they are. See the [module](self).
@@ -52,7 +52,7 @@ impl<T: Real> RoadFits<T> {
         for (prior, roads) in self.priors.iter_mut().zip(&posterior.road) {
             prior.set(RoadPrior::new(&roads.covariance));
         }
-        self.expected = nis.max(T::one() / nis) < T::lit(NOT_EXPECTED);
+        self.expected = nis.max((T::one() / nis).sqrt()) < T::lit(NOT_EXPECTED);
         self.log_evidence.iter_mut().for_each(|cells| cells.fill(T::zero()));
         self.covariance = posterior.road.each_ref().map(|roads| roads.covariance);
     }
