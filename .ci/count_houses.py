@@ -26,7 +26,7 @@ FORMATS = ("crates/itpms-mdf4", "crates/itpms-can-log", "crates/itpms-opencrg", 
 LABORATORY = ("lab/", "crates/itpms-sim", "crates/itpms-paper")
 # House, ceiling in lines, goal in lines. The core is a part of the product.
 HOUSES = [
-    ("core, with its tests", 35_100, 26_000),
+    ("core, with its tests", 35_150, 26_000),
     ("product, with the core", 123_150, 92_000),
     ("formats", 16_350, 16_000),
     ("laboratory", 38_050, 34_000),
