@@ -14,8 +14,8 @@ use itpms_data::{LogRow, Vehicle};
 use serde_json::{Map, Value, json};
 
 use crate::clock::Clock;
-use crate::drive::Reported;
 use crate::options::DriveOptions;
+use crate::reported::Reported;
 
 /// Seconds between two looks at what the rows have shown.
 const LOOK_S: f64 = 60.0;

@@ -11,26 +11,15 @@ use itpms_data::out::RateGate;
 use itpms_data::pulses::Pulse;
 use itpms_data::{LogRow, Vehicle};
 use itpms_road::RoadUnderCar;
-use serde_json::{Map, Value};
 
 use crate::beside::BesideWatch;
 pub use crate::clock::Clock;
 use crate::error::LiveError;
 pub use crate::options::DriveOptions;
+pub use crate::reported::Reported;
 use crate::roughness::Roughness;
 use crate::speed::SpeedDoubt;
 use crate::wheels::{Wheels, lacks};
-
-/// What began and what ended.
-#[derive(Debug)]
-pub enum Reported {
-    /// By the monitor.
-    Change(Change<f64>),
-    /// Found beside the pressures, as an alert.
-    BesideBegun(Map<String, Value>),
-    /// See [`BesideBegun`](Self::BesideBegun).
-    BesideEnded(Map<String, Value>),
-}
 
 /// A drive being estimated. Made and restored in parts that are moved about: whoever does so needs a stack as a program's first
 /// thread has it (8 MB), not a test's.

@@ -39,6 +39,7 @@ mod options;
 pub mod output;
 mod past;
 pub mod queue;
+mod reported;
 mod roughness;
 pub mod snapshot;
 pub mod source;

@@ -8,23 +8,22 @@ use crate::common::Bench;
 /// In kg m, of each wheel.
 const IMBALANCE: [(&str, f64); 4] = [("fl", 0.006), ("fr", 0.0), ("rl", 0.010), ("rr", 0.0)];
 
-/// A sweep of speeds.
+/// A scenario: a sweep of speeds, and what else is known of the car.
+fn sweep(name: &str, car: &str) -> String {
+    let corner = |(corner, kg_m)| {
+        format!("[corner.{corner}]\npressure.constant_kpa = 241.3\ntruth = {{ imbalance_kg_m = {kg_m} }}\n")
+    };
+    format!(
+        "name = \"{name}\"\nduration_s = 300.0\nrate_hz = 200.0\nwheelbase_m = 2.7\n[speed]\npoints_s_km_h = [[0, 50], [60, 120], [120, 50], [180, 120], [240, 50], [300, 120]]\n\
+         [road.surface.iso8608]\nroughness = \"A\"\nslope = 2.0\n[sensor]\nnoise_m_s2 = 0.05\n[car]\n{car}{}",
+        IMBALANCE.map(corner).concat()
+    )
+}
+
+/// Driven so.
 fn swept() -> Bench {
     let bench = Bench::new();
-    let corners: String = IMBALANCE
-        .map(|(corner, kg_m)| {
-            format!(
-                "[corner.{corner}]\npressure.constant_kpa = 241.3\ntruth = {{ imbalance_kg_m = {kg_m} }}\n"
-            )
-        })
-        .concat();
-    bench.write(
-        "sweep.toml",
-        format!(
-            "name = \"sweep\"\nduration_s = 300.0\nrate_hz = 200.0\nwheelbase_m = 2.7\n[speed]\npoints_s_km_h = [[0, 50], [60, 120], [120, 50], [180, 120], [240, 50], [300, 120]]\n\
-             [road.surface.iso8608]\nroughness = \"A\"\nslope = 2.0\n[sensor]\nnoise_m_s2 = 0.05\n[car]\n{corners}"
-        ),
-    );
+    bench.write("sweep.toml", sweep("sweep", ""));
     bench.run("simulate sweep.toml --seed 5 -o drive.csv --vehicle-out car.toml").success();
     bench
 }
@@ -62,23 +61,12 @@ fn the_forces_of_a_sweep_are_those_that_are_there() {
 #[test]
 fn in_bends_each_wheel_is_known_by_its_own_speed() {
     let bench = Bench::new();
-    let corners: String = IMBALANCE
-        .map(|(corner, kg_m)| {
-            format!(
-                "[corner.{corner}]\npressure.constant_kpa = 241.3\ntruth = {{ imbalance_kg_m = {kg_m} }}\n"
-            )
-        })
-        .concat();
     // A bend of 1.5 m/s² to either side every half minute.
     let bends: String =
         (0..30).map(|k| format!("[{}, {}], ", 10 * k, [0.0, 1.5, 0.0, -1.5][k % 4])).collect();
-    bench.write(
-        "winding.toml",
-        format!(
-            "name = \"winding\"\nduration_s = 300.0\nrate_hz = 200.0\nwheelbase_m = 2.7\n[speed]\npoints_s_km_h = [[0, 50], [60, 120], [120, 50], [180, 120], [240, 50], [300, 120]]\n\
-             [road.surface.iso8608]\nroughness = \"A\"\nslope = 2.0\n[sensor]\nnoise_m_s2 = 0.05\n[car]\nlateral_points_s_m_s2 = [{bends}]\n[wheel_speeds]\ncar_seed = 3\nturns_imbalance = true\n{corners}"
-        ),
-    );
+    let winding =
+        format!("lateral_points_s_m_s2 = [{bends}]\n[wheel_speeds]\ncar_seed = 3\nturns_imbalance = true\n");
+    bench.write("winding.toml", sweep("winding", &winding));
     bench.run("simulate winding.toml --seed 5 -o own.csv --vehicle-out car.toml").success();
     let own = bench.read("own.csv");
     let (head, rows) = own.split_once('\n').unwrap();

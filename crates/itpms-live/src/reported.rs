@@ -1,0 +1,15 @@
+//! What a drive reports while it goes on, for the engine to number and publish.
+
+use itpms_core::warning::Change;
+use serde_json::{Map, Value};
+
+/// What began and what ended.
+#[derive(Debug)]
+pub enum Reported {
+    /// By the monitor.
+    Change(Change<f64>),
+    /// Found beside the pressures, as an alert.
+    BesideBegun(Map<String, Value>),
+    /// See [`BesideBegun`](Self::BesideBegun).
+    BesideEnded(Map<String, Value>),
+}
