@@ -72,7 +72,7 @@ impl<T: Real> Standstill<T> {
         Self { from_s: f64::NAN, wheels: [Spread::new(); 4], rolled: false, denied: false }
     }
 
-    /// Takes a sample and the speed it tells or that goes on, in m/s; gives the speed to go by, NaN when that is unknown.
+    /// Takes a sample and its speed, or the one that goes on, in m/s; gives the speed to go by, NaN when that is unknown.
     pub(crate) fn take(&mut self, time_s: f64, speed_m_s: T, sample: &CarSample<T>) -> T {
         if !(speed_m_s.abs() <= T::lit(STANDS_M_S)) {
             *self = Self::new();

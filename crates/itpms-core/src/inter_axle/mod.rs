@@ -2,7 +2,7 @@
 //! (docs/math/shared-road.md).
 //!
 //! Both axles reconstruct the road velocity, each with the compliance of its tire; what they differ by, the residual, says
-//! that a compliance is wrong. Because the axles carry different unsprung masses, it tells both pressures and not only their
+//! that a compliance is wrong. Because the axles carry different unsprung masses, it shows both pressures and not only their
 //! difference. Called by [`crate::car`]; reads the belief's state and never writes it.
 //!
 //! | module | idea |

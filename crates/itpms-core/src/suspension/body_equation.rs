@@ -184,7 +184,7 @@ impl<T: Real> BodyEquation<T> {
         if !there.all(|corner| frames[corner].is_some()) {
             return Learning::Idle;
         }
-        // That of one corner tells of nearly every sample that nothing is new.
+        // For nearly every sample one corner's shows that nothing is new.
         if first_s > self.time_s {
             let [earliest_s, latest_s] = self.times(&frames);
             if latest_s - earliest_s < SAME_S && earliest_s > self.time_s {
@@ -387,7 +387,7 @@ impl<T: Real> BodyEquation<T> {
                 self.damping[corner] * x[DAMPER + corner.index()].exp(),
                 self.spring[corner] * x[SPRING + corner.index()].exp(),
             );
-            // What the wheel's sensor tells late is advanced, to first order.
+            // What the wheel's sensor measures late is advanced, to first order.
             let (late, s) = (x[DELAY + corner.index()] * T::lit(DELAY_S), Complex::new(T::zero(), omega));
             let wheel_jerk = at(corner, WHEEL);
             let wheel_acceleration = wheel_jerk / s;

@@ -4,7 +4,7 @@
 //! | module | idea |
 //! |---|---|
 //! | `frame_units` | in which order a frame of both axles is learned from, unit by unit |
-//! | `pseudo_measurement` | what a corner's road spectrum tells of its tire, as a measurement of the belief |
+//! | `pseudo_measurement` | the tire's stiffness by a corner's road spectrum, as a measurement of the belief |
 //! | `realign` | a speed whose scale changes, or that is late: the axles meet at another delay than believed |
 //! | `single_wheel_estimate` | what a corner finds by itself, where front and rear hardly share a road |
 //! | `calibration_reading` | what the spectra read while a calibration says what is true |

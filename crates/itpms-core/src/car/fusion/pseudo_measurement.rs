@@ -1,4 +1,4 @@
-//! Pseudo-measurements: what the spectrum of the road under a corner tells of its tire's stiffness (docs/math/shared-road.md, section 6).
+//! Pseudo-measurements: its tire's stiffness by the spectrum of the road under a corner (docs/math/shared-road.md, section 6).
 
 use super::Fusion;
 use crate::belief::state::{COMMON_BIAS, OWN_BIAS};
@@ -9,11 +9,11 @@ use crate::suspension::MEMORY_S;
 
 /// Speed in m/s from which a spectrum counts.
 const SLOWEST_M_S: f64 = 4.0;
-/// Logarithm of the speed over its mean at which a pseudo-measurement counts half: a spectrum that changes while it is taken tells little.
+/// Logarithm of the speed over its mean at which a pseudo-measurement counts half: a spectrum that changes while it is taken has little information.
 const CHANGING: f64 = 0.15;
 /// Seconds between two pseudo-measurements of a corner.
 const EVERY_S: f64 = 0.72;
-/// Front and rear of a side see the same road, so their spectra tell half of what they seem to.
+/// Front and rear of a side see the same road, so half of their spectra's information counts.
 const SAME_ROAD: f64 = 2.0;
 
 impl<T: Real> Fusion<T> {
@@ -27,7 +27,7 @@ impl<T: Real> Fusion<T> {
         self.inter_axle.travel().speed_m_s() < T::lit(SLOWEST_M_S)
     }
 
-    /// Updates with the stiffness and its sd in N/m that a corner's road spectrum tells at a time. Where the speed is unknown
+    /// Updates with the stiffness and its sd in N/m by a corner's road spectrum at a time. Where the speed is unknown
     /// the corner has seen to it that nothing changes.
     #[inline(never)]
     pub(in crate::car) fn update_spectral(

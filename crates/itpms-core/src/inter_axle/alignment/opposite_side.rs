@@ -16,7 +16,7 @@ pub(crate) enum OppositeSide<T> {
 
 /// How the other side's suspensions moved: at the front when it was where the rear is now, and at the rear. Where one tells
 /// nothing it moves as the other one did at that place, `ratio` times as fast at the rear: else the anti-roll bar makes of a
-/// hole under that side a road of this one's axle. Where neither tells anything they stand still, and the bar is one more
+/// hole under that side a road of this one's axle. Where neither is known they stand still, and the bar is one more
 /// spring: where a tire shows, each side's wheels move for themselves.
 pub(super) fn of_other_side<T: Real>(ahead: Option<T>, beside: OppositeSide<T>, ratio: T) -> [Option<T>; 2] {
     match (ahead, beside) {

@@ -29,7 +29,7 @@ fn learn(equation: &mut BodyEquation<f64>, g: SMatrix<f64, 4, 4>, slip_n: [f64; 
     learn_late(equation, g, slip_n, noise, [0.0; 4]);
 }
 
-/// The same with wheels' sensors that are late, in s, and bodies that move by a tenth of what their wheels do.
+/// The same with wheels' sensors that are late, in s, and bodies that move a tenth as much as their wheels.
 fn learn_late(
     equation: &mut BodyEquation<f64>,
     g: SMatrix<f64, 4, 4>,
