@@ -324,7 +324,10 @@ impl<T: Real> CrossSensorPlausibility<T> {
 
     /// The corners whose gain may be about to be suspected.
     pub(crate) fn pending_fault(&self, now_s: f64) -> Wheels {
-        Corner::ALL.into_iter().filter(|corner| self.shifts.is_pending_fault(*corner, now_s)).collect()
+        let is_pending = |corner: &Corner| {
+            self.shifts.is_pending_fault(*corner, now_s) || self.wheel_gains.is_pending_fault(*corner)
+        };
+        Corner::ALL.into_iter().filter(is_pending).collect()
     }
 
     /// The corners whose sensors may be swapped, or whose gain may have changed. That a gain was wrong all the time is waited for.

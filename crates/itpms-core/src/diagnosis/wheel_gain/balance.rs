@@ -23,6 +23,9 @@ const MOST_HOP: f64 = 1.0;
 /// Log of a gain that is wrong; and that is fine again.
 const WRONG: f64 = 0.14;
 const FINE: f64 = 0.11;
+/// Share of the averages' blocks from which a gain may be thought of, and the log of both gains of a side.
+const FIRST_SEEN: f64 = 0.2;
+const SIDE_WRONG: f64 = 0.2;
 /// Share of the most that a gain was off, below which it is fine again; and the most from which on that is enough, whatever its
 /// hop does: averages of so much take long to be forgotten.
 const LESS: f64 = 0.4;
@@ -47,11 +50,13 @@ pub(crate) struct WheelGainBalance<T: Real> {
     /// The most that a gain has been off since it is reported.
     largest_deviation: [T; 4],
     words: [FaultLatch<T>; 4],
+    /// Since when the gain of each may be wrong, or those of both wheels of a side; NaN: it is not.
+    pending_since_s: [f64; 4],
 }
 
 impl<T: Real> WheelGainBalance<T> {
     pub(crate) fn new() -> Self {
-        Self { words: [FaultLatch::new(); 4], ..Self::BLANK }
+        Self { words: [FaultLatch::new(); 4], pending_since_s: [f64::NAN; 4], ..Self::BLANK }
     }
 
     /// Takes a block of a car that drives; `has_signal`: the slow band is louder than the sensors' noise in it.
@@ -87,7 +92,9 @@ impl<T: Real> WheelGainBalance<T> {
             // A smooth road under one side, which rolls with the other, is one of both axles.
             let other_axle = self.over_partner[i.same_side()];
             let over_all = lesser(self.over_median[i], self.over_partner[i]);
-            let deviation = counts.then(|| lesser(over_all, self.over_partner[i] - other_axle) / self.filled);
+            let own = lesser(over_all, self.over_partner[i] - other_axle);
+            self.note_pending(i, at[0], flat, own.abs(), lesser(self.over_partner[i], other_axle).abs());
+            let deviation = counts.then(|| own / self.filled);
             let agrees =
                 deviation.is_some_and(|deviation| deviation.signum() * self.hop[i] > T::lit(HOP_AGREES));
             let most = &mut self.largest_deviation[i];
@@ -108,8 +115,31 @@ impl<T: Real> WheelGainBalance<T> {
         }
     }
 
+    /// An average of few blocks is off by more: by the root of their number. `own`, `of_side`: logs of the corner's gain and of those of its side, as
+    /// far as the averages are filled.
+    fn note_pending(&mut self, i: Corner, time_s: f64, flat: bool, own: T, of_side: T) {
+        let seen = flat && self.filled >= T::lit(FIRST_SEEN);
+        let limit = |limit: f64| {
+            T::lit(limit) * self.filled * (T::lit(FILLED) / self.filled).sqrt().max(T::one())
+        };
+        let since_s = &mut self.pending_since_s[i];
+        if seen && (own > limit(FINE) || of_side > limit(SIDE_WRONG)) {
+            *since_s = if since_s.is_nan() { time_s } else { *since_s };
+        } else if seen && own < limit(0.5 * FINE) && of_side < limit(0.5 * SIDE_WRONG) && !self.words[i].debouncer.is_active() {
+            *since_s = f64::NAN;
+        }
+    }
+
+    /// Whether the slow band alone makes a corner's gain look wrong: what its tire seems to be may be its sensor's.
+    pub(crate) fn is_pending_fault(&self, corner: Corner) -> bool {
+        !self.pending_since_s[corner].is_nan()
+    }
+
     pub(crate) fn faults(&self) -> impl Iterator<Item = Fault<T>> {
-        self.words.iter().filter_map(FaultLatch::fault)
+        let since = self.words.iter().zip(self.pending_since_s);
+        since.filter_map(|(word, pending_s)| {
+            word.fault().map(|fault| Fault { since_s: fault.since_s.min(pending_s), ..fault })
+        })
     }
 }
 
