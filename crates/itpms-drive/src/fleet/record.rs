@@ -123,16 +123,10 @@ pub struct FitRecord {
     pub misfit: Option<String>,
 }
 
-/// Roughness of a square of road by one drive.
+/// Roughness of a piece of road by one drive: latitude and longitude of its middle in 1e-7 degrees, mean roughness in m/km, and the length in m
+/// that it rests on, of all wheels.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct RoadCell {
-    /// Its place: squares from the equator, and along its parallel from Greenwich.
-    pub place: [i64; 2],
-    /// Mean roughness in m/km.
-    pub iri_m_per_km: f64,
-    /// Length of road in m that it rests on, of all wheels.
-    pub length_m: f64,
-}
+pub struct RoadPiece(pub [i32; 2], pub f32, pub f32);
 
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct DriveRecord {
@@ -160,9 +154,9 @@ pub struct DriveRecord {
     pub concerns: Vec<String>,
     /// What it has shown of its day since the calibration, by wheel speeds and where it has a date.
     pub day: Option<DayRecord>,
-    /// The roads it drove on, where a map was asked for.
+    /// The roads it drove on, piece by piece in the order of its way, where a map was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub road: Option<Vec<RoadCell>>,
+    pub road: Option<Vec<RoadPiece>>,
     /// Its report and its estimates, as paths within the folder of the results.
     pub report: Option<String>,
     pub estimates: Option<String>,
