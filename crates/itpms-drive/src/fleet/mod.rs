@@ -11,6 +11,7 @@
 //! | `crew` | several at a time |
 //! | [`days`] | slow leaks, over a car's drives |
 //! | `dampers` | dampers that are not as they were, over a car's drives |
+//! | `beside_cell`, `damper_cell` | load, cold pressures, what turns, tire sensors; dampers: cells of the page |
 //! | `tables` | `fleet.csv`, `fleet.parquet`, `failed.csv` |
 //! | [`standing`] | how each car stands after its last drive |
 //! | [`wheels`] | what a drive showed of each wheel |
@@ -22,6 +23,7 @@
 //! results, whatever the number of threads and however often the run was stopped.
 
 mod align;
+mod beside_cell;
 pub mod cars;
 mod copies;
 mod crew;

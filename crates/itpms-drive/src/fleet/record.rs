@@ -104,7 +104,10 @@ pub struct DamperRecord {
     pub over_reference: Option<f64>,
     /// Left over right of its axle, less one.
     pub left_right: Option<f64>,
-    /// Whether it is reported, by this drive and those before it.
+    /// How many drives in a row have said so, and whether it is reported.
+    #[serde(skip)]
+    pub row: u32,
+    /// See above.
     #[serde(skip)]
     pub reported: bool,
 }
@@ -154,6 +157,9 @@ pub struct DriveRecord {
     pub concerns: Vec<String>,
     /// What it has shown of its day since the calibration, by wheel speeds and where it has a date.
     pub day: Option<DayRecord>,
+    /// What it says beside pressures and dampers, in words, each with whether somebody has to look.
+    #[serde(default)]
+    pub beside: Vec<(String, bool)>,
     /// The roads it drove on, piece by piece in the order of its way, where a map was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub road: Option<Vec<RoadPiece>>,
@@ -258,7 +264,7 @@ pub(super) fn sample(name: &str, state: &str, over: f64) -> DriveRecord {
         state: "fine".to_owned(),
         warning: "none".to_owned(),
         share_valid: 1.0,
-        damper: Some(DamperRecord { state, over_reference, left_right, reported: false }),
+        damper: Some(DamperRecord { state, over_reference, left_right, row: 0, reported: false }),
         ..WheelRecord::default()
     };
     DriveRecord {
