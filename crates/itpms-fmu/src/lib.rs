@@ -9,6 +9,7 @@
 //! | [`variables`] | the one table of variables that everything else goes by |
 //! | [`model`] | the car between two steps: values, the drive, saved states |
 //! | `outputs` | what is known, as numbers |
+//! | `struts` | dampers and load |
 //! | [`description`] | `modelDescription.xml` of both versions |
 //! | [`package`] | the zip file |
 //! | `abi` | what the C interfaces of both versions have in common |
@@ -23,4 +24,5 @@ mod fmi3;
 pub mod model;
 mod outputs;
 pub mod package;
+mod struts;
 pub mod variables;

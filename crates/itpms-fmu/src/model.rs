@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::thread;
 
+use itpms_analysis::suspension::SuspensionVerdict;
 use itpms_core::conditioning::SAMPLE_RATES_HZ;
 use itpms_core::model::{Air, CarEstimate, Corner, CornerConfig, PressureMap, QuarterCar};
 use itpms_core::warning::Cause;
@@ -15,10 +16,11 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::outputs::{all_fine, code, cold_add, cold_pressure, state};
+use crate::struts::{Struts, damper, load};
 use crate::variables::{Causality, OfCar, OfCorner, Role, Variable, parameter, variables};
 
 /// How a saved state begins: what it is, its format and the program's version, which has to be the same.
-const MAGIC: &str = concat!("itpms-fmu-state 4 ", env!("CARGO_PKG_VERSION"), " ");
+const MAGIC: &str = concat!("itpms-fmu-state 5 ", env!("CARGO_PKG_VERSION"), " ");
 /// Wheel speeds alone come at least so often.
 const WHEEL_SPEED_RATE_HZ: f64 = 9.5;
 /// Stack of what builds a car from bytes; a simulation tool's thread may have less.
@@ -49,6 +51,7 @@ pub struct Model {
     variables: Vec<Variable>,
     values: Vec<f64>,
     drive: Option<Box<Drive>>,
+    struts: Option<Struts>,
     phase: Phase,
 }
 
@@ -67,7 +70,7 @@ impl Model {
     pub fn new(file: Vehicle) -> Self {
         let variables = variables(&file);
         let values = variables.iter().map(|variable| variable.start).collect();
-        Self { file, variables, values, drive: None, phase: Phase::Made }
+        Self { file, variables, values, drive: None, struts: None, phase: Phase::Made }
     }
 
     /// The same of the vehicle file in a folder of resources.
@@ -139,11 +142,13 @@ impl Model {
                 return Err(ModelError::Step(step_s, "at most 0.1 s"));
             }
             self.drive = Some(Box::new(self.begin(&corners, step_s.recip())?));
+            self.struts = Some(Struts::new(&self.as_set()?, &corners, time_s, step_s, self.calibrate_s()));
         }
         let mut row = self.row(time_s, &corners);
         let Some(drive) = &mut self.drive else { return Ok(()) };
         let estimate = drive.update(&mut row);
-        self.write(time_s + step_s, &estimate);
+        let verdict = self.struts.as_mut().and_then(|struts| struts.take(&row));
+        self.write(time_s + step_s, &estimate, verdict.as_ref());
         Ok(())
     }
 
@@ -168,10 +173,13 @@ impl Model {
             let what = "no corner is measured and no wheel speeds are used".to_owned();
             return Err(DriveError::Mismatch(what).into());
         }
-        let calibrate_s = Some(self.value(Role::Car(OfCar::CalibrateS))).filter(|seconds| *seconds != 0.0);
-        let settings = Settings { calibrate_s, ..Settings::default() };
+        let settings = Settings { calibrate_s: self.calibrate_s(), ..Settings::default() };
         let drive = Drive::new(&settings, &vehicle, corners, wheel_speeds, rate_hz)?;
         Ok(drive.with_road(&vehicle, corners, rate_hz)?)
+    }
+
+    fn calibrate_s(&self) -> Option<f64> {
+        Some(self.value(Role::Car(OfCar::CalibrateS))).filter(|seconds| *seconds != 0.0)
     }
 
     fn as_set(&self) -> Result<Vehicle, ModelError> {
@@ -233,8 +241,8 @@ impl Model {
         }
     }
 
-    /// Writes the outputs after a sample.
-    fn write(&mut self, now_s: f64, estimate: &CarEstimate<f64>) {
+    /// Writes the outputs after a sample; of dampers and load where they were worked out after it.
+    fn write(&mut self, now_s: f64, estimate: &CarEstimate<f64>, verdict: Option<&SuspensionVerdict>) {
         let Some(drive) = &self.drive else { return };
         let report = drive.report();
         let (taught, radii) = (drive.learned(), drive.radii());
@@ -253,7 +261,7 @@ impl Model {
                     OfCar::Calibrated => {
                         Some(flag(taught.corners.is_some() || taught.wheel_speeds.is_some()))
                     }
-                    _ => None,
+                    _ => verdict.and_then(|verdict| load(verdict, of)),
                 },
                 Role::Corner(corner, of) => {
                     let (found, wheel) = (estimate.corners[corner.index()], report.wheels[corner.index()]);
@@ -287,7 +295,7 @@ impl Model {
                             let warning = found.map(|e| e.warning).or(wheel.map(|wheel| wheel.warning));
                             Some(warning.map_or(0.0, code))
                         }
-                        _ => None,
+                        _ => verdict.and_then(|verdict| damper(&verdict.dampers[corner.index()], of)),
                     }
                 }
             };
@@ -297,8 +305,9 @@ impl Model {
 
     /// All of it as bytes, with its version and a checksum. Errors: it cannot be written, which a car of ours always can.
     pub fn to_bytes(&self) -> Result<Vec<u8>, ModelError> {
-        let body = postcard::to_stdvec(&(self.file.to_toml(), &self.values, &self.drive, self.phase))
-            .map_err(|error| ModelError::State(format!("cannot be written: {error}")))?;
+        let body =
+            postcard::to_stdvec(&(self.file.to_toml(), &self.values, &self.drive, &self.struts, self.phase))
+                .map_err(|error| ModelError::State(format!("cannot be written: {error}")))?;
         let head = format!("{MAGIC}{:016x}\n", crc64(&[&body]));
         Ok([head.as_bytes(), &body].concat())
     }
@@ -311,8 +320,8 @@ impl Model {
         if seal != format!("{:016x}\n", crc64(&[body])).as_bytes() {
             return Err(refuse("is damaged: its checksum does not fit"));
         }
-        type Saved = (String, Vec<f64>, Option<Box<Drive>>, Phase);
-        let (file, values, drive, phase) = thread::scope(|scope| {
+        type Saved = (String, Vec<f64>, Option<Box<Drive>>, Option<Struts>, Phase);
+        let (file, values, drive, struts, phase) = thread::scope(|scope| {
             let reading = thread::Builder::new().stack_size(STACK_BYTES);
             let reading = reading.spawn_scoped(scope, || postcard::from_bytes::<Saved>(body));
             reading.ok().and_then(|reading| reading.join().ok()?.ok())
@@ -321,7 +330,7 @@ impl Model {
         if file != self.file.to_toml() || values.len() != self.variables.len() {
             return Err(refuse("is of another vehicle file"));
         }
-        (self.values, self.drive, self.phase) = (values, drive, phase);
+        (self.values, self.drive, self.struts, self.phase) = (values, drive, struts, phase);
         Ok(())
     }
 }

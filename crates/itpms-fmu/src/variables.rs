@@ -94,6 +94,15 @@ table! {
     AllFine Output Boolean "all_fine" "" "Every wheel is known to be fine.";
     Alerts Output Integer "alerts" "" "Number of alerts that stand.";
     Calibrated Output Boolean "is_calibrated" "" "A calibration is over and has taught something.";
+    FrontAxle Output Real "front_axle_kg" "kg" "What the front tires carry, wheels included, against a calibration before; NaN: not known.";
+    FrontAxleSd Output Real "front_axle_sd_kg" "kg" "Its standard deviation.";
+    RearAxle Output Real "rear_axle_kg" "kg" "What the rear tires carry.";
+    RearAxleSd Output Real "rear_axle_sd_kg" "kg" "Its standard deviation.";
+    Total Output Real "total_kg" "kg" "What all tires carry.";
+    TotalSd Output Real "total_sd_kg" "kg" "Its standard deviation.";
+    Added Output Real "added_kg" "kg" "More than in the calibration.";
+    AddedSd Output Real "added_sd_kg" "kg" "Its standard deviation.";
+    LoadState Output Integer "load_state" "" "0 unknown, 1 known, 2 overload, 3 learning.";
 }
 
 table! {
@@ -124,6 +133,17 @@ table! {
     Road Output Real "road_m" "m" "Height of the road under the wheel, without drift.";
     RoadSd Output Real "road_sd_m" "m" "Its standard deviation.";
     Valid Output Boolean "is_valid" "" "Whether the pressure may be shown.";
+    Damper Output Real "damper_n_s_per_m" "N.s/m" "Damping at 0.1 m/s (rms), without friction; NaN: not known, as those that follow.";
+    DamperSd Output Real "damper_sd_n_s_per_m" "N.s/m" "Its standard deviation.";
+    OverReference Output Real "damper_over_reference" "" "That over the calibration's: 1 is as it was.";
+    OverReferenceSd Output Real "damper_over_reference_sd" "" "Its standard deviation.";
+    LeftRight Output Real "damper_left_right" "" "Left over right of its axle, less one.";
+    LeftRightSd Output Real "damper_left_right_sd" "" "Its standard deviation.";
+    FrontRear Output Real "damper_front_rear" "" "Front over rear, less one, over the calibration's.";
+    FrontRearSd Output Real "damper_front_rear_sd" "" "Its standard deviation.";
+    DampingRatio Output Real "wheel_damping_ratio" "" "Damping ratio of the wheel between tire and spring.";
+    DampingRatioSd Output Real "wheel_damping_ratio_sd" "" "Its standard deviation.";
+    DamperState Output Integer "damper_state" "" "0 unknown, 1 fine, 2 weak, 3 worn, 4 stiff, 5 learning.";
     State Output Integer "state" "" "0 unknown, 1 fine, 2 low, 3 over, 4 malfunction, 5 uncertain.";
     Warning Output Integer "warning" "" "0 none, 1 low, 2 malfunction.";
 }

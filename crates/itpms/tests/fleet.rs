@@ -244,17 +244,17 @@ fn what_is_not_as_it_was_written_is_estimated_again_and_odd_names_are_harmless()
     assert_eq!(bench.read("out/fleet.csv"), fleet);
 }
 
-/// Cars that are not quite as their file says, on one road.
-const ROAD_CARS: [(&str, f64, &str); 3] = [
-    ("ada", 64.0, "tire_stiffness_factor = 1.08\nunsprung_mass_factor = 0.95\nspring_factor = 1.1\n"),
-    ("bob", 72.0, "tire_stiffness_factor = 0.93\nsprung_mass_factor = 1.1\n"),
-    ("cyd", 83.0, "unsprung_mass_factor = 1.07\ndamping_factor = 1.15\nspring_factor = 0.9\n"),
+/// Cars that are not quite as their file says, on one road. Their positions are off so many meters along it.
+const ROAD_CARS: [(&str, f64, f64, &str); 3] = [
+    ("ada", 64.0, 5.0, "tire_stiffness_factor = 1.08\nunsprung_mass_factor = 0.95\nspring_factor = 1.1\n"),
+    ("bob", 72.0, 0.0, "tire_stiffness_factor = 0.93\nsprung_mass_factor = 1.1\n"),
+    ("cyd", 83.0, -3.0, "unsprung_mass_factor = 1.07\ndamping_factor = 1.15\nspring_factor = 0.9\n"),
 ];
 
 /// Their drives, a folder a car; 1100 m due north-east, a position a second.
 fn cars_on_one_road() -> Bench {
     let bench = Bench::new();
-    for (car, km_h, truth) in ROAD_CARS {
+    for (car, km_h, off_m, truth) in ROAD_CARS {
         fs::create_dir_all(bench.path(&format!("logs/{car}"))).unwrap();
         let corners: String = ["fl", "fr", "rl", "rr"]
             .map(|corner| {
@@ -273,7 +273,7 @@ fn cars_on_one_road() -> Bench {
         bench.run("--quiet simulate road.toml --seed 9 -o drive.csv --vehicle-out car.toml").success();
         let m_s = km_h / 3.6;
         bench.edit_drive(|line, cells| {
-            let way_m = m_s * cells[0].parse::<f64>().unwrap_or(0.0);
+            let way_m = off_m + m_s * cells[0].parse::<f64>().unwrap_or(0.0);
             let degrees = |share: f64| format!("{:.8}", share + 0.707 * way_m / 111_195.0);
             cells.extend(match (line, line % 200) {
                 (1, _) => ["latitude_deg".to_owned(), "longitude_deg".to_owned()],

@@ -11,7 +11,7 @@ use crate::suspension::{
 };
 
 /// Listens to a drive of a car whose four corners are all measured.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, serde::Serialize, serde::Deserialize)]
 pub struct SuspensionWatch {
     car: CarBody,
     terms: Terms,
@@ -42,6 +42,13 @@ impl SuspensionWatch {
             corner.map_or([f64::NAN; 2], |corner| [corner.wheel_accel_m_s2, corner.body_accel_m_s2])
         });
         self.spectra.push(row.time_s, row.speed_m_s, &accelerations);
+    }
+
+    /// From here on against what the rows so far have taught, where they have taught anything; nothing else is kept of them.
+    pub fn calibrate(&mut self) {
+        let learned = self.conclude().learned.or(self.reference);
+        self.spectra = self.spectra.begun_anew();
+        self.reference = learned;
     }
 
     pub fn conclude(&self) -> SuspensionVerdict {

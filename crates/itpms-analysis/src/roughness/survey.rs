@@ -12,7 +12,7 @@ use crate::spectrum::{FitError, Psd, REFERENCE_FREQUENCY_PER_M, RoadFit, fit_pow
 /// Share of a segment that has to be known for its numbers to stand for it.
 const LEAST_SHARE: f64 = 0.9;
 /// Shortest segment in m: the golden car needs 11 m to settle.
-const SHORTEST_SEGMENT_M: f64 = 5.0;
+const SHORTEST_SEGMENT_M: f64 = 2.5;
 /// A spectrum's window is a third of the segment, but long enough to hold waves of 10 m: the lowest bin and a half.
 const LEAST_WINDOW_M: f64 = 16.0;
 /// Segments that are kept; what lies beyond (100 000 km at 100 m) is left out.

@@ -5,7 +5,7 @@ use itpms_data::reference::SuspensionReference;
 const GRAVITY_M_S2: f64 = 9.80665;
 
 /// A car as its vehicle file has it, corners in the order of [`Corner::ALL`](itpms_core::model::Corner::ALL).
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct CarBody {
     /// Sprung masses in kg.
     pub sprung_mass_kg: [f64; 4],

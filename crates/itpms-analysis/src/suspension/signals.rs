@@ -36,7 +36,7 @@ pub(super) fn high_pass_power(hz: f64) -> f64 {
 }
 
 /// `s / (s + a)` and `1 / (s + a)`, by the bilinear transform.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, serde::Serialize, serde::Deserialize)]
 struct FirstOrder {
     half_step: f64,
     keep: f64,
@@ -67,7 +67,7 @@ impl FirstOrder {
 type Stages<const N: usize> = [[f64; 2]; N];
 
 /// A rate without its drift, and the other signals of the same moment.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, serde::Serialize, serde::Deserialize)]
 struct Drift {
     /// Samples of a mean: odd.
     samples: usize,
@@ -113,7 +113,7 @@ impl Drift {
     }
 }
 
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, serde::Serialize, serde::Deserialize)]
 pub(super) struct CornerSignals {
     filter: FirstOrder,
     rate_filter: FirstOrder,

@@ -29,7 +29,7 @@ const FEWEST_FRAMES: u32 = 8;
 const MOST_MISSING_S: f64 = 0.025;
 
 /// The sum of frames of one kind.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, serde::Serialize, serde::Deserialize)]
 struct Frames {
     /// The lower triangle of each bin's matrix, by rows, bin after bin.
     matrix: Vec<Complex<f64>>,
@@ -118,18 +118,18 @@ pub(super) enum TooLittle {
 }
 
 /// The cross-spectral matrix of a drive in the making; takes it row by row.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, serde::Serialize, serde::Deserialize)]
 pub struct SuspensionSpectra {
     step_s: f64,
     corners: [CornerSignals; 4],
     /// Samples that are averaged to one of a frame, how many there are, and their sums.
     every: usize,
     taken: usize,
-    sums: [f64; ALL],
+    sums: [[f64; SIGNALS]; 4],
     /// Largest rate and way since the frame's last half began, and in the half before.
     peaks: [[f64; 2]; 2],
     /// The newest samples, signal after signal in each.
-    samples: Vec<[f64; ALL]>,
+    samples: Vec<[[f64; SIGNALS]; 4]>,
     length: usize,
     window: Vec<f64>,
     /// Samples to be left out until the filters have settled.
@@ -153,7 +153,7 @@ impl SuspensionSpectra {
             corners: std::array::from_fn(|_| CornerSignals::new(step_s)),
             every,
             taken: 0,
-            sums: [0.0; ALL],
+            sums: [[0.0; SIGNALS]; 4],
             peaks: [[0.0; 2]; 2],
             samples: Vec::with_capacity(length),
             length,
@@ -167,6 +167,12 @@ impl SuspensionSpectra {
         };
         new.begin_again();
         new
+    }
+
+    /// One that has seen nothing, for the same rows.
+    #[must_use]
+    pub fn begun_anew(&self) -> Self {
+        Self::new(self.step_s)
     }
 
     /// Takes a row: time in s, speed in m/s (NaN: not known), and of each corner the accelerations in m/s² of wheel and body.
@@ -201,7 +207,7 @@ impl SuspensionSpectra {
     fn begin_again(&mut self) {
         self.corners = std::array::from_fn(|_| CornerSignals::new(self.step_s));
         self.samples.clear();
-        (self.taken, self.sums, self.peaks) = (0, [0.0; ALL], [[0.0; 2]; 2]);
+        (self.taken, self.sums, self.peaks) = (0, [[0.0; SIGNALS]; 4], [[0.0; 2]; 2]);
         self.unsettled = (SETTLING_S / self.step_s) as usize;
     }
 
@@ -210,13 +216,13 @@ impl SuspensionSpectra {
         for (i, (corner, [wheel, body])) in self.corners.iter_mut().zip(accelerations).enumerate() {
             let signals = corner.push(*wheel, *body);
             peak = [peak[0].max(signals[VELOCITY].abs()), peak[1].max(signals[WAY].abs())];
-            for (sum, value) in self.sums[i * SIGNALS..].iter_mut().zip(signals) {
+            for (sum, value) in self.sums[i].iter_mut().zip(signals) {
                 *sum += value;
             }
         }
         if self.unsettled > 0 {
             self.unsettled -= 1;
-            self.sums = [0.0; ALL];
+            self.sums = [[0.0; SIGNALS]; 4];
             return;
         }
         let [now, _] = &mut self.peaks;
@@ -226,8 +232,8 @@ impl SuspensionSpectra {
             return;
         }
         let scale = 1.0 / self.every as f64;
-        self.samples.push(self.sums.map(|sum| sum * scale));
-        (self.taken, self.sums) = (0, [0.0; ALL]);
+        self.samples.push(self.sums.map(|corner| corner.map(|sum| sum * scale)));
+        (self.taken, self.sums) = (0, [[0.0; SIGNALS]; 4]);
         let half = self.length / 2;
         if self.samples.len() == self.length {
             self.frame();
@@ -241,7 +247,7 @@ impl SuspensionSpectra {
     fn frame(&mut self) {
         let over = |at: usize, limit: f64| self.peaks.iter().any(|peak| !(peak[at] < limit));
         let rate = |corner: usize| {
-            let squares = self.samples.iter().map(|sample| sample[corner * SIGNALS + VELOCITY].powi(2));
+            let squares = self.samples.iter().map(|sample| sample[corner][VELOCITY].powi(2));
             squares.sum::<f64>() / self.length as f64
         };
         let squared_rate: [f64; 4] = std::array::from_fn(rate);
@@ -273,8 +279,11 @@ impl SuspensionSpectra {
         let (mut values, mut bins) = (fft.make_input_vec(), fft.make_output_vec());
         let mut spectra = vec![DVector::zeros(ALL); BINS];
         for signal in 0..ALL {
-            let windowed =
-                self.samples.iter().zip(&self.window).map(|(sample, window)| sample[signal] * window);
+            let windowed = self
+                .samples
+                .iter()
+                .zip(&self.window)
+                .map(|(sample, window)| sample.as_flattened()[signal] * window);
             values.iter_mut().zip(windowed).for_each(|(value, windowed)| *value = windowed);
             // It refuses no length but another than its own.
             let _ = fft.process(&mut values, &mut bins);

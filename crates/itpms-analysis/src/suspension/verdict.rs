@@ -10,7 +10,7 @@ use super::reading::SuspensionReading;
 use super::spectra::SuspensionSpectra;
 
 /// What the vehicle file says of what may be judged.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 pub struct Terms {
     /// The dampers do what a controller tells them.
     pub adaptive_dampers: bool,

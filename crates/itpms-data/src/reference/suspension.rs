@@ -10,7 +10,7 @@ pub const FRICTION_ELEMENTS: usize = 3;
 
 /// Struts and body of a healthy car, in the kilograms of its vehicle file (docs/math/dampers.md). Corners in the order of
 /// [`Corner::ALL`](itpms_core::model::Corner::ALL), axles front and rear.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct SuspensionReference {
     pub sprung_mass_kg: f64,
     pub rear_share: f64,

@@ -5,6 +5,7 @@
 
 use std::fmt::Write as _;
 
+use super::dampers::ROW;
 use super::record::{DamperRecord, DriveRecord};
 
 const WHEELS: [&str; 4] = ["fl", "fr", "rl", "rr"];
@@ -47,10 +48,11 @@ pub(super) fn cell(drives: &[&DriveRecord]) -> String {
             damper.over_reference.map_or_else(String::new, |over| format!(" {:.0}\u{a0}%", 100.0 * over));
         let _ = write!(
             words,
-            "<b class=\"{}\">{} {}{over}</b> ",
+            "<b class=\"{}\">{} {}{over}</b>{} ",
             damper.state,
             name.to_uppercase(),
-            damper.state
+            damper.state,
+            if damper.reported { String::new() } else { format!(" in {} of {ROW}\u{a0}drives", damper.row) }
         );
     }
     if words.is_empty() {

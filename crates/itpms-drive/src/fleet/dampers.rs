@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use super::record::DriveRecord;
 
-const ROW: u32 = 3;
+pub(super) const ROW: u32 = 3;
 
 /// The way in which a damper is not as it was.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,7 +38,7 @@ pub(super) fn judge(drives: &mut [DriveRecord]) {
             };
             let row = rows.entry(key).or_insert((way, 0));
             *row = if row.0 == way { (way, row.1 + 1) } else { (way, 1) };
-            damper.reported = row.1 >= ROW;
+            (damper.row, damper.reported) = (row.1, row.1 >= ROW);
             if damper.reported {
                 let does = if way == Way::Less { "less" } else { "more" };
                 let now =

@@ -11,16 +11,19 @@
 //! | `crew` | several at a time |
 //! | [`days`] | slow leaks, over a car's drives |
 //! | `dampers` | dampers that are not as they were, over a car's drives |
+//! | `beside_cell`, `damper_cell` | load, cold pressures, what turns, tire sensors; dampers: cells of the page |
 //! | `tables` | `fleet.csv`, `fleet.parquet`, `failed.csv` |
 //! | [`standing`] | how each car stands after its last drive |
 //! | [`wheels`] | what a drive showed of each wheel |
-//! | [`road_map`] | roughness in squares of 20 m, with a factor for each car |
+//! | [`road_map`], `align` | roughness in squares of 20 m, with a factor for each car; how far off each drive's positions are |
 //! | `page`, `names`, `histogram` | `index.html` |
 //!
 //! Calibration drives come first, because they need no others; what each taught of its car is stored, and every later
 //! drive of that car starts with it. So all drives of a stage are independent of each other. The same files give the same
 //! results, whatever the number of threads and however often the run was stopped.
 
+mod align;
+mod beside_cell;
 pub mod cars;
 mod copies;
 mod crew;
@@ -287,7 +290,7 @@ fn heading(plan: &Plan) -> Result<Value, DriveError> {
     let content = |path: &Option<PathBuf>| path.as_deref().map(fingerprint).transpose();
     let Plan { settings, options, .. } = plan;
     Ok(json!({
-        "itpms_fleet": 1,
+        "itpms_fleet": 2,
         "program": plan.program,
         "estimator": settings.estimator.label(),
         "regulation": settings.regulation.label(),

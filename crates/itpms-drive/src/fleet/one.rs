@@ -11,7 +11,7 @@ use super::cars::Car;
 use super::record::{DayRecord, DriveRecord, Inputs};
 use super::road_map::DriveRoad;
 use super::wheels::{Begun, wheels};
-use super::{Plan, beneath, reference_path};
+use super::{Plan, beneath, beside_cell, reference_path};
 use crate::concerns::common_corners;
 use crate::drive::Estimates;
 use crate::error::DriveError;
@@ -98,6 +98,7 @@ pub(super) fn run(
         alerts: done.alerts.sentences(drive.origin_s, settings.pressure_unit).collect(),
         concerns: std::mem::take(&mut done.concerns),
         day: DayRecord::of(&done.learned),
+        beside: beside_cell::lines(&done, settings.pressure_unit),
         road,
         report: within(&paths.report),
         estimates: within(&paths.estimates),

@@ -16,7 +16,7 @@ use super::names::Names;
 use super::record::{DriveRecord, Loss, WheelRecord};
 use super::road_map::FleetRoads;
 use super::standing::{CarStanding, State, lowest, share};
-use super::{Failed, Outcome, Plan, damper_cell};
+use super::{Failed, Outcome, Plan, beside_cell, damper_cell};
 use crate::error::DriveError;
 use crate::provenance::today;
 
@@ -176,22 +176,23 @@ fn warned(last: &DriveRecord, drives: &[&DriveRecord]) -> String {
 
 /// The cars, the worst first, each with its wheels at the end of its last drive that could be estimated.
 fn cars_table(cars: &[CarStanding<'_>], outcome: &Outcome, names: &Names<'_>, unit: PressureUnit) -> String {
-    let dampers = damper_cell::any(&outcome.drives);
+    let (dampers, beside) = (damper_cell::any(&outcome.drives), beside_cell::any(&outcome.drives));
     let mut out = format!(
         "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Cars\"><table class=\"cars\"><thead><tr><th scope=\"col\">Car</th><th scope=\"col\">State</th>\
          <th scope=\"col\">Front left</th><th scope=\"col\">Front right</th><th scope=\"col\">Rear left</th>\
-         <th scope=\"col\">Rear right</th><th scope=\"col\">Over its drives</th>{}<th scope=\"col\">Last drive</th></tr></thead><tbody>\n",
-        if dampers { "<th scope=\"col\">Dampers</th>" } else { "" }
+         <th scope=\"col\">Rear right</th><th scope=\"col\">Over its drives</th>{}{}<th scope=\"col\">Last drive</th></tr></thead><tbody>\n",
+        if dampers { "<th scope=\"col\">Dampers</th>" } else { "" },
+        if beside { "<th scope=\"col\">Load and more</th>" } else { "" }
     );
     for car in cars.iter().take(LISTED) {
         let Some(last) = car.last() else {
-            out.push_str(&unseen_row(car, dampers));
+            out.push_str(&unseen_row(car, usize::from(dampers) + usize::from(beside)));
             continue;
         };
         let wheels: String = ["fl", "fr", "rl", "rr"].map(|name| wheel_cell(last, name, unit)).concat();
         let _ = writeln!(
             out,
-            "<tr><th scope=\"row\">{name}<small>{vehicle}</small></th><td data-sort=\"{rank}\">{badge}{warned}</td>{wheels}<td class=\"line\" data-sort=\"{lowest}\">{line}</td>{dampers}\
+            "<tr><th scope=\"row\">{name}<small>{vehicle}</small></th><td data-sort=\"{rank}\">{badge}{warned}</td>{wheels}<td class=\"line\" data-sort=\"{lowest}\">{line}</td>{dampers}{beside}\
              <td class=\"last\">{link}<small>{count}</small>{later}</td></tr>",
             name = escape(car.car),
             vehicle = if last.vehicle == car.car { String::new() } else { escape(&last.vehicle) },
@@ -201,6 +202,7 @@ fn cars_table(cars: &[CarStanding<'_>], outcome: &Outcome, names: &Names<'_>, un
             warned = warned(last, &car.drives),
             line = line(&car.drives),
             dampers = if dampers { damper_cell::cell(&car.drives) } else { String::new() },
+            beside = if beside { beside_cell::cell(last) } else { String::new() },
             link = names.link(last),
             count = counted(car.drives.len(), "drive"),
             later = later_failures(car, last, &outcome.failed),
@@ -212,13 +214,13 @@ fn cars_table(cars: &[CarStanding<'_>], outcome: &Outcome, names: &Names<'_>, un
 }
 
 /// A car none of whose drives could be estimated.
-fn unseen_row(car: &CarStanding<'_>, dampers: bool) -> String {
+fn unseen_row(car: &CarStanding<'_>, more: usize) -> String {
     format!(
         "<tr><th scope=\"row\">{}</th><td>{}</td><td class=\"unseen\" colspan=\"{}\">no drive could be estimated</td>\
          <td class=\"last\"><a href=\"#failed\">{} failed</a></td></tr>\n",
         escape(car.car),
         badge(car.state),
-        5 + usize::from(dampers),
+        5 + more,
         counted(car.failed, "drive"),
     )
 }

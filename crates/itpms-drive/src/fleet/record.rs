@@ -104,7 +104,10 @@ pub struct DamperRecord {
     pub over_reference: Option<f64>,
     /// Left over right of its axle, less one.
     pub left_right: Option<f64>,
-    /// Whether it is reported, by this drive and those before it.
+    /// How many drives in a row have said so, and whether it is reported.
+    #[serde(skip)]
+    pub row: u32,
+    /// See above.
     #[serde(skip)]
     pub reported: bool,
 }
@@ -123,16 +126,10 @@ pub struct FitRecord {
     pub misfit: Option<String>,
 }
 
-/// Roughness of a square of road by one drive.
+/// Roughness of a piece of road by one drive: latitude and longitude of its middle in 1e-7 degrees, mean roughness in m/km, and the length in m
+/// that it rests on, of all wheels.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct RoadCell {
-    /// Its place: squares from the equator, and along its parallel from Greenwich.
-    pub place: [i64; 2],
-    /// Mean roughness in m/km.
-    pub iri_m_per_km: f64,
-    /// Length of road in m that it rests on, of all wheels.
-    pub length_m: f64,
-}
+pub struct RoadPiece(pub [i32; 2], pub f32, pub f32);
 
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct DriveRecord {
@@ -160,9 +157,12 @@ pub struct DriveRecord {
     pub concerns: Vec<String>,
     /// What it has shown of its day since the calibration, by wheel speeds and where it has a date.
     pub day: Option<DayRecord>,
-    /// The roads it drove on, where a map was asked for.
+    /// What it says beside pressures and dampers, in words, each with whether somebody has to look.
+    #[serde(default)]
+    pub beside: Vec<(String, bool)>,
+    /// The roads it drove on, piece by piece in the order of its way, where a map was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub road: Option<Vec<RoadCell>>,
+    pub road: Option<Vec<RoadPiece>>,
     /// Its report and its estimates, as paths within the folder of the results.
     pub report: Option<String>,
     pub estimates: Option<String>,
@@ -264,7 +264,7 @@ pub(super) fn sample(name: &str, state: &str, over: f64) -> DriveRecord {
         state: "fine".to_owned(),
         warning: "none".to_owned(),
         share_valid: 1.0,
-        damper: Some(DamperRecord { state, over_reference, left_right, reported: false }),
+        damper: Some(DamperRecord { state, over_reference, left_right, row: 0, reported: false }),
         ..WheelRecord::default()
     };
     DriveRecord {

@@ -2,7 +2,7 @@
 //!
 //! What a drive reads of a road has a factor of its car's: its tires and unsprung masses are not quite those of its file. Where cars share roads
 //! their factors show, `ln IRI(car, square) = factor(car) + road(square)`, but for one that they have in common: its mean over cars is one.
-//! Positions are kept only where the map was asked for.
+//! Positions are kept only where the map was asked for, and put right against each other by `align` first.
 
 use std::collections::BTreeMap;
 
@@ -11,15 +11,16 @@ use itpms_core::model::Corner;
 use itpms_data::out::AtomicFile;
 use serde_json::{Value, json};
 
-use super::record::{DriveRecord, RoadCell};
+use super::align::{Track, align};
+use super::record::{DriveRecord, RoadPiece};
 use crate::error::DriveError;
 use crate::road::LateRow;
 
-/// Side of a square in m, and length of the stretches that it is made of.
-const SIDE_M: f64 = 20.0;
-const STRETCH_M: f64 = 5.0;
+/// Side of a square in m, and length of the pieces of road that it is made of.
+pub(super) const SIDE_M: f64 = 20.0;
+pub(super) const PIECE_M: f64 = 2.5;
 /// Meters in a degree of latitude.
-const PER_DEGREE_M: f64 = 111_195.0;
+pub(super) const PER_DEGREE_M: f64 = 111_195.0;
 /// Least length of road in a square, over all wheels of a drive, that says anything of it.
 const LEAST_M: f64 = 10.0;
 /// What a reading of a square differs by beside the factor is so much, where nothing tells; more counts less.
@@ -30,7 +31,7 @@ fn per_degree_east_m(north: i64) -> f64 {
     PER_DEGREE_M * ((north as f64 + 0.5) * SIDE_M / PER_DEGREE_M).to_radians().cos().max(1e-3)
 }
 
-fn place_of([latitude, longitude]: [f64; 2]) -> [i64; 2] {
+pub(super) fn place_of([latitude, longitude]: [f64; 2]) -> [i64; 2] {
     let north = (latitude * PER_DEGREE_M / SIDE_M).floor() as i64;
     [north, (longitude * per_degree_east_m(north) / SIDE_M).floor() as i64]
 }
@@ -59,7 +60,7 @@ impl DriveRoad {
         wheelbase_m: Option<f64>,
         rate_hz: f64,
     ) -> Result<Self, SurveyError> {
-        let wheel = |corner: &Corner| Ok((*corner, WheelSurvey::new(STRETCH_M, rate_hz)?));
+        let wheel = |corner: &Corner| Ok((*corner, WheelSurvey::new(PIECE_M, rate_hz)?));
         let wheels = corners.iter().map(wheel).collect::<Result<_, _>>()?;
         Ok(Self { wheels, way: Way::default(), wheelbase_m: wheelbase_m.unwrap_or(0.0) })
     }
@@ -72,29 +73,34 @@ impl DriveRoad {
         }
     }
 
-    pub(super) fn finish(self) -> Vec<RoadCell> {
-        let mut sums: BTreeMap<[i64; 2], [f64; 2]> = BTreeMap::new();
+    pub(super) fn finish(self) -> Vec<RoadPiece> {
+        let mut sums: BTreeMap<i64, [f64; 2]> = BTreeMap::new();
         for (corner, survey) in self.wheels {
             let behind_m = if corner.index() >= 2 { self.wheelbase_m } else { 0.0 };
-            for stretch in survey.finish().segments {
-                let Ok(iri) = stretch.iri_m_per_km else { continue };
-                let middle_m = stretch.start_m + 0.5 * stretch.length_m - behind_m;
-                let Some(at) = self.way.at(middle_m) else { continue };
-                let [sum, length_m] = sums.entry(place_of(at)).or_default();
-                (*sum, *length_m) = (*sum + iri * stretch.known_m, *length_m + stretch.known_m);
+            for piece in survey.finish().segments {
+                let Ok(iri) = piece.iri_m_per_km else { continue };
+                let middle_m = piece.start_m + 0.5 * piece.length_m - behind_m;
+                let [sum, length_m] = sums.entry((middle_m / PIECE_M).floor() as i64).or_default();
+                (*sum, *length_m) = (*sum + iri * piece.known_m, *length_m + piece.known_m);
             }
         }
-        let known = sums.into_iter().filter(|(_, [sum, length_m])| *length_m >= LEAST_M && *sum > 0.0);
-        known
-            .map(|(place, [sum, length_m])| RoadCell { place, iri_m_per_km: sum / length_m, length_m })
-            .collect()
+        let piece = |(number, [sum, length_m]): (i64, [f64; 2])| {
+            let at = self.way.at((number as f64 + 0.5) * PIECE_M)?;
+            let rounded = |value: f64, digits: f64| ((value * digits).round() / digits) as f32;
+            Some(RoadPiece(
+                at.map(|deg| (1e7 * deg).round() as i32),
+                rounded(sum / length_m, 1e3),
+                rounded(length_m, 10.0),
+            ))
+        };
+        sums.into_iter().filter_map(piece).collect()
     }
 }
 
 /// Roughness of a square by all cars.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FleetCell {
-    /// See [`RoadCell::place`].
+    /// Squares from the equator, and along its parallel from Greenwich.
     pub place: [i64; 2],
     /// Roughness in m/km, the cars' factors taken off, and its standard deviation, but for what all cars have in common.
     pub iri_m_per_km: [f64; 2],
@@ -124,7 +130,7 @@ pub struct FleetRoads {
     pub cells: Vec<FleetCell>,
     /// Cars, in the order of their names.
     pub cars: Vec<CarFactor>,
-    /// What cars differ by in a square they share, their factors taken off, as a share; NaN where none is shared.
+    /// What drives of cars differ by in a square full of road that they share, their factors taken off, as a share; NaN where none is shared.
     pub between_cars: f64,
 }
 
@@ -141,28 +147,41 @@ impl FleetRoads {
     /// Of all drives that have their roads.
     #[must_use]
     pub fn of(drives: &[DriveRecord]) -> Self {
-        let mut sums: BTreeMap<(&str, [i64; 2]), (f64, f64, usize)> = BTreeMap::new();
-        for drive in drives {
-            for cell in drive.road.iter().flatten() {
-                let (sum, length_m, count) = sums.entry((&drive.car, cell.place)).or_default();
-                *sum += cell.iri_m_per_km * cell.length_m;
-                (*length_m, *count) = (*length_m + cell.length_m, *count + 1);
+        let drives: Vec<(&str, &[RoadPiece])> =
+            drives.iter().filter_map(|drive| Some((drive.car.as_str(), drive.road.as_deref()?))).collect();
+        let mut names: Vec<&str> = drives.iter().map(|(car, _)| *car).collect();
+        names.sort_unstable();
+        names.dedup();
+        let track = |(car, pieces)| Track::new(names.binary_search(&car).unwrap_or(0), pieces);
+        let mut tracks: Vec<Track<'_>> = drives.into_iter().map(track).collect();
+        align(&mut tracks, |tracks| {
+            Self::of_tracks(&names, tracks).cars.iter().map(|car| car.factor.map_or(0.0, f64::ln)).collect()
+        });
+        Self::of_tracks(&names, &tracks)
+    }
+
+    fn of_tracks(names: &[&str], tracks: &[Track<'_>]) -> Self {
+        let mut sums: BTreeMap<(usize, [i64; 2]), (f64, f64, usize)> = BTreeMap::new();
+        for track in tracks {
+            for (place, [iri, length]) in
+                track.squares().into_iter().filter(|(_, [sum, length])| *length >= LEAST_M && *sum > 0.0)
+            {
+                let (sum, length_m, count) = sums.entry((track.car, place)).or_default();
+                (*sum, *length_m, *count) = (*sum + iri, *length_m + length, *count + 1);
             }
         }
-        let mut names: Vec<&str> = sums.keys().map(|(car, _)| *car).collect();
-        names.dedup();
         let mut places: Vec<[i64; 2]> = sums.keys().map(|(_, place)| *place).collect();
         places.sort_unstable();
         places.dedup();
         let seen: Vec<Seen> = sums
             .iter()
             .filter_map(|((car, place), (sum, length_m, drives))| {
-                let (car, cell) = (names.binary_search(car).ok()?, places.binary_search(place).ok()?);
                 let weight = (length_m / (4.0 * SIDE_M)).min(4.0);
-                Some(Seen { car, cell, ln_iri: (sum / length_m).ln(), weight, drives: *drives })
+                let cell = places.binary_search(place).ok()?;
+                Some(Seen { car: *car, cell, ln_iri: (sum / length_m).ln(), weight, drives: *drives })
             })
             .collect();
-        Self::solve(&names, &places, &seen)
+        Self::solve(names, &places, &seen)
     }
 
     fn solve(names: &[&str], places: &[[i64; 2]], seen: &[Seen]) -> Self {
@@ -192,10 +211,12 @@ impl FleetRoads {
             factor = (0..free.len()).map(|car| free[car] - of_group(car)).collect();
         }
         let rest = |one: &Seen| one.ln_iri - factor[one.car] - road[one.cell];
+        // Its squares, its factor, and an offset along the road for every five squares are taken from a car.
         let known =
             shared.iter().map(|one| one.cell).collect::<std::collections::BTreeSet<_>>().len() + names.len();
-        let freedom = shared.len().saturating_sub(known) as f64;
-        let between_cars = (shared.iter().map(|one| rest(one).powi(2)).sum::<f64>() / freedom).sqrt();
+        let freedom = (shared.len() - shared.len() / 5).saturating_sub(known) as f64;
+        let between_cars =
+            (shared.iter().map(|one| one.weight * rest(one).powi(2)).sum::<f64>() / freedom).sqrt();
         let spread = if between_cars.is_finite() { between_cars } else { USUAL };
         let cells = places.iter().enumerate().map(|(cell, place)| {
             let there = || seen.iter().filter(|one| one.cell == cell);
@@ -203,7 +224,7 @@ impl FleetRoads {
             let drives = there().map(|one| one.drives).sum();
             FleetCell {
                 place: *place,
-                iri_m_per_km: [iri, iri * spread / (cars_of[cell] as f64).sqrt()],
+                iri_m_per_km: [iri, iri * spread / there().map(|one| one.weight).sum::<f64>().sqrt()],
                 cars: cars_of[cell],
                 drives,
             }

@@ -126,6 +126,7 @@ fn wheel(
             state: damper.state.label().to_owned(),
             over_reference: damper.over_reference.map(|over| over.value),
             left_right: damper.left_right.map(|ratio| ratio.value),
+            row: 0,
             reported: false,
         }),
     }

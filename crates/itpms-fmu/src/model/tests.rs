@@ -118,3 +118,51 @@ fn a_saved_state_goes_on_and_a_damaged_one_changes_nothing() {
     file.name = "another".to_owned();
     assert!(Model::new(file).restore(&bytes).unwrap_err().to_string().contains("another vehicle file"));
 }
+
+/// A simulated drive, calibrated for its first half minute; against the same rows to what `itpms estimate` listens with.
+#[test]
+fn dampers_and_load_are_those_of_a_log_and_of_a_saved_state() {
+    use itpms_analysis::beside::SuspensionWatch;
+    use itpms_sim::scenario::Scenario;
+    use itpms_sim::simulation::Simulation;
+
+    let scenario = Scenario { duration_s: 73.0, ..Scenario::builtin("drive-puncture").unwrap() };
+    let (mut model, mut other) = (initialized(), Model::new(Vehicle::paper()));
+    assert!(set(&mut model, "calibrate_s", 32.0));
+    let mut watch = SuspensionWatch::new(&Vehicle::paper(), &Corner::ALL, 0.002, None).unwrap();
+    let mut expected = None;
+    for (k, row) in Simulation::new(&scenario, 3).unwrap().enumerate() {
+        let sample = row.car_sample();
+        if k == 20_000 {
+            other.restore(&model.to_bytes().unwrap()).unwrap();
+        }
+        for model in [&mut model, &mut other].into_iter().take(if k < 20_000 { 1 } else { 2 }) {
+            for (corner, sample) in Corner::ALL.into_iter().zip(&sample.corners) {
+                let (label, sample) = (corner.label(), sample.unwrap());
+                set(model, &format!("{label}_body_accel_m_s2"), sample.body_accel_m_s2);
+                set(model, &format!("{label}_wheel_accel_m_s2"), sample.wheel_accel_m_s2);
+            }
+            set(model, "speed_m_s", sample.speed_m_s);
+            model.step(sample.time_s, 0.002).unwrap();
+        }
+        watch.take(&model.row(sample.time_s, &Corner::ALL));
+        if k == 16_000 {
+            watch.calibrate();
+        } else if k == 36_000 {
+            expected = Some(watch.conclude());
+        }
+    }
+    for (a, b) in model.values.iter().zip(&other.values) {
+        assert_eq!(a.to_bits(), b.to_bits());
+    }
+    let verdict = expected.unwrap();
+    let over = verdict.dampers[2].over_reference.unwrap();
+    assert_eq!(get(&model, "rl_damper_over_reference"), over.value);
+    assert_eq!(get(&model, "rl_damper_over_reference_sd"), over.sd);
+    assert_eq!(get(&model, "rl_damper_state"), 1.0);
+    let masses = verdict.load.masses.unwrap();
+    assert_eq!(get(&model, "rear_axle_kg"), masses.axles_kg[1].value);
+    assert_eq!((get(&model, "total_sd_kg"), get(&model, "load_state")), (masses.total_kg.sd, 1.0));
+    // Nothing was added.
+    assert!(get(&model, "added_kg").abs() < 3.0 * get(&model, "added_sd_kg"));
+}
