@@ -11,7 +11,7 @@ use itpms_data::{LogReader, Vehicle};
 use crate::error::DriveError;
 use crate::learn::{KnownDrive, by_sensors, no_pressure};
 use crate::run::ROWS_PER_LOOK;
-use crate::wheel_speeds::lacking;
+use crate::wheel_speeds::lacks;
 
 /// What the three ratios see of each radius: front left over right, rear left over right, front over rear.
 const SEEN: [[f64; 4]; 3] = [[1.0, -1.0, 0.0, 0.0], [0.0, 0.0, 1.0, -1.0], [0.5, 0.5, -0.5, -0.5]];
@@ -43,7 +43,7 @@ pub fn learn_radius(
         Ok(LogReader::open_with(log, options)?)
     };
     let (drives, concerns) = by_sensors(file, drives, open, watch)?;
-    let config = file.wheel_speed_config().map_err(|key| DriveError::Mismatch(lacking(file, key)))?;
+    let config = file.wheel_speed_config().map_err(|key| lacks(file, key))?;
     let beta = config.radius_per_ln_pressure;
     let before = [beta, (beta * config.radius_per_ln_pressure_sd).abs()];
     let (mut information, mut vector) = (before[1].powi(-2), beta * before[1].powi(-2));
@@ -76,7 +76,7 @@ pub fn learn_radius(
         corner.tire.radius_per_ln_pressure = Some(rounded(after[0]));
         corner.tire.radius_per_ln_pressure_sd = Some(rounded(after[1]));
     }
-    vehicle.wheel_speed_config().map_err(|key| DriveError::Mismatch(lacking(file, key)))?;
+    vehicle.wheel_speed_config().map_err(|key| lacks(file, key))?;
     Ok(LearnedRadius { vehicle, before, after, concerns })
 }
 

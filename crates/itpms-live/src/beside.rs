@@ -8,7 +8,6 @@ use std::thread::{self, JoinHandle};
 
 use itpms_analysis::beside::{Beside, Findings, Identified};
 use itpms_core::model::Corner;
-use itpms_core::monitor::MonitoredCar;
 use itpms_data::out::RadiusRow;
 use itpms_data::{LogRow, Vehicle};
 use serde_json::{Map, Value, json};
@@ -16,6 +15,7 @@ use serde_json::{Map, Value, json};
 use crate::clock::Clock;
 use crate::options::DriveOptions;
 use crate::reported::Reported;
+use crate::wheels::Car;
 
 /// Seconds between two looks at what the rows have shown.
 const LOOK_S: f64 = 60.0;
@@ -51,7 +51,7 @@ impl BesideWatch {
         row: &LogRow,
         speed_m_s: f64,
         estimates: &[Option<itpms_core::CornerEstimate<f64>>; 4],
-        car: &MonitoredCar<f64>,
+        car: &Car,
         reported: &mut impl FnMut(f64, Reported),
     ) {
         // A speed that is not known is none of a car that stands.
@@ -90,7 +90,7 @@ impl BesideWatch {
     }
 
     /// There is nothing more: what all rows have shown.
-    pub(crate) fn finish(&mut self, car: &MonitoredCar<f64>) {
+    pub(crate) fn finish(&mut self, car: &Car) {
         self.working = None;
         self.shown = shown(&self.watch.conclude(&Identified::by(Some(car.estimator()))));
     }

@@ -290,8 +290,13 @@ impl<T: Real> CarEstimator<T> {
         }
         self.conclude_in = self.conclude_in.saturating_sub(1);
         let corners = Corner::ALL.map(|corner| self.estimate(corner, at.now_s, sample));
+        CarEstimate { corners, ..self.without_corners(sample.time_s) }
+    }
+
+    /// What is known of the axles, at a time at which no corner was measured.
+    pub(crate) fn without_corners(&self, time_s: f64) -> CarEstimate<T> {
         let Concluded { correlation, loss_correlation, tracks, .. } = self.concluded;
-        CarEstimate { time_s: sample.time_s, corners, correlation, loss_correlation, tracks }
+        CarEstimate { time_s, corners: [None; 4], correlation, loss_correlation, tracks }
     }
 
     /// Gives a sample's values to the corners and to the road they share.

@@ -1,5 +1,5 @@
 //! A car with all that it has to find its pressures with: an estimator of accelerations under its monitor, which keeps bad sensors from
-//! it and judges what it says, and the monitor of wheel speeds, a second witness or the only one.
+//! it and judges its estimates, the monitor of wheel speeds, a second witness or the only one, and the tooth pulses, where they are read.
 
 #[cfg(test)]
 mod tests;
@@ -9,20 +9,22 @@ use crate::estimator::OutsideStiffness;
 use crate::memory::{Blank, Placed};
 use crate::model::{
     Air, CalibrationError, CarEstimate, CarSample, Corner, ParameterError, VehicleCalibration,
+    WheelSpeedSample,
 };
 use crate::monitor::{Monitor, MonitorConfig, MonitoredWheels};
 use crate::real::Real;
-use crate::torsion::CarTorsion;
+use crate::torsion::{CarTorsion, ToothPulses};
 use crate::warning::MonitorReport;
-use crate::wheel_speed::WheelSpeedSample;
 
-/// A running estimator and its monitors. A value: clone it, save it, go on.
-#[derive(Debug, Clone, Blank)]
+/// A running estimator and its monitors. A value: clone it, save it, go on. `P` says [where](ToothPulses) the tooth pulses are analysed;
+/// most cars read none.
+#[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct MonitoredCar<T: Real> {
+pub struct MonitoredCar<T: Real, P = ()> {
     estimator: CarEstimator<T>,
     monitor: Monitor<T>,
     wheels: Placed<MonitoredWheels<T>>,
+    pulses: P,
 }
 
 impl<T: Real> MonitoredCar<T> {
@@ -42,10 +44,32 @@ impl<T: Real> MonitoredCar<T> {
     /// without corners and wheel speeds, of which nothing is estimated.
     #[must_use]
     pub const fn unconfigured() -> Self {
-        Self::BLANK
+        Self::blank(())
+    }
+}
+
+impl<T: Real, P> MonitoredCar<T, Option<P>> {
+    /// The same of a car whose tooth pulses [may be read](Self::read_pulses).
+    #[must_use]
+    pub const fn unconfigured_with_pulses() -> Self {
+        Self::blank(None)
     }
 
-    /// What [`new`](Self::new) does, where the car lies: it takes little stack. Whatever was there is forgotten.
+    /// Reads tooth pulses from here on, analysed in `torsion`: of this car's wheels, [configured](CarTorsion::configure).
+    pub fn read_pulses(&mut self, torsion: P) {
+        self.pulses = Some(torsion);
+    }
+}
+
+impl<T: Real, P> MonitoredCar<T, P> {
+    const fn blank(pulses: P) -> Self {
+        Self { estimator: Blank::BLANK, monitor: Blank::BLANK, wheels: Blank::BLANK, pulses }
+    }
+}
+
+impl<T: Real, P: ToothPulses<T>> MonitoredCar<T, P> {
+    /// What [`new`](Self::new) does, where the car lies: it takes little stack. Whatever was there is forgotten, but for the tooth
+    /// pulses: their analysis is configured by itself.
     ///
     /// # Errors
     /// As for [`new`](Self::new); the car is unconfigured then.
@@ -90,8 +114,21 @@ impl<T: Real> MonitoredCar<T> {
         self.estimator.load_calibration(calibration)
     }
 
-    /// Takes one sample of the accelerations; gives the estimate after it, its validity and warnings being the monitor's.
+    /// Takes one sample; gives the estimate after its accelerations, whose validity and warnings are the monitor's. Wheel speeds count if the
+    /// car was [configured](MonitorConfig::wheel_speeds) with them, tooth pulses with the next of these. A sample that has wheel speeds and
+    /// no corner leaves the accelerations as they are.
     pub fn update(&mut self, sample: &CarSample<T>) -> CarEstimate<T> {
+        let estimate = match sample.is_of_wheel_speeds() {
+            true => self.estimator.without_corners(sample.time_s),
+            false => self.take_accelerations(sample),
+        };
+        if let Some(message) = &sample.wheel_speeds {
+            self.take_wheel_speeds(message);
+        }
+        estimate
+    }
+
+    fn take_accelerations(&mut self, sample: &CarSample<T>) -> CarEstimate<T> {
         let at = self.estimator.clock().take(sample.time_s, sample.speed_m_s);
         let watched = self.estimator.has_corners();
         let (at, screened) = if watched { self.monitor.screen(&at, sample) } else { (at, *sample) };
@@ -109,12 +146,10 @@ impl<T: Real> MonitoredCar<T> {
         estimate
     }
 
-    /// Takes one sample of the wheel speeds, after that of the accelerations of the same time; where tooth pulses are read, those up to its
-    /// time are in `pulses`, whose calibration ends with that of the wheel speeds. A car whose wheel speeds are not configured learns nothing
-    /// from it; one without four corners whose axles share the road, nothing of its pressures.
-    pub fn update_wheel_speeds(&mut self, sample: &WheelSpeedSample<T>, pulses: Option<&mut CarTorsion<T>>) {
+    /// Of a car without four corners whose axles share the road the pressures learn nothing from it.
+    fn take_wheel_speeds(&mut self, message: &WheelSpeedSample<T>) {
         if let Some(wheels) = self.wheels.as_mut() {
-            wheels.update_with_pulses(sample, pulses);
+            wheels.update_with_pulses(message, self.pulses.torsion_mut());
         }
         self.follow_wheels();
     }
@@ -150,6 +185,16 @@ impl<T: Real> MonitoredCar<T> {
         self.monitor.denies_standstill()
     }
 
+    /// The analysis of the tooth pulses, where they are read.
+    pub fn torsion(&self) -> Option<&CarTorsion<T>> {
+        self.pulses.torsion()
+    }
+
+    /// The same, to take in the [edges](CarTorsion::push) up to the next sample, and to begin with what an earlier drive taught.
+    pub fn torsion_mut(&mut self) -> Option<&mut CarTorsion<T>> {
+        self.pulses.torsion_mut()
+    }
+
     /// The driver's calibration: all tires have their placard pressures from the next sample on. The estimator learns the car for
     /// `seconds`, and how its wheels' radii differ; the monitor then takes what the warm tires are read to have for what they should have.
     /// Before the first sample, too.
@@ -157,12 +202,28 @@ impl<T: Real> MonitoredCar<T> {
     /// # Errors
     /// The length must be positive and finite.
     pub fn begin_calibration(&mut self, seconds: f64) -> Result<(), ParameterError> {
+        self.begin_calibration_at(seconds, &[T::one(); 4])
+    }
+
+    /// The same at pressures that are known otherwise, each so much of what it should be. Accelerations are calibrated at placard
+    /// pressures alone.
+    ///
+    /// # Errors
+    /// As for [`begin_calibration`](Self::begin_calibration).
+    pub fn begin_calibration_at(
+        &mut self,
+        seconds: f64,
+        pressure_share: &[T; 4],
+    ) -> Result<(), ParameterError> {
         if self.estimator.has_corners() {
             self.estimator.begin_calibration(seconds)?;
             self.monitor.begin_calibration(seconds)?;
         }
         if let Some(wheels) = self.wheels.as_mut() {
-            wheels.begin_calibration(seconds)?;
+            wheels.begin_calibration_at(seconds, pressure_share)?;
+        }
+        if let Some(torsion) = self.pulses.torsion_mut() {
+            torsion.begin_calibration_at(pressure_share);
         }
         self.follow_wheels();
         Ok(())
@@ -174,6 +235,9 @@ impl<T: Real> MonitoredCar<T> {
         self.monitor.end_calibration();
         if let Some(wheels) = self.wheels.as_mut().filter(|wheels| wheels.is_calibrating()) {
             wheels.end_calibration();
+            if let Some(torsion) = self.pulses.torsion_mut() {
+                torsion.end_calibration();
+            }
         }
     }
 

@@ -1,6 +1,8 @@
 //! The four wheels of a car: edges in, by how much the pressures have changed out. It calibrates and stands still with the wheel speeds' monitor, which asks it
 //! ([`MonitoredWheels::update_with_pulses`](crate::monitor::MonitoredWheels::update_with_pulses)).
 
+use core::ops::DerefMut;
+
 use super::{TorsionCalibration, TorsionChange, TorsionConfig, TorsionEvidence, TorsionPiece, TorsionWheel};
 use crate::memory::Blank;
 use crate::model::{Corner, ParameterError, positive};
@@ -14,6 +16,35 @@ pub struct CarTorsion<T: Real> {
     /// What the pressures should be, and by how much those of the calibration were more, in kPa.
     reference_kpa: [T; 4],
     above_kpa: [T; 4],
+}
+
+/// Where a car has the analysis of its tooth pulses: `()` is nowhere and takes no memory, `Option<Box<CarTorsion<T>>>` a host's and
+/// `Option<&'static mut CarTorsion<T>>` a controller's place for it, empty until the pulses are read.
+pub trait ToothPulses<T: Real> {
+    /// The analysis, where pulses are read.
+    fn torsion(&self) -> Option<&CarTorsion<T>>;
+    /// The same, to take edges in.
+    fn torsion_mut(&mut self) -> Option<&mut CarTorsion<T>>;
+}
+
+impl<T: Real> ToothPulses<T> for () {
+    fn torsion(&self) -> Option<&CarTorsion<T>> {
+        None
+    }
+
+    fn torsion_mut(&mut self) -> Option<&mut CarTorsion<T>> {
+        None
+    }
+}
+
+impl<T: Real, P: DerefMut<Target = CarTorsion<T>>> ToothPulses<T> for Option<P> {
+    fn torsion(&self) -> Option<&CarTorsion<T>> {
+        self.as_deref()
+    }
+
+    fn torsion_mut(&mut self) -> Option<&mut CarTorsion<T>> {
+        self.as_deref_mut()
+    }
 }
 
 impl<T: Real> CarTorsion<T> {

@@ -1,9 +1,9 @@
 //! Half a second of wheel speeds as three log ratios with their spread, and whether the car drove so that they can be used.
 
 use super::config::{DrivenAxle, WheelSpeedConfig};
-use super::sample::WheelSpeedSample;
 use super::state::{AXLE, FRONT, REAR, SCALE};
 use crate::memory::Blank;
+use crate::model::WheelSpeedSample;
 use crate::real::Real;
 
 /// Length of a block in s.

@@ -10,14 +10,13 @@ use super::days::{RadiusDays, SlowLeak};
 use super::filter::Filter;
 use super::follow::{Astray, Following};
 use super::report::{RadiusReport, RadiusState};
-use super::sample::WheelSpeedSample;
 use super::sensor_watch::SensorWatch;
 use super::state::SCALE;
 use super::yaw_witness::YawWitness;
 use crate::conditioning::pauses::{LONG_STOP_S, PAUSE_S};
 use crate::diagnosis::Malfunction;
 use crate::memory::{Blank, Placed};
-use crate::model::{Corner, ParameterError, RadiusDifferences, SEEN, Wheels};
+use crate::model::{Corner, ParameterError, RadiusDifferences, SEEN, WheelSpeedSample, Wheels};
 use crate::real::Real;
 use crate::torsion::TorsionEvidence;
 

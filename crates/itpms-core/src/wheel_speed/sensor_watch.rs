@@ -2,10 +2,10 @@
 //! radius; without one of four nothing is compared.
 
 use super::block::{ABSURD_RATIO, BLOCK_S, Block, LEAST_SPEED_M_S};
-use super::sample::{WheelSpeedSample, is_speed};
+use super::sample::is_speed;
 use crate::conditioning::pauses::PAUSE_S;
 use crate::memory::Blank;
-use crate::model::{Corner, Wheels};
+use crate::model::{Corner, WheelSpeedSample, Wheels};
 use crate::real::Real;
 use crate::wheel_speed::state::{AXLE, SCALE};
 

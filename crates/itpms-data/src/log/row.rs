@@ -1,7 +1,6 @@
 //! A row of a drive log, and which columns it has.
 
-use itpms_core::model::{Air, CarSample, Corner, CornerSample, Sample};
-use itpms_core::wheel_speed::WheelSpeedSample;
+use itpms_core::model::{Air, CarSample, Corner, CornerSample, WheelSpeedSample};
 
 use super::around::{AirColumns, AirField, AxleField, PositionColumns, PositionField};
 use super::slot::{Field, Motion, SLOTS, Slot};
@@ -244,12 +243,13 @@ impl LogMotion {
 }
 
 impl LogRow {
-    /// The estimators' input: everything but the truth.
+    /// The estimators' input: everything but the truth, and the wheel speeds.
     pub fn sample(&self) -> CarSample<f64> {
-        Sample {
+        CarSample {
             time_s: self.time_s,
             speed_m_s: self.speed_m_s,
             corners: self.corners.map(|corner| corner.map(|c| c.sample())),
+            wheel_speeds: None,
         }
     }
 

@@ -20,7 +20,7 @@ use serde::{Deserialize, Serialize};
 use super::hour::{ASK_ROWS, DayHour, Hour, LossHour, Said, WheelHour, YawHour, scenario};
 use super::rolling::Watch;
 use super::{Plan, SoakError};
-use crate::sensors::{wheel_speed_config, wheel_speed_sample};
+use crate::sensors::wheel_speed_config;
 
 /// Length in s of the calibration's drive, all of which counts unless a plan says otherwise, and how many are driven until one taught something.
 const CALIBRATE_S: f64 = 900.0;
@@ -231,8 +231,8 @@ impl Kept {
             }
             rows += 1;
             km = 1e-3 * row.distance_m;
-            let Some((sample, truth)) = wheel_speed_sample(&row) else { continue };
-            wheels.update(&sample);
+            let Some(truth) = &row.wheel_speeds else { continue };
+            wheels.update(&truth.sample(row.time_s));
             let now = wheels.alert();
             if let Some(alert) = now.filter(|alert| !before.is_some_and(|before| is_same(&before, alert))) {
                 self.judge(begins_s + row.time_s, &alert);

@@ -13,7 +13,6 @@ use super::super::row::{Column, Goal, Row};
 use super::super::runner::{Runner, Turn};
 use super::super::stats::percentile;
 use super::{Drive, Plant, Setup};
-use crate::sensors::take_row;
 use itpms_sim::simulation::Simulation;
 
 /// Pressures in kPa, before and after.
@@ -201,7 +200,7 @@ fn drive(loss: &Loss, setup: &Setup, turn: Turn) -> Result<Found, ScoreError> {
     let drive = drive.with_setups(&[*setup]);
     let Some(mut car) = drive.cars(&drive.scenario)?.pop() else { return Ok(found) };
     for row in Simulation::new(&drive.scenario, turn.seed)? {
-        take_row(&mut car, &row, &row.car_sample());
+        car.update(&row.car_sample());
         for alert in car.report().alerts() {
             found.early |= row.time_s < loss.begins_s;
             if alert.cause.is_low() {

@@ -38,7 +38,7 @@ use super::row::Row;
 use super::runner::Runner;
 use super::stats::Window;
 use super::{Part, ScoreError};
-use crate::sensors::{equipped, take_row, wheel_speeds_beside};
+use crate::sensors::{equipped, wheel_speeds_beside};
 
 /// Length in s of the reset that a row's `reset` stands for.
 const RESET_S: f64 = 10.0;
@@ -209,7 +209,7 @@ impl Drive {
             let mut sample = row.car_sample();
             sample.speed_m_s *= self.speed_factor;
             for (number, car) in cars.iter_mut().enumerate() {
-                look(number, &row, &take_row(car, &row, &sample));
+                look(number, &row, &car.update(&sample));
             }
         }
         Ok(())

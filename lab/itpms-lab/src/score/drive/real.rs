@@ -16,7 +16,6 @@ use super::super::runner::{Runner, Turn};
 use super::super::stats::{ErrorSum, percentile};
 use super::real_list::{Deviation, LIST};
 use super::{Drive, Plant, Setup};
-use crate::sensors::take_row;
 
 const KM_H: f64 = 80.0;
 const RATE_HZ: f64 = 200.0;
@@ -134,7 +133,7 @@ fn levels(subject: &Subject, turn: Turn) -> Result<Vec<Level>, ScoreError> {
     for row in Simulation::new(&scenario, turn.seed)? {
         let sample = row.car_sample();
         for ((car, level), before) in cars.iter_mut().zip(&mut found).zip(&mut before) {
-            level.push(&row, &take_row(car, &row, &sample));
+            level.push(&row, &car.update(&sample));
             for change in car.report().changes_since(before) {
                 if let Change::Begun(alert) = change {
                     level.hear(&alert, subject.deviation.flat);
@@ -190,7 +189,7 @@ fn loss(subject: &Subject, turn: Turn) -> Result<Found, ScoreError> {
     let scenario = drive.simulated(turn.seed);
     let Some(mut car) = drive.cars(&scenario)?.pop() else { return Ok(found) };
     for row in Simulation::new(&scenario, turn.seed)? {
-        take_row(&mut car, &row, &row.car_sample());
+        car.update(&row.car_sample());
         for alert in car.report().alerts().filter(|alert| alert.cause.is_low()) {
             found.early |= flat.is_none() && row.time_s < begins_s;
             if alert.wheels.contains(struck) && row.time_s >= begins_s.min(complete_s) {

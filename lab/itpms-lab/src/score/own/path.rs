@@ -15,7 +15,7 @@ use super::super::ScoreError;
 use super::car::OwnCar;
 use super::day::{Change, Day, RATE_HZ, SAME};
 use super::seen::{LOSS_S, Seen};
-use crate::sensors::{equipped, take_row};
+use crate::sensors::equipped;
 use itpms_analysis::learn::{Listener, PASSES, WheelbaseListener, learn};
 
 /// Ten minutes at placard pressures, and a later day, in s.
@@ -148,7 +148,7 @@ impl Owned {
 }
 
 fn take(car: &mut MonitoredCar<f64>, row: &SimRow, seen: &mut [&mut Seen]) {
-    let estimate = take_row(car, row, &row.car_sample());
+    let estimate = car.update(&row.car_sample());
     for seen in seen {
         seen.take(row, &estimate, car.report());
     }
@@ -179,7 +179,7 @@ impl Taught {
         let mut car = equipped(&MonitorConfig::new(&self.config), scenario)?;
         car.begin_calibration(DAYS_S[0])?;
         for row in rows {
-            take_row(&mut car, row, &row.car_sample());
+            car.update(&row.car_sample());
         }
         car.end_calibration();
         self.wheels = car.wheels().and_then(|wheels| wheels.calibration().copied());
