@@ -28,7 +28,7 @@ impl AnyCar {
         config: &MonitorConfig<f64>,
         sample_rate_hz: f64,
     ) -> Result<Self, ParameterError> {
-        let (mut car, mut paper) = (Box::new(MonitoredCar::unconfigured_with_pulses()), None);
+        let (mut car, mut paper) = (Box::new(MonitoredCar::unconfigured_with(None)), None);
         if kind == EstimatorKind::Informed || !config.car.has_corners() {
             car.configure(config, sample_rate_hz)?;
         } else {

@@ -37,13 +37,13 @@ pub struct Drive {
     pub(crate) latest: Option<CarEstimate<f64>>,
 }
 
-/// What is counted along the way, and kept with the estimate when the drive is saved.
+/// Counters that are saved with the estimate.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Progress {
     pub(crate) rows: u64,
     pub(crate) time_s: f64,
     pub(crate) odometer: Odometer,
-    /// What the monitor reported last: transitions are found against it.
+    /// The last report: transitions are found against it.
     pub(crate) before: Option<MonitorReport<f64>>,
 }
 
@@ -56,7 +56,7 @@ impl Drive {
         let wheel_speeds =
             clock.wheel_speeds.then(|| vehicle.wheel_speed_config()).transpose().map_err(lacks)?;
         let config = MonitorConfig { limits, home_kpa, wheel_speeds, ..MonitorConfig::new(&config) };
-        let mut car = Box::new(Car::unconfigured_with_pulses());
+        let mut car = Box::new(Car::unconfigured_with(None));
         car.configure(&config, clock.sample_rate_hz).map_err(|error| refused(&error))?;
         let mut road = RoadUnderCar::unconfigured();
         if config.car.has_corners() {

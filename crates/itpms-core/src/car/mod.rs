@@ -64,7 +64,6 @@ pub struct CarEstimator<T: Real> {
     considered: Considered<T>,
     /// What wheel speeds tell of the tires' radii, if anyone compares them.
     radii: Placed<RadiusDifferences<T>>,
-    /// The body that all corners carry.
     body_equation: BodyEquation<T>,
     /// When the calibration that is under way ends, and how long it lasts if it has not begun.
     calibration_s: Option<f64>,
@@ -290,7 +289,8 @@ impl<T: Real> CarEstimator<T> {
         }
         self.conclude_in = self.conclude_in.saturating_sub(1);
         let corners = Corner::ALL.map(|corner| self.estimate(corner, at.now_s, sample));
-        CarEstimate { corners, ..self.without_corners(sample.time_s) }
+        let Concluded { correlation, loss_correlation, tracks, .. } = self.concluded;
+        CarEstimate { time_s: sample.time_s, corners, correlation, loss_correlation, tracks }
     }
 
     /// What is known of the axles, at a time at which no corner was measured.

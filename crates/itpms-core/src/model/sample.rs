@@ -171,15 +171,7 @@ impl<T: Real> CarSample<T> {
         Self { time_s, speed_m_s, corners: [None; 4], wheel_speeds: Some(message) }
     }
 
-    /// The same sample on a clock that is `by_s` ahead.
-    #[must_use]
-    pub fn later(self, by_s: f64) -> Self {
-        let message =
-            |message: WheelSpeedSample<T>| WheelSpeedSample { time_s: by_s + message.time_s, ..message };
-        Self { time_s: by_s + self.time_s, wheel_speeds: self.wheel_speeds.map(message), ..self }
-    }
-
-    /// Whether it is a message of the wheel speeds alone: the accelerations are neither measured nor missing.
+    /// Whether it is one: the accelerations are neither measured nor missing.
     pub(crate) fn is_of_wheel_speeds(&self) -> bool {
         self.wheel_speeds.is_some() && self.corners.iter().all(Option::is_none)
     }

@@ -9,22 +9,21 @@ use crate::estimator::OutsideStiffness;
 use crate::memory::{Blank, Placed};
 use crate::model::{
     Air, CalibrationError, CarEstimate, CarSample, Corner, ParameterError, VehicleCalibration,
-    WheelSpeedSample,
 };
 use crate::monitor::{Monitor, MonitorConfig, MonitoredWheels};
 use crate::real::Real;
-use crate::torsion::{CarTorsion, ToothPulses};
+use crate::torsion::{CarTorsion, WheelSensors};
 use crate::warning::MonitorReport;
 
-/// A running estimator and its monitors. A value: clone it, save it, go on. `P` says [where](ToothPulses) the tooth pulses are analysed;
-/// most cars read none.
+/// A running estimator and its monitors. A value: clone it, save it, go on. `S` says [which](WheelSensors) of its wheels' sensors
+/// it reads.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct MonitoredCar<T: Real, P = ()> {
+pub struct MonitoredCar<T: Real, S = ()> {
     estimator: CarEstimator<T>,
     monitor: Monitor<T>,
     wheels: Placed<MonitoredWheels<T>>,
-    pulses: P,
+    sensors: S,
 }
 
 impl<T: Real> MonitoredCar<T> {
@@ -44,31 +43,28 @@ impl<T: Real> MonitoredCar<T> {
     /// without corners and wheel speeds, of which nothing is estimated.
     #[must_use]
     pub const fn unconfigured() -> Self {
-        Self::blank(())
+        Self::unconfigured_with(())
+    }
+}
+
+impl<T: Real, S> MonitoredCar<T, S> {
+    /// The same with other sensors: [`NoWheelSpeeds`](crate::torsion::NoWheelSpeeds), or `None`, where tooth pulses [may be
+    /// read](Self::read_pulses).
+    #[must_use]
+    pub const fn unconfigured_with(sensors: S) -> Self {
+        Self { estimator: Blank::BLANK, monitor: Blank::BLANK, wheels: Blank::BLANK, sensors }
     }
 }
 
 impl<T: Real, P> MonitoredCar<T, Option<P>> {
-    /// The same of a car whose tooth pulses [may be read](Self::read_pulses).
-    #[must_use]
-    pub const fn unconfigured_with_pulses() -> Self {
-        Self::blank(None)
-    }
-
     /// Reads tooth pulses from here on, analysed in `torsion`: of this car's wheels, [configured](CarTorsion::configure).
     pub fn read_pulses(&mut self, torsion: P) {
-        self.pulses = Some(torsion);
+        self.sensors = Some(torsion);
     }
 }
 
-impl<T: Real, P> MonitoredCar<T, P> {
-    const fn blank(pulses: P) -> Self {
-        Self { estimator: Blank::BLANK, monitor: Blank::BLANK, wheels: Blank::BLANK, pulses }
-    }
-}
-
-impl<T: Real, P: ToothPulses<T>> MonitoredCar<T, P> {
-    /// What [`new`](Self::new) does, where the car lies: it takes little stack. Whatever was there is forgotten, but for the tooth
+impl<T: Real, S: WheelSensors<T>> MonitoredCar<T, S> {
+    /// Configures the car as [`new`](Self::new) does, in place: it takes little stack. Whatever was there is forgotten, but for the tooth
     /// pulses: their analysis is configured by itself.
     ///
     /// # Errors
@@ -105,8 +101,7 @@ impl<T: Real, P: ToothPulses<T>> MonitoredCar<T, P> {
         self.wheels.clear();
     }
 
-    /// Begins with what a calibration on an earlier drive taught; before the first sample. What one of wheel speeds taught goes to
-    /// [`wheels_mut`](Self::wheels_mut).
+    /// Loads the calibration of an earlier drive, before the first sample; one of wheel speeds goes to [`wheels_mut`](Self::wheels_mut).
     ///
     /// # Errors
     /// An implausible calibration, or one of other corners or other placard pressures.
@@ -118,17 +113,16 @@ impl<T: Real, P: ToothPulses<T>> MonitoredCar<T, P> {
     /// car was [configured](MonitorConfig::wheel_speeds) with them, tooth pulses with the next of these. A sample that has wheel speeds and
     /// no corner leaves the accelerations as they are.
     pub fn update(&mut self, sample: &CarSample<T>) -> CarEstimate<T> {
-        let estimate = match sample.is_of_wheel_speeds() {
-            true => self.estimator.without_corners(sample.time_s),
-            false => self.take_accelerations(sample),
-        };
-        if let Some(message) = &sample.wheel_speeds {
-            self.take_wheel_speeds(message);
+        match S::SPEEDS && sample.is_of_wheel_speeds() {
+            true => {
+                self.take_wheel_speeds(sample);
+                self.estimator.without_corners(sample.time_s)
+            }
+            false => self.take(sample),
         }
-        estimate
     }
 
-    fn take_accelerations(&mut self, sample: &CarSample<T>) -> CarEstimate<T> {
+    fn take(&mut self, sample: &CarSample<T>) -> CarEstimate<T> {
         let at = self.estimator.clock().take(sample.time_s, sample.speed_m_s);
         let watched = self.estimator.has_corners();
         let (at, screened) = if watched { self.monitor.screen(&at, sample) } else { (at, *sample) };
@@ -143,13 +137,15 @@ impl<T: Real, P: ToothPulses<T>> MonitoredCar<T, P> {
                 self.estimator.restart_corner(corner);
             }
         }
+        self.take_wheel_speeds(sample);
         estimate
     }
 
-    /// Of a car without four corners whose axles share the road the pressures learn nothing from it.
-    fn take_wheel_speeds(&mut self, message: &WheelSpeedSample<T>) {
+    /// The pressures learn from these if four corners are there and their axles share the road.
+    fn take_wheel_speeds(&mut self, sample: &CarSample<T>) {
+        let Some(message) = sample.wheel_speeds.as_ref().filter(|_| S::SPEEDS) else { return };
         if let Some(wheels) = self.wheels.as_mut() {
-            wheels.update_with_pulses(message, self.pulses.torsion_mut());
+            wheels.update_with_pulses(message, self.sensors.torsion_mut());
         }
         self.follow_wheels();
     }
@@ -165,7 +161,7 @@ impl<T: Real, P: ToothPulses<T>> MonitoredCar<T, P> {
         }
     }
 
-    /// What there is to say now.
+    /// The report after the last sample.
     pub fn report(&self) -> &MonitorReport<T> {
         self.monitor.report()
     }
@@ -175,7 +171,7 @@ impl<T: Real, P: ToothPulses<T>> MonitoredCar<T, P> {
         self.wheels.as_ref()
     }
 
-    /// The same, to begin with what earlier drives taught, or to calibrate at other pressures.
+    /// The same, to load calibrations and days.
     pub fn wheels_mut(&mut self) -> Option<&mut MonitoredWheels<T>> {
         self.wheels.as_mut()
     }
@@ -187,12 +183,12 @@ impl<T: Real, P: ToothPulses<T>> MonitoredCar<T, P> {
 
     /// The analysis of the tooth pulses, where they are read.
     pub fn torsion(&self) -> Option<&CarTorsion<T>> {
-        self.pulses.torsion()
+        self.sensors.torsion()
     }
 
     /// The same, to take in the [edges](CarTorsion::push) up to the next sample, and to begin with what an earlier drive taught.
     pub fn torsion_mut(&mut self) -> Option<&mut CarTorsion<T>> {
-        self.pulses.torsion_mut()
+        self.sensors.torsion_mut()
     }
 
     /// The driver's calibration: all tires have their placard pressures from the next sample on. The estimator learns the car for
@@ -222,20 +218,20 @@ impl<T: Real, P: ToothPulses<T>> MonitoredCar<T, P> {
         if let Some(wheels) = self.wheels.as_mut() {
             wheels.begin_calibration_at(seconds, pressure_share)?;
         }
-        if let Some(torsion) = self.pulses.torsion_mut() {
+        if let Some(torsion) = self.sensors.torsion_mut() {
             torsion.begin_calibration_at(pressure_share);
         }
         self.follow_wheels();
         Ok(())
     }
 
-    /// Ends the calibration that is to begin or under way, as where a log ends with it; what it taught is there then.
+    /// Ends the calibration that is to begin or under way, as where a log ends with it; its result is there then.
     pub fn end_calibration(&mut self) {
         self.estimator.end_calibration();
         self.monitor.end_calibration();
         if let Some(wheels) = self.wheels.as_mut().filter(|wheels| wheels.is_calibrating()) {
             wheels.end_calibration();
-            if let Some(torsion) = self.pulses.torsion_mut() {
+            if let Some(torsion) = self.sensors.torsion_mut() {
                 torsion.end_calibration();
             }
         }

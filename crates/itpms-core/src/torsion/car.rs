@@ -18,26 +18,36 @@ pub struct CarTorsion<T: Real> {
     above_kpa: [T; 4],
 }
 
-/// Where a car has the analysis of its tooth pulses: `()` is nowhere and takes no memory, `Option<Box<CarTorsion<T>>>` a host's and
-/// `Option<&'static mut CarTorsion<T>>` a controller's place for it, empty until the pulses are read.
-pub trait ToothPulses<T: Real> {
-    /// The analysis, where pulses are read.
-    fn torsion(&self) -> Option<&CarTorsion<T>>;
-    /// The same, to take edges in.
-    fn torsion_mut(&mut self) -> Option<&mut CarTorsion<T>>;
-}
+/// Which of its wheels' sensors a car reads beside its accelerometers: `()` is wheel speeds, [`NoWheelSpeeds`] none of them,
+/// `Option<Box<CarTorsion<T>>>` on a host and `Option<&'static mut CarTorsion<T>>` on a controller wheel speeds and a place for the analysis
+/// of tooth pulses, empty until they are read.
+pub trait WheelSensors<T: Real> {
+    /// Whether wheel speeds are read; what is known at compile time leaves the code out.
+    const SPEEDS: bool = true;
 
-impl<T: Real> ToothPulses<T> for () {
+    /// The analysis of the tooth pulses, where they are read.
     fn torsion(&self) -> Option<&CarTorsion<T>> {
         None
     }
 
+    /// The same, to take edges in.
     fn torsion_mut(&mut self) -> Option<&mut CarTorsion<T>> {
         None
     }
 }
 
-impl<T: Real, P: DerefMut<Target = CarTorsion<T>>> ToothPulses<T> for Option<P> {
+impl<T: Real> WheelSensors<T> for () {}
+
+/// The sensors of a car whose program has no code for wheel speeds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct NoWheelSpeeds;
+
+impl<T: Real> WheelSensors<T> for NoWheelSpeeds {
+    const SPEEDS: bool = false;
+}
+
+impl<T: Real, P: DerefMut<Target = CarTorsion<T>>> WheelSensors<T> for Option<P> {
     fn torsion(&self) -> Option<&CarTorsion<T>> {
         self.as_deref()
     }

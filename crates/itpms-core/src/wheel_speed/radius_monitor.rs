@@ -80,9 +80,7 @@ pub(crate) struct RadiusMonitor<T: Real> {
 
 impl<T: Real> RadiusMonitor<T> {
     /// Begins anew with this car, uncalibrated.
-    ///
-    /// # Errors
-    /// A length or a radius over pressure that no car has; the monitor is unconfigured then.
+    /// Errors: a length or a radius over pressure that no car has; the monitor is unconfigured then.
     pub(crate) fn configure(&mut self, config: &WheelSpeedConfig<T>) -> Result<(), ParameterError> {
         *self = Self::BLANK;
         self.report.time_s = f64::NAN;

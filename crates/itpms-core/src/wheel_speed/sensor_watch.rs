@@ -16,7 +16,6 @@ const ABSURD_S: f64 = 20.0;
 /// By how many of the smallest steps seen the others have to have moved: of coarse speeds, one may stay while others go two steps.
 const STEPS: f64 = 3.0;
 
-/// See the [module](self).
 #[derive(Debug, Clone, Copy, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct SensorWatch<T> {

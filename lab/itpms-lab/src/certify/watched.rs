@@ -42,7 +42,7 @@ impl Watched {
         }
         let limits = procedure.rule.limits();
         let config = MonitorConfig { limits, wheel_speeds, ..MonitorConfig::new(&config) };
-        let mut car = Box::new(PulsedCar::unconfigured_with_pulses());
+        let mut car = Box::new(PulsedCar::unconfigured_with(None));
         car.configure(&config, scenario.rate_hz)?;
         let reads_pulses = sensors == Sensors::Pulses && wheel_speeds.is_some();
         let pulses = reads_pulses.then(|| Pulses::read_by(&mut car, scenario)).transpose()?;
@@ -67,7 +67,12 @@ impl Watched {
         if let Some(pulses) = &mut self.pulses {
             pulses.until(row.time_s, offset_s, &mut self.car);
         }
-        self.update(&row.car_sample().later(offset_s));
+        let mut sample = row.car_sample();
+        sample.time_s += offset_s;
+        if let Some(message) = &mut sample.wheel_speeds {
+            message.time_s += offset_s;
+        }
+        self.update(&sample);
     }
 
     /// A sample of a parked car: what its accelerometers read, where it has some, and wheels that stand.

@@ -26,7 +26,7 @@ pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) 
     let scenario = rolling(plan, seed)?;
     let config = CarConfig { corners: [None; 4], wheelbase_m: None };
     let wheel_speeds = wheel_speed_config(&scenario, LoadUncertainty::unknown());
-    let mut car = Box::new(PulsedCar::unconfigured_with_pulses());
+    let mut car = Box::new(PulsedCar::unconfigured_with(None));
     car.configure(&MonitorConfig { wheel_speeds, ..MonitorConfig::new(&config) }, scenario.rate_hz)?;
     let mut pulses = match plan.sensors {
         Sensors::Pulses => Some(Pulses::read_by(&mut car, &scenario)?),

@@ -9,7 +9,7 @@ use crate::model::{CarConfig, CornerConfig, CornerSample, PressureMap, QuarterCa
 use crate::torsion::TorsionConfig;
 use crate::warning::Cause;
 use crate::wheel_speed::tests::Drive;
-use crate::wheel_speed::{DrivenAxle, WheelSpeedConfig};
+use crate::wheel_speed::{DrivenAxle, WheelSpeedConfig, WheelSpeedSample};
 
 const RATE_HZ: f64 = 60.0;
 
@@ -48,20 +48,27 @@ fn without_corners_it_is_the_monitor_of_its_wheel_speeds_at_any_rate() {
     assert!(warned);
 }
 
-#[test]
-fn a_message_between_two_samples_leaves_the_accelerations_as_they_are() {
+/// A car of four corners with wheel speeds.
+fn with_corners() -> std::boxed::Box<MonitoredCar<f64>> {
     let quarter = QuarterCar::new(400.0, 45.0, 1800.0, 25e3).unwrap();
     let corner = CornerConfig::new(quarter, PressureMap::new(0.9e3, 40e3).unwrap(), 240.0).unwrap();
-    let car = CarConfig { corners: [Some(corner); 4], wheelbase_m: Some(2.66) };
-    let mut car = std::boxed::Box::new(MonitoredCar::new(&MonitorConfig::new(&car), 200.0).unwrap());
-    let values = CornerSample { body_accel_m_s2: 0.1, wheel_accel_m_s2: 0.5 };
-    let corners = [Some(values); 4];
+    let config = CarConfig { corners: [Some(corner); 4], wheelbase_m: Some(2.66) };
+    let config = MonitorConfig { wheel_speeds: Some(wheel_speeds()), ..MonitorConfig::new(&config) };
+    let mut car = std::boxed::Box::new(MonitoredCar::unconfigured());
+    car.configure(&config, 200.0).unwrap();
+    car
+}
+
+#[test]
+fn a_message_between_two_samples_leaves_the_accelerations_as_they_are() {
+    let mut car = with_corners();
+    let corners = [Some(CornerSample { body_accel_m_s2: 0.1, wheel_accel_m_s2: 0.5 }); 4];
     car.update(&CarSample { time_s: 0.0, speed_m_s: 20.0, corners, wheel_speeds: None });
-    let before = format!("{car:?}");
-    let mut drive = Drive::new(5, RATE_HZ, 0.04);
-    let estimate = car.update(&CarSample::of_wheel_speeds(drive.next()).later(1.0));
-    assert!(estimate.time_s > 1.0 && estimate.corners.iter().all(Option::is_none));
-    assert_eq!(format!("{car:?}"), before);
+    let before = format!("{:?}", car.estimator());
+    let estimate = car.update(&CarSample::of_wheel_speeds(Drive::new(5, RATE_HZ, 0.04).next()));
+    assert!(estimate.corners.iter().all(Option::is_none));
+    assert!(car.wheels().is_some_and(|wheels| wheels.radii().time_s == estimate.time_s));
+    assert_eq!(format!("{:?}", car.estimator()), before);
 }
 
 #[test]
@@ -71,20 +78,19 @@ fn tooth_pulses_of_the_car_begin_and_end_their_calibration_with_its_wheel_speeds
     let mut beside = CarTorsion::unconfigured();
     beside.configure(&[TorsionConfig::new(); 4], &[240.0; 4]).unwrap();
     let mut of_car = beside.clone();
-    let mut car = std::boxed::Box::new(MonitoredCar::unconfigured_with_pulses());
+    let mut car = std::boxed::Box::new(MonitoredCar::unconfigured_with(None));
     car.configure(&config, RATE_HZ).unwrap();
     car.read_pulses(&mut of_car);
     let mut wheels = MonitoredWheels::new(&wheel_speeds()).unwrap();
     car.begin_calibration_at(300.0, &[1.1; 4]).unwrap();
     wheels.begin_calibration_at(300.0, &[1.1; 4]).unwrap();
     beside.begin_calibration_at(&[1.1; 4]);
+    // Some 500 teeth a second, of a wheel that does not shake.
     let mut edges = 0;
     drive(|sample| {
-        // 48 teeth on 0.31 m, of a wheel that does not shake.
-        while f64::from(edges) < 20.0 / 0.31 / core::f64::consts::TAU * 48.0 * sample.time_s.min(330.0) {
-            let time_s = f64::from(edges) * 0.31 * core::f64::consts::TAU / (20.0 * 48.0);
-            beside.push(Corner::FrontLeft, time_s);
-            car.torsion_mut().unwrap().push(Corner::FrontLeft, time_s);
+        while 2e-3 * f64::from(edges) < sample.time_s.min(330.0) {
+            beside.push(Corner::FrontLeft, 2e-3 * f64::from(edges));
+            car.torsion_mut().unwrap().push(Corner::FrontLeft, 2e-3 * f64::from(edges));
             edges += 1;
         }
         wheels.update_with_pulses(sample, Some(&mut beside));
@@ -97,13 +103,7 @@ fn tooth_pulses_of_the_car_begin_and_end_their_calibration_with_its_wheel_speeds
 
 #[test]
 fn beside_accelerations_its_alert_stands_in_the_cars_report_until_the_car_is_calibrated_again() {
-    let quarter = QuarterCar::new(400.0, 45.0, 1800.0, 25e3).unwrap();
-    let tire = PressureMap::new(0.9e3, 40e3).unwrap();
-    let corner = CornerConfig::new(quarter, tire, 240.0).unwrap();
-    let config = CarConfig { corners: [Some(corner); 4], wheelbase_m: Some(2.66) };
-    let config = MonitorConfig { wheel_speeds: Some(wheel_speeds()), ..MonitorConfig::new(&config) };
-    let mut car = std::boxed::Box::new(MonitoredCar::unconfigured());
-    car.configure(&config, 200.0).unwrap();
+    let mut car = with_corners();
     car.begin_calibration(300.0).unwrap();
     drive(|sample| {
         // Its accelerometers have nothing to say.
