@@ -113,7 +113,6 @@ impl<T: Real> RunningCar<T> {
         running
     }
 
-    /// Samples of [`STRETCH_S`].
     pub fn stretch(&self) -> usize {
         (STRETCH_S * self.rate_hz) as usize
     }

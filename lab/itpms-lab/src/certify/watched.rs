@@ -9,11 +9,12 @@ use itpms_core::wheel_speed::{LoadUncertainty, WheelSpeedSample};
 use itpms_sim::scenario::Scenario;
 use itpms_sim::simulation::SimRow;
 
+use super::StatedLoads;
 use super::course::Course;
 use super::outcome::TracePoint;
 use super::procedure::Procedure;
 use super::telltale::{Lamp, lit, lit_by_alerts};
-use super::{CertifyError, StatedLoads};
+use crate::runner::StudyError;
 use crate::sensors::{PulsedCar, Pulses, Sensors, wheel_speed_config};
 
 /// A car and what was estimated last, where it has accelerometers.
@@ -29,7 +30,7 @@ impl Watched {
         course: &Course,
         loads: StatedLoads,
         sensors: Sensors,
-    ) -> Result<Self, CertifyError> {
+    ) -> Result<Self, StudyError> {
         let scenario = &course.scenario;
         let load = match loads {
             StatedLoads::Constant => LoadUncertainty::constant(),
@@ -54,7 +55,7 @@ impl Watched {
     }
 
     /// A drive of the same car begins.
-    pub(super) fn roll(&mut self, scenario: &Scenario, seed: u64) -> Result<(), CertifyError> {
+    pub(super) fn roll(&mut self, scenario: &Scenario, seed: u64) -> Result<(), StudyError> {
         if let Some(pulses) = &mut self.pulses {
             let car_seed = scenario.wheel_speeds.and_then(|wheels| wheels.car_seed).unwrap_or(seed);
             pulses.roll(scenario, car_seed, seed)?;

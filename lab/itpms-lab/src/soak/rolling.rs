@@ -13,7 +13,8 @@ use itpms_sim::simulation::Simulation;
 use itpms_sim::wheel_speeds::{DrivenWheels, WheelSpeedSpec};
 
 use super::hour::{ASK_ROWS, HALF_95, Hour, RadiusHour, WheelHour, note, scenario};
-use super::{Car, Plan, SoakError};
+use super::{Car, Plan};
+use crate::runner::StudyError;
 use crate::sensors::{PulsedCar, Pulses, Sensors, wheel_speed_config};
 
 /// Length in s of the calibration at the beginning of a drive that does not say otherwise.
@@ -21,7 +22,7 @@ const CALIBRATE_S: f64 = 600.0;
 /// By how many K its tires warm up at 90 km/h.
 const WARMS_BY_K: f64 = 20.0;
 
-pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) -> Result<Hour, SoakError> {
+pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) -> Result<Hour, StudyError> {
     let begun = Instant::now();
     let scenario = rolling(plan, seed)?;
     let config = CarConfig { corners: [None; 4], wheelbase_m: None };
@@ -43,7 +44,7 @@ pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) 
     let (mut rows, mut km) = (0, 0.0);
     for row in Simulation::new(&scenario, seed)? {
         if rows % ASK_ROWS == 0 && flow().is_break() {
-            return Err(SoakError::Stopped);
+            return Err(StudyError::Stopped);
         }
         rows += 1;
         km = 1e-3 * row.distance_m;
@@ -70,7 +71,7 @@ pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) 
 }
 
 /// The drive; every seed has another car and bus: driven axle, period, steps, and signals beside the speeds.
-fn rolling(plan: &Plan, seed: u64) -> Result<Scenario, SoakError> {
+fn rolling(plan: &Plan, seed: u64) -> Result<Scenario, StudyError> {
     let mut scenario = scenario(plan)?;
     if let Some(journey) = &mut scenario.journey {
         journey.warms_by_k = WARMS_BY_K;
