@@ -27,10 +27,10 @@ LABORATORY = ("lab/", "crates/itpms-sim", "crates/itpms-paper")
 # House, ceiling in lines, goal in lines. The core is a part of the product.
 HOUSES = [
     ("core, with its tests", 35_150, 26_000),
-    ("product, with the core", 123_150, 92_000),
-    ("formats", 16_350, 16_000),
-    ("laboratory", 38_050, 34_000),
-    ("all, with examples and checks", 178_650, 150_000),
+    ("product, with the core", 123_050, 92_000),
+    ("formats", 16_300, 16_000),
+    ("laboratory", 37_900, 34_000),
+    ("all, with examples and checks", 178_300, 150_000),
 ]
 # Constants of the core that are numbers to choose, not sizes or names, at most.
 CHOSEN = 626

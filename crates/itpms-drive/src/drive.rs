@@ -17,7 +17,7 @@ use crate::reference::{self, Taught};
 use crate::settings::{LOG_END_S, Settings};
 use crate::wheel_speeds::{self, WheelSpeeds, YawFault, lacks};
 
-/// What is known of the corners after a row, in the order of [`Corner::ALL`].
+/// The corners' estimates after a row, in the order of [`Corner::ALL`].
 pub type Estimates = [Option<CornerEstimate<f64>>; 4];
 
 /// Load and damping as identified, in the order of [`Corner::ALL`].
@@ -175,7 +175,7 @@ impl Drive {
         self.wheels.as_ref().zip(self.car.wheels()).and_then(|(wheels, monitor)| wheels.yaw_fault(monitor))
     }
 
-    /// What the wheel speeds say, where they are used.
+    /// The radius analysis of the wheel speeds, where they are used.
     pub fn radii(&self) -> Option<RadiusRow> {
         self.car.wheels().map(|wheels| RadiusRow {
             radii: *wheels.radii(),
@@ -184,7 +184,7 @@ impl Drive {
         })
     }
 
-    /// What tooth pulses say of each tire since the calibration, where they are read.
+    /// Each tire's change since the calibration by its tooth pulses, where they are read.
     pub fn torsion(&self) -> Option<[Option<TorsionChange<f64>>; 4]> {
         self.car.torsion().map(CarTorsion::changes)
     }

@@ -89,7 +89,7 @@ impl WheelSpeeds {
         self.began_unix_s = unix_s;
     }
 
-    /// What the days since the calibration show, with this one, or why it does not count; `None` without a calibration.
+    /// The radii of the days since the calibration, with this one, or why it does not count; `None` without a calibration.
     pub(crate) fn days(
         &self,
         wheels: &MonitoredWheels<f64>,
@@ -125,7 +125,7 @@ impl WheelSpeeds {
         self.turns.push(sample.yaw_rate_rad_s, left, (right - left) / self.track_rear_m);
     }
 
-    /// What is wrong with the yaw rate, as the wheels' way round bends shows it.
+    /// The yaw rate's fault, by the wheels' speeds in bends.
     pub(crate) fn yaw_fault(&self, wheels: &MonitoredWheels<f64>) -> Option<YawFault> {
         self.turns.fault().or_else(|| wheels.doubts_yaw_rate().then_some(YawFault::LeftOut))
     }
@@ -140,7 +140,7 @@ pub(crate) fn torsion(vehicle: &Vehicle) -> Result<Box<CarTorsion<f64>>, DriveEr
     Ok(torsion)
 }
 
-/// What a car drives in the mean, 13 000 km a year, in km/s.
+/// Mean of a car's driving, 13 000 km a year, in km/s.
 const KM_PER_S: f64 = 13_000.0 / (365.25 * 86_400.0);
 /// Stamps from here on are dates, in s since 1970.
 const DATES_S: f64 = 1e8;
@@ -163,7 +163,7 @@ const IN_ORDER: std::ops::Range<f64> = 0.6..1.8;
 const FASTEST_RAD_S: f64 = 2.0;
 const FASTEST_DEG_S: f64 = 115.0;
 
-/// What is wrong with a yaw rate.
+/// The fault of a yaw rate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum YawFault {
     Reversed,

@@ -1,4 +1,4 @@
-//! What is found beside the pressures while a drive goes on: dampers and load, the tires' own sensors, what turns with the wheels.
+//! Findings beside the pressures while a drive goes on: dampers and load, the tires' own sensors, what turns with the wheels.
 //!
 //! Owned by the drive. Rows are listened to as they come; what they show is worked out once a minute, on a thread of its own: it takes some
 //! tenths of a second, and the estimate waits for nobody. A drive ends with a long stop, after which the car may carry something else.
@@ -32,7 +32,7 @@ pub(crate) struct BesideWatch {
     looked_s: f64,
     moved_s: f64,
     shown: Arc<Map<String, Value>>,
-    /// What was found and stands, as alerts.
+    /// The findings that stand, as alerts.
     standing: Vec<Map<String, Value>>,
 }
 
@@ -109,7 +109,7 @@ impl BesideWatch {
         self.standing.iter().any(|alert| alert.get("kind").is_some_and(|kind| kind == "tire-sensor-leak"))
     }
 
-    /// What the tires' own sensors sent last, in kPa; NaN: nothing.
+    /// The tires' own sensors' last readings in kPa; NaN: none.
     pub(crate) fn sent_kpa(&self) -> [f64; 4] {
         self.watch.sent_kpa()
     }

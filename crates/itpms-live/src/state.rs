@@ -37,7 +37,7 @@ const LONGEST_BYTES: u64 = 8 << 20;
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct SavedDrive {
     vehicle: (String, Option<String>, String),
-    /// What cannot change in the middle.
+    /// Settings that cannot change within a drive.
     regulation: String,
     sample_rate_hz: f64,
     corners: Vec<Corner>,
