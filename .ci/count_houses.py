@@ -26,11 +26,11 @@ FORMATS = ("crates/itpms-mdf4", "crates/itpms-can-log", "crates/itpms-opencrg", 
 LABORATORY = ("lab/", "crates/itpms-sim", "crates/itpms-paper")
 # House, ceiling in lines, goal in lines. The core is a part of the product.
 HOUSES = [
-    ("core, with its tests", 35_150, 26_000),
-    ("product, with the core", 123_750, 92_000),
-    ("formats", 16_350, 16_000),
-    ("laboratory", 38_050, 34_000),
-    ("all, with examples and checks", 179_250, 150_000),
+    ("core, with its tests", 35_210, 26_000),
+    ("product, with the core", 123_700, 92_000),
+    ("formats", 16_300, 16_000),
+    ("laboratory", 37_900, 34_000),
+    ("all, with examples and checks", 178_970, 150_000),
 ]
 # Constants of the core that are numbers to choose, not sizes or names, at most.
 CHOSEN = 626

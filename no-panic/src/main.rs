@@ -19,20 +19,16 @@ use itpms_core::{CarSample, MonitorConfig, MonitoredCar};
 /// says. Returns how many of the wheels are reported on.
 #[unsafe(no_mangle)]
 extern "C" fn car(
-    car: &mut MonitoredCar<f32>,
+    car: &mut MonitoredCar<f32, Option<&'static mut CarTorsion<f32>>>,
     config: &MonitorConfig<f32>,
     calibration: &VehicleCalibration<f32>,
     sample: &CarSample<f32>,
-    wheel_speeds: &WheelSpeedSample<f32>,
-    torsion: &mut CarTorsion<f32>,
     rate_hz: f64,
 ) -> usize {
     if car.configure(config, rate_hz).is_err() || car.load_calibration(calibration).is_err() {
         return 0;
     }
     let estimate = car.update(sample);
-    car.update_wheel_speeds(wheel_speeds, None);
-    car.update_wheel_speeds(wheel_speeds, Some(torsion));
     if car.begin_calibration(sample.time_s).is_ok() {
         car.end_calibration();
     }

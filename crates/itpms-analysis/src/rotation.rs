@@ -57,15 +57,12 @@ const RATE_RAD_S: f64 = TAU;
 /// A wheel as it answers a force.
 #[derive(Debug, Clone, Copy)]
 pub struct TurningWheel {
-    /// Unsprung mass in kg.
     pub unsprung_mass_kg: f64,
     /// Tire in N/m, and its damping in N s/m.
     pub tire_n_per_m: f64,
     /// See above.
     pub tire_damping_n_s_per_m: f64,
-    /// Spring in N/m.
     pub spring_n_per_m: f64,
-    /// Damper in N s/m.
     pub damping_n_s_per_m: f64,
     /// Friction of the strut in N.
     pub friction_n: f64,
@@ -79,7 +76,6 @@ pub enum RotationState {
     Slow,
     /// No force stands out of the road.
     NoLine,
-    /// It is known.
     Found,
     /// It has risen in this drive.
     Rising,
@@ -101,7 +97,6 @@ impl RotationState {
 /// The force once per turn on a wheel.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct OncePerTurn {
-    /// What is known.
     pub state: RotationState,
     /// Its amplitude in N, root mean square over the drive's windows.
     pub force_n: Option<Measured>,
@@ -127,7 +122,6 @@ struct Part {
     count: f64,
 }
 
-/// Listens to one wheel.
 #[derive(Debug, Clone, Default)]
 pub struct RotationWatch {
     parts: Vec<Part>,

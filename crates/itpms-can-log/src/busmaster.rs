@@ -15,7 +15,7 @@ pub(super) const BEGINNING: &[u8] = b"***BUSMASTER";
 const EXPECTED_TIME: &str = "a time such as 14:11:30:0210";
 const EXPECTED_DATA: &str = "a length and as many bytes";
 
-/// What the lines so far have stated.
+/// The header lines so far.
 #[derive(Debug)]
 pub(super) struct Busmaster {
     base: Base,

@@ -35,6 +35,7 @@ mod lines;
 mod mf4;
 mod reader;
 mod repairs;
+mod strange;
 mod trc;
 mod writer;
 

@@ -2,12 +2,10 @@
 //! BUSMASTER's logs.
 
 use super::frame::CanFrame;
-use super::lines::{TextLines, beginning};
+use super::lines::TextLines;
 use super::repairs::{FramePlace, FrameRepairs};
+use super::strange::StrangeLines;
 use crate::error::CanProblem;
-
-/// Lines without any frame after which a file is given up.
-const MOST_LINES_OF_NOTHING: u64 = 10_000;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum LineContent {
@@ -20,7 +18,7 @@ pub(super) enum LineContent {
 
 /// A format, with what the lines so far have stated of those that follow.
 pub(super) trait LineFormat {
-    /// What a line looks like.
+    /// An example of a line.
     const EXPECTED: &'static str;
 
     /// The content of a line, or the expected content.
@@ -31,13 +29,12 @@ pub(super) trait LineFormat {
 pub(super) struct LineReader<F> {
     lines: TextLines,
     format: F,
-    any_frame: bool,
-    first_strange: Option<(u64, String)>,
+    strange: StrangeLines,
 }
 
 impl<F: LineFormat> LineReader<F> {
     pub(super) fn new(lines: TextLines, format: F) -> Self {
-        Self { lines, format, any_frame: false, first_strange: None }
+        Self { lines, format, strange: StrangeLines::new(F::EXPECTED, F::EXPECTED) }
     }
 
     pub(super) fn progress(&self) -> f64 {
@@ -53,42 +50,12 @@ impl<F: LineFormat> LineReader<F> {
                 Ok(_) | Err(_) if !self.lines.is_terminated() => repairs.cut_off = Some(place),
                 Ok(LineContent::Event) => repairs.passed_over += 1,
                 Ok(LineContent::Frame(frame)) => {
-                    self.any_frame = true;
+                    self.strange.any_understood = true;
                     return Ok(Some(frame));
                 }
-                Err(expected) => self.strange(place, expected, repairs)?,
+                Err(expected) => self.strange.count(&self.lines, expected, repairs)?,
             }
         }
-        if self.any_frame { Ok(None) } else { Err(self.nothing()) }
-    }
-
-    fn strange(
-        &mut self,
-        place: FramePlace,
-        expected: &'static str,
-        repairs: &mut FrameRepairs,
-    ) -> Result<(), CanProblem> {
-        let (number, text) = (self.lines.number(), self.lines.text());
-        repairs.not_understood(place, format!("{:?}", beginning(text)), expected);
-        if !self.any_frame {
-            self.first_strange.get_or_insert_with(|| (number, beginning(text)));
-            if number >= MOST_LINES_OF_NOTHING {
-                return Err(self.nothing());
-            }
-        }
-        Ok(())
-    }
-
-    /// The error of a file without a frame.
-    fn nothing(&self) -> CanProblem {
-        match &self.first_strange {
-            None => CanProblem::Empty { expected: F::EXPECTED },
-            Some((line, found)) => CanProblem::NothingUnderstood {
-                lines: self.lines.number(),
-                line: *line,
-                found: found.clone(),
-                expected: F::EXPECTED,
-            },
-        }
+        self.strange.end(&self.lines).map(|()| None)
     }
 }

@@ -33,7 +33,7 @@ impl TextLines {
         Self { input, line: Vec::new(), number: 0, position: 0, bytes, is_terminated: true }
     }
 
-    /// What the file begins with, some kilobytes of it, before a line is taken.
+    /// The first kilobytes of the file, before a line is taken.
     pub(super) fn beginning(&mut self) -> Result<&[u8], CanProblem> {
         let ahead = self.input.fill_buf().map_err(FileProblem::Read)?;
         Ok(ahead.strip_prefix(b"\xef\xbb\xbf").unwrap_or(ahead))
@@ -82,7 +82,6 @@ impl TextLines {
         }
     }
 
-    /// The present line, without its end.
     pub(super) fn text(&self) -> &[u8] {
         self.line.trim_ascii_end()
     }
@@ -124,7 +123,6 @@ impl<'a> Words<'a> {
         Some(payload)
     }
 
-    /// What has not been taken yet, without leading blanks.
     pub(super) fn rest(&self) -> &'a [u8] {
         self.rest.trim_ascii()
     }

@@ -16,7 +16,6 @@ use crate::error::{CanError, CanProblem};
 /// Set in an identifier of 29 bits where a file has no field for that.
 const EXTENDED: u32 = 1 << 31;
 
-/// Reads frames from an MDF4 file.
 #[derive(Debug)]
 pub(super) struct Mf4Reader {
     groups: Vec<Group>,
@@ -29,7 +28,6 @@ pub(super) struct Mf4Reader {
 struct Group {
     cursor: FrameCursor,
     next: Option<CanFrame>,
-    /// Frames of the group so far.
     count: u64,
 }
 

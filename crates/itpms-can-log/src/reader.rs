@@ -126,7 +126,7 @@ impl FrameReader {
         }
     }
 
-    /// What was left out so far.
+    /// The omissions and repairs so far.
     #[must_use]
     pub fn repairs(&self) -> &FrameRepairs {
         &self.repairs

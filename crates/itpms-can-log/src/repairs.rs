@@ -1,4 +1,4 @@
-//! What a reader of CAN logs left out, in numbers and in words. Filled by the readers beside it, shown by the binary.
+//! Omissions and repairs of a reader of CAN logs, as numbers and as sentences. Filled by the readers beside it, shown by the binary.
 
 use std::fmt;
 

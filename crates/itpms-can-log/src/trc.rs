@@ -32,7 +32,6 @@ pub(super) struct Trc {
     start_s: f64,
     /// The letters of the columns before the data.
     columns: Vec<u8>,
-    /// Whether the lines are CanHacker's.
     is_canhacker: bool,
 }
 

@@ -1,6 +1,6 @@
 //! The car in the caller's memory: accelerations and wheel speeds under their monitors, the roads, and what was reported last.
 
-use itpms_core::model::{CalibrationError, CarEstimate, VehicleCalibration};
+use itpms_core::model::{CalibrationError, CarEstimate, CarSample, VehicleCalibration};
 use itpms_core::monitor::{MonitoredCar, MonitoredWheels};
 use itpms_core::warning::{Alert, Change, MonitorReport};
 use itpms_core::wheel_speed::RadiusCalibration;
@@ -73,7 +73,7 @@ impl Car {
     ) -> Result<(), itpms_status> {
         let sample = sample.read()?;
         self.car.wheels().ok_or(itpms_status::NoWheelSpeeds)?;
-        self.car.update_wheel_speeds(&sample, None);
+        self.car.update(&CarSample::of_wheel_speeds(sample));
         Ok(())
     }
 

@@ -31,7 +31,7 @@ impl itpms_sample {
         for (corner, (body_accel_m_s2, wheel_accel_m_s2)) in corners.iter_mut().zip(accels) {
             *corner = Some(CornerSample { body_accel_m_s2, wheel_accel_m_s2 });
         }
-        Ok(CarSample { time_s: self.time_s, speed_m_s: self.speed_m_s, corners })
+        Ok(CarSample { time_s: self.time_s, speed_m_s: self.speed_m_s, corners, wheel_speeds: None })
     }
 }
 

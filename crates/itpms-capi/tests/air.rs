@@ -58,6 +58,7 @@ fn samples() -> Vec<CarSample<itpms_real>> {
                 wheel_accel_m_s2: corner.wheel_accel_m_s2 as itpms_real,
             })
         }),
+        wheel_speeds: None,
     };
     Simulation::new(&scenario, 3).unwrap().map(|row| narrowed(row.car_sample())).collect()
 }

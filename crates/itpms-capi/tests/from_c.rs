@@ -162,6 +162,7 @@ fn drive(log: &Path, vehicle: &Path) -> (f64, Vec<CarSample<itpms_real>>) {
             time_s: sample.time_s,
             speed_m_s: sample.speed_m_s as itpms_real,
             corners: narrowed,
+            wheel_speeds: None,
         });
     }
     fs::write(log, table + "\n").unwrap();

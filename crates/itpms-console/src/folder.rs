@@ -12,7 +12,6 @@ use crate::exit::Failure;
 use crate::former;
 use crate::screen::Screen;
 
-/// The page's name.
 const PAGE: &str = "index.html";
 
 /// The folder of a command's results.

@@ -20,7 +20,6 @@ impl Progress {
         Self(bar)
     }
 
-    /// No bar.
     pub fn hidden() -> Self {
         Self(ProgressBar::hidden())
     }

@@ -110,7 +110,6 @@ impl Screen {
         self.quiet
     }
 
-    /// Text for a person.
     fn say(&self, text: &str) {
         if TAKEN.load(Ordering::Relaxed) {
             let _ = writeln!(io::stderr(), "{text}");

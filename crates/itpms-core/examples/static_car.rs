@@ -22,7 +22,7 @@ fn main() -> Result<(), ParameterError> {
         let time_s = f64::from(k) / RATE_HZ;
         let wheel_accel_m_s2 = 4.0 * (70.0 * time_s as f32).sin();
         let corner = CornerSample { body_accel_m_s2: 0.1 * wheel_accel_m_s2, wheel_accel_m_s2 };
-        car.update(&CarSample { time_s, speed_m_s: 22.0, corners: [Some(corner); 4] });
+        car.update(&CarSample { time_s, speed_m_s: 22.0, corners: [Some(corner); 4], wheel_speeds: None });
     }
     println!("{} bytes: {:?}", size_of_val(&*car), car.report().wheels[0].map(|wheel| wheel.state));
     Ok(())

@@ -54,7 +54,7 @@
 //! # let read_sensors = || CornerSample { body_accel_m_s2: 0.1, wheel_accel_m_s2: 0.5 };
 //! for k in 0..400 {
 //!     let corners = [Some(read_sensors()); 4]; // front left, front right, rear left, rear right
-//!     let sample = CarSample { time_s: f64::from(k) / 200.0, speed_m_s: 22.0, corners };
+//!     let sample = CarSample { time_s: f64::from(k) / 200.0, speed_m_s: 22.0, corners, wheel_speeds: None };
 //!     let estimate = car.update(&sample);
 //!     assert_eq!(estimate.time_s, sample.time_s);
 //!     for alert in car.report().alerts() {

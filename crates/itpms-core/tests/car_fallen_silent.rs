@@ -120,7 +120,7 @@ fn after_a_night_nothing_is_fine_before_it_is_learned_anew() {
     let parked = ROWS.iter().take(2500).map(|row| {
         noise = -1.01 * noise % 0.1;
         let still = Some(CornerSample { body_accel_m_s2: noise, wheel_accel_m_s2: 1.5 * noise });
-        CarSample { time_s: row.time_s + NIGHT_S, speed_m_s: 0.0, corners: [still; 4] }
+        CarSample { time_s: row.time_s + NIGHT_S, speed_m_s: 0.0, corners: [still; 4], wheel_speeds: None }
     });
     let (rows, on) = (ROWS.iter(), NIGHT_S + 20.0);
     let driven = rows.take(2500).map(|row| CarSample { time_s: row.time_s + on, ..*row });

@@ -16,7 +16,12 @@ fn watched(rows: &[Row], rate_hz: f64) -> Vec<(CornerEstimate<f64>, MonitorRepor
     let feed = |row: &Row| {
         let corner = CornerSample { body_accel_m_s2: row.body, wheel_accel_m_s2: row.wheel };
         let corners = [Some(corner), None, None, None];
-        let estimate = car.update(&CarSample { time_s: row.time_s, speed_m_s: row.speed_m_s, corners });
+        let estimate = car.update(&CarSample {
+            time_s: row.time_s,
+            speed_m_s: row.speed_m_s,
+            corners,
+            wheel_speeds: None,
+        });
         (estimate.corners[0].unwrap(), *car.report())
     };
     rows.iter().map(feed).collect()

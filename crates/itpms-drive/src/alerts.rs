@@ -1,4 +1,4 @@
-//! What the monitor reported and took back: every transition as it happens, and a list for the summary.
+//! The monitor's alerts: every transition as it happens, and a list for the summary.
 
 use itpms_core::model::{Corner, PressureUnit};
 use itpms_core::warning::{Alert, Cause, Change, MonitorReport};
@@ -65,7 +65,7 @@ impl Events {
         Ok(())
     }
 
-    /// What there is to list. Alerts that still stand have their newest numbers.
+    /// The list. Alerts that still stand have their newest numbers.
     pub fn complete(mut self) -> Alerts {
         for now in self.before.iter().flat_map(MonitorReport::alerts) {
             let standing = self.listed.iter_mut().rev().find(|listed| {
@@ -81,7 +81,7 @@ impl Events {
     }
 }
 
-/// What was reported during a drive.
+/// The alerts of a drive.
 #[derive(Debug, Clone, Default)]
 pub struct Alerts {
     listed: Vec<Listed>,

@@ -8,15 +8,14 @@ use itpms_core::model::{
 use itpms_core::monitor::{MonitorConfig, MonitoredCar, MonitoredWheels};
 use itpms_core::torsion::CarTorsion;
 use itpms_core::warning::MonitorReport;
-use itpms_core::wheel_speed::WheelSpeedSample;
 use itpms_paper::{EstimatorKind, PaperCar};
 
 /// A running estimator of a car, in its box: by value it would cross the stack, and whose that is the caller alone knows.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct AnyCar {
-    /// The default estimator; beside one of the paper's it has no corners, only wheel speeds.
-    car: Box<MonitoredCar<f64>>,
+    /// The default estimator; beside one of the paper's it has no corners, only wheel speeds and tooth pulses.
+    car: Box<MonitoredCar<f64, Option<Box<CarTorsion<f64>>>>>,
     /// One of the paper's filters on each corner.
     paper: Option<Box<PaperCar<f64>>>,
 }
@@ -29,7 +28,7 @@ impl AnyCar {
         config: &MonitorConfig<f64>,
         sample_rate_hz: f64,
     ) -> Result<Self, ParameterError> {
-        let (mut car, mut paper) = (Box::new(MonitoredCar::unconfigured()), None);
+        let (mut car, mut paper) = (Box::new(MonitoredCar::unconfigured_with(None)), None);
         if kind == EstimatorKind::Informed || !config.car.has_corners() {
             car.configure(config, sample_rate_hz)?;
         } else {
@@ -54,9 +53,14 @@ impl AnyCar {
         self.car.follow_air(air);
     }
 
-    /// All tires have their placard pressures from the next sample on, for `seconds`. Errors: the length must be positive and finite.
-    pub fn begin_calibration(&mut self, seconds: f64) -> Result<(), ParameterError> {
-        self.car.begin_calibration(seconds)?;
+    /// All tires have their pressures from the next sample on, for `seconds`: the placards', or for wheel speeds and tooth pulses so much
+    /// of them. Errors: the length must be positive and finite.
+    pub fn begin_calibration(
+        &mut self,
+        seconds: f64,
+        pressure_share: &[f64; 4],
+    ) -> Result<(), ParameterError> {
+        self.car.begin_calibration_at(seconds, pressure_share)?;
         self.paper.as_mut().map_or(Ok(()), |paper| paper.begin_calibration(seconds))
     }
 
@@ -75,19 +79,30 @@ impl AnyCar {
 
     /// Takes one sample; gives the estimate after it.
     pub fn update(&mut self, sample: &CarSample<f64>) -> CarEstimate<f64> {
-        self.paper.as_mut().map_or_else(|| self.car.update(sample), |paper| paper.update(sample))
-    }
-
-    /// Takes the wheel speeds of the same time, and the tooth pulses up to it where they are read.
-    pub fn update_wheel_speeds(
-        &mut self,
-        sample: &WheelSpeedSample<f64>,
-        pulses: Option<&mut CarTorsion<f64>>,
-    ) {
-        self.car.update_wheel_speeds(sample, pulses);
-        if let (Some(paper), Some(wheels)) = (&mut self.paper, self.car.wheels()) {
+        let Some(paper) = &mut self.paper else { return self.car.update(sample) };
+        let estimate = paper.update(sample);
+        if let Some(message) = sample.wheel_speeds {
+            self.car.update(&CarSample::of_wheel_speeds(message));
+        }
+        if let Some(wheels) = self.car.wheels() {
             paper.follow_wheels(wheels);
         }
+        estimate
+    }
+
+    /// Analyses tooth pulses from here on.
+    pub fn read_pulses(&mut self, torsion: Box<CarTorsion<f64>>) {
+        self.car.read_pulses(torsion);
+    }
+
+    /// The analysis of the tooth pulses, where they are read.
+    pub fn torsion(&self) -> Option<&CarTorsion<f64>> {
+        self.car.torsion()
+    }
+
+    /// The same, to take pulses in.
+    pub fn torsion_mut(&mut self) -> Option<&mut CarTorsion<f64>> {
+        self.car.torsion_mut()
     }
 
     /// The monitor of the wheel speeds, where they are used.

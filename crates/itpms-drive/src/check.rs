@@ -26,7 +26,7 @@ pub struct CheckedVehicle {
     pub corners: Vec<CornerCheck>,
     /// Left against right of each axle, where all four corners are measured.
     pub suspension: Option<SuspensionVerdict>,
-    /// What contradicts itself in the log, and what was repaired, a sentence each.
+    /// Contradictions and repairs of the log, a sentence each.
     pub concerns: Vec<String>,
     vehicle: String,
     log: String,
@@ -59,7 +59,6 @@ pub fn check(vehicle: &Vehicle, log: &mut LogReader, watch: Watch<'_>) -> Result
     })
 }
 
-/// See [`listen`].
 type Heard = (Vec<CrossSpectra>, [Option<Fit>; 4], Alerts, Option<SuspensionVerdict>);
 
 /// The spectra of all rows, corner by corner, and what an estimator that is given no more than the file says at their end of how body and

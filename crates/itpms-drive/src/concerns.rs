@@ -1,4 +1,4 @@
-//! What should be known before believing a result, in sentences.
+//! Caveats of a result, as sentences.
 
 use itpms_analysis::report::ReportData;
 use itpms_core::conditioning::SAMPLE_RATES_HZ;
@@ -185,7 +185,7 @@ pub(crate) fn not_estimated(job: &Job<'_>, log: &LogReader) -> Vec<(Corner, Stri
     Corner::ALL.into_iter().filter(absent).map(of).collect()
 }
 
-/// What a person, or a script, should know before believing the result.
+/// The caveats of a result.
 pub(crate) fn of(job: &Job<'_>, log: &LogReader, drive: &Drive) -> Vec<String> {
     let (vehicle, settings) = (job.vehicle, job.settings);
     let unit = settings.pressure_unit;

@@ -2,9 +2,9 @@
 
 use itpms_core::car::CarEstimator;
 use itpms_core::conditioning::{SpeedHold, is_a_cars};
-use itpms_core::model::{BodyFit, CarEstimate, Corner, CornerEstimate, Misfit, QuarterCar};
+use itpms_core::model::{BodyFit, CarEstimate, CarSample, Corner, CornerEstimate, Misfit, QuarterCar};
 use itpms_core::monitor::{MonitorConfig, MonitoredWheels};
-use itpms_core::torsion::TorsionChange;
+use itpms_core::torsion::{CarTorsion, TorsionChange};
 use itpms_core::warning::MonitorReport;
 use itpms_data::out::{RadiusRow, WheelSpeedUse};
 use itpms_data::pulses::Pulse;
@@ -15,9 +15,9 @@ use crate::car::AnyCar;
 use crate::error::DriveError;
 use crate::reference::{self, Taught};
 use crate::settings::{LOG_END_S, Settings};
-use crate::wheel_speeds::{WheelSpeeds, YawFault, lacking};
+use crate::wheel_speeds::{self, WheelSpeeds, YawFault, lacks};
 
-/// What is known of the corners after a row, in the order of [`Corner::ALL`].
+/// The corners' estimates after a row, in the order of [`Corner::ALL`].
 pub type Estimates = [Option<CornerEstimate<f64>>; 4];
 
 /// Load and damping as identified, in the order of [`Corner::ALL`].
@@ -68,7 +68,7 @@ impl Drive {
         let taught = stored.as_ref().map(|(_, stored)| stored);
         let alone = corners.is_empty();
         let wheel_speeds = (wheel_speeds != WheelSpeedUse::None)
-            .then(|| vehicle.wheel_speed_config().map_err(|key| DriveError::Mismatch(lacking(vehicle, key))))
+            .then(|| vehicle.wheel_speed_config().map_err(|key| lacks(vehicle, key)))
             .transpose()?;
         if let Some(path) = settings.pulses.as_ref().filter(|_| wheel_speeds.is_none()) {
             return Err(DriveError::Mismatch(format!(
@@ -87,11 +87,13 @@ impl Drive {
         if let Some((_, stored)) = stored.as_ref().filter(|(_, stored)| !alone && stored.has_corners()) {
             reference::load(settings, &stored.reference, &mut car)?;
         }
-        if let Some(seconds) = settings.calibrate_s {
-            car.begin_calibration(seconds)?;
+        if settings.pulses.is_some() {
+            car.read_pulses(wheel_speeds::torsion(vehicle)?);
         }
-        let wheels =
-            car.wheels_mut().map(|wheels| WheelSpeeds::new(settings, vehicle, alone, taught, wheels));
+        if let Some(seconds) = settings.calibrate_s {
+            car.begin_calibration(seconds, &settings.pressure_shares(vehicle))?;
+        }
+        let wheels = wheel_speeds.map(|_| WheelSpeeds::new(settings, vehicle, alone, taught, &mut car));
         let wheels = wheels.transpose()?;
         let repeated = (!alone && car.estimator().is_some())
             .then(|| RepeatedRoads::new(&corners, sample_rate_hz, settings.road_repeats).map(Box::new))
@@ -141,18 +143,14 @@ impl Drive {
     /// The log is over. A calibration as long as the log (within 1 s) ends here, too.
     pub fn finish(&mut self, calibrate_s: Option<f64>) {
         if calibrate_s.is_some_and(|seconds| self.length_s() + LOG_END_S >= seconds) {
-            let calibrates = self.car.wheels().is_some_and(MonitoredWheels::is_calibrating);
             self.car.end_calibration();
-            if let Some(wheels) = self.wheels.as_mut().filter(|_| calibrates) {
-                wheels.end_calibration();
-            }
         }
     }
 
     /// The result of the calibration, once it is over.
     pub fn learned(&self) -> Taught {
         let wheel_speeds = self.car.wheels().and_then(MonitoredWheels::calibration).copied();
-        let torsion = self.wheels.as_ref().map_or([None; 4], WheelSpeeds::learned_torsion);
+        let torsion = self.car.torsion().map_or([None; 4], CarTorsion::calibration);
         let corners = self.car.estimator().and_then(CarEstimator::calibration);
         let days =
             self.wheels.as_ref().zip(self.car.wheels()).and_then(|(wheels, monitor)| wheels.days(monitor));
@@ -177,7 +175,7 @@ impl Drive {
         self.wheels.as_ref().zip(self.car.wheels()).and_then(|(wheels, monitor)| wheels.yaw_fault(monitor))
     }
 
-    /// What the wheel speeds say, where they are used.
+    /// The radius analysis of the wheel speeds, where they are used.
     pub fn radii(&self) -> Option<RadiusRow> {
         self.car.wheels().map(|wheels| RadiusRow {
             radii: *wheels.radii(),
@@ -186,15 +184,15 @@ impl Drive {
         })
     }
 
-    /// What tooth pulses say of each tire since the calibration, where they are read.
+    /// Each tire's change since the calibration by its tooth pulses, where they are read.
     pub fn torsion(&self) -> Option<[Option<TorsionChange<f64>>; 4]> {
-        self.wheels.as_ref()?.torsion()
+        self.car.torsion().map(CarTorsion::changes)
     }
 
     /// Takes a tooth pulse, before the first row that is not earlier.
     pub fn pulse(&mut self, pulse: &Pulse) {
-        if let Some(wheels) = &mut self.wheels {
-            wheels.pulse(pulse);
+        if let Some(torsion) = self.car.torsion_mut() {
+            torsion.push(pulse.wheel, pulse.time_s);
         }
     }
 
@@ -253,9 +251,11 @@ impl Drive {
             self.absurd.get_or_insert((0, row.speed_m_s)).0 += 1;
         }
         self.car.follow_air(&row.motion.air);
-        let mut estimate = self.car.update(&row.sample());
+        let message = self.wheels.as_mut().map(|wheels| wheels.sample(row, &mut self.car));
+        let sample = CarSample { wheel_speeds: message, ..row.sample() };
+        let mut estimate = self.car.update(&sample);
         if let Some(estimator) = self.car.estimator() {
-            let (sample, quarter_cars) = (row.sample(), estimator.quarter_cars());
+            let quarter_cars = estimator.quarter_cars();
             if let Some(repeated) = &mut self.repeated {
                 let car = &mut self.car;
                 repeated.update(&sample, &quarter_cars, &estimate, |corner, stiffness| {
@@ -280,8 +280,8 @@ impl Drive {
         if self.car.denies_standstill() {
             row.speed_m_s = f64::NAN;
         }
-        if let Some(wheels) = &mut self.wheels {
-            wheels.update(row, &mut self.car);
+        if let Some((wheels, message)) = self.wheels.as_mut().zip(message) {
+            wheels.look(row, &message);
         }
         estimate
     }

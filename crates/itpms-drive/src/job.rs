@@ -1,4 +1,4 @@
-//! What is to be done with a log: given before the first row, known to all that work on a drive.
+//! The task for a log: given before the first row, known to all that work on a drive.
 
 use itpms_core::model::Corner;
 use itpms_data::Vehicle;
@@ -17,7 +17,7 @@ pub enum Heights {
     Smoothed,
 }
 
-/// What is to be done with a log.
+/// The task for a log.
 #[derive(Debug, Clone, Copy)]
 pub struct Job<'a> {
     pub vehicle: &'a Vehicle,

@@ -59,7 +59,6 @@ pub struct LearnedVehicle {
     /// The wheelbase, if the drives show it; the vehicle's only where the file says that it was assumed.
     pub wheelbase: Option<FoundWheelbase>,
     pub readings: Vec<DriveReading>,
-    /// Caveats, a sentence each.
     pub concerns: Vec<String>,
 }
 
@@ -308,7 +307,7 @@ fn parameters(corner: &LearnedCorner) -> [(&'static str, &'static str, Parameter
 }
 
 impl LearnedVehicle {
-    /// What no drive has shown, and what no drive can show, a sentence each.
+    /// Parameters that no drive has identified, and that none can, a sentence each.
     pub fn unknown(&self) -> Vec<String> {
         let mut unknown = vec![
             "all unsprung masses, tires, springs, dampers and friction times one factor move alike: that factor rests on the file's sprung masses, unsprung masses and tires".to_owned(),
@@ -441,7 +440,7 @@ impl LearnedVehicle {
     }
 }
 
-/// What a parameter was, and what drives have made of it.
+/// A parameter in the file, and as learned.
 fn changed(parameter: &Parameter, unit: &str) -> String {
     let digits = |value: f64| if value < 1_000.0 { format!("{value:.1}") } else { format!("{value:.0}") };
     let word = if parameter.is_learned() { "learned" } else { "file and drives" };

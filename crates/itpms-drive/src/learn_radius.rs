@@ -11,23 +11,22 @@ use itpms_data::{LogReader, Vehicle};
 use crate::error::DriveError;
 use crate::learn::{KnownDrive, by_sensors, no_pressure};
 use crate::run::ROWS_PER_LOOK;
-use crate::wheel_speeds::lacking;
+use crate::wheel_speeds::lacks;
 
-/// What the three ratios see of each radius: front left over right, rear left over right, front over rear.
+/// Derivatives of the three ratios by each radius: front left over right, rear left over right, front over rear.
 const SEEN: [[f64; 4]; 3] = [[1.0, -1.0, 0.0, 0.0], [0.0, 0.0, 1.0, -1.0], [0.5, 0.5, -0.5, -0.5]];
 /// Sd of a radius's own change from one drive to another; ln of a radius per ln of its load; and a front passenger's effect on the ratios.
 const BY_ITSELF: f64 = 2e-4;
 const PER_LN_LOAD: f64 = 6.4e-3;
 const PASSENGER: [f64; 3] = [-3e-4, -2e-4, 2e-4];
 
-/// What drives at known pressures show of a car with wheel speeds alone.
+/// The result of drives at known pressures of a car with wheel speeds alone.
 #[derive(Debug, Clone)]
 pub struct LearnedRadius {
     pub vehicle: Vehicle,
     /// `d ln R / d ln p` before and after, each with its standard deviation.
     pub before: [f64; 2],
     pub after: [f64; 2],
-    /// Caveats, a sentence each.
     pub concerns: Vec<String>,
 }
 
@@ -43,7 +42,7 @@ pub fn learn_radius(
         Ok(LogReader::open_with(log, options)?)
     };
     let (drives, concerns) = by_sensors(file, drives, open, watch)?;
-    let config = file.wheel_speed_config().map_err(|key| DriveError::Mismatch(lacking(file, key)))?;
+    let config = file.wheel_speed_config().map_err(|key| lacks(file, key))?;
     let beta = config.radius_per_ln_pressure;
     let before = [beta, (beta * config.radius_per_ln_pressure_sd).abs()];
     let (mut information, mut vector) = (before[1].powi(-2), beta * before[1].powi(-2));
@@ -76,7 +75,7 @@ pub fn learn_radius(
         corner.tire.radius_per_ln_pressure = Some(rounded(after[0]));
         corner.tire.radius_per_ln_pressure_sd = Some(rounded(after[1]));
     }
-    vehicle.wheel_speed_config().map_err(|key| DriveError::Mismatch(lacking(file, key)))?;
+    vehicle.wheel_speed_config().map_err(|key| lacks(file, key))?;
     Ok(LearnedRadius { vehicle, before, after, concerns })
 }
 

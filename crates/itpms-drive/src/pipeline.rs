@@ -33,7 +33,7 @@ struct Read {
 struct Step {
     row: LogRow,
     estimates: Estimates,
-    /// What the monitor says, where it has reported something since the row before.
+    /// The monitor's report, where it has changed since the row before.
     report: Option<Box<MonitorReport<f64>>>,
     radii: Option<Box<RadiusRow>>,
     cars: Option<QuarterCars>,
@@ -224,7 +224,7 @@ mod tests {
         (LogReader::open(&path).unwrap(), vehicle_of(&scenario).unwrap())
     }
 
-    /// What became of a drive: the sink's record, the figures at the end or what was wrong.
+    /// The outcome of a drive: the sink's record, the figures at the end or the error.
     fn outcome(
         broken: Option<usize>,
         refuses: Option<usize>,

@@ -1,4 +1,4 @@
-//! What a log's columns show of their own units and ranges: a speed and wheel speeds that differ by a factor, wheel speeds in coarse steps,
+//! Plausibility of a log's units and ranges: a speed and wheel speeds that differ by a factor, wheel speeds in coarse steps,
 //! accelerations that are too small for any road or beyond their sensor's range. Fed with every row by [`run`](crate::run), asked at the end; knows nothing of tires.
 
 use itpms_core::model::Corner;
@@ -122,7 +122,7 @@ impl Plausibility {
         }
     }
 
-    /// What leaves nothing of wheel speeds to be believed.
+    /// Faults that make all wheel speeds useless.
     pub(crate) fn contradiction(&self) -> Option<String> {
         self.odd_wheel().or_else(|| self.other_unit()).or_else(|| self.coarse_steps())
     }

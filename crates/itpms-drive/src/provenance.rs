@@ -48,12 +48,12 @@ fn tire_sensors(job: &Job<'_>, sensors_kpa: &[f64; 4]) -> Option<(String, String
     (!sent.is_empty()).then(|| ("Tire sensors of the car, last sent".to_owned(), sent.join(", ")))
 }
 
-/// What estimated: the estimator of the accelerations, or where there are none the analysis of wheel speeds.
+/// The estimator: of the accelerations, or where there are none the analysis of wheel speeds.
 pub(crate) fn estimator_label(job: &Job<'_>) -> &'static str {
     if job.corners.is_empty() { "wheel-speeds" } else { job.settings.estimator.label() }
 }
 
-/// What was asked for, by its name in words: the rule and the rows always, everything else where it was given.
+/// The options by name: the rule and the rows always, everything else where it was given.
 fn options(settings: &Settings, reading: &LogOptions) -> Vec<(String, String)> {
     let file = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let calibration = match (settings.calibrate_s, settings.reference.as_deref()) {

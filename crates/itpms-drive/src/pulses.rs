@@ -33,7 +33,7 @@ impl Pulses {
         Ok(())
     }
 
-    /// What was repaired, once the log is over. Errors: no pulse lay within the log.
+    /// The repairs, once the log is over. Errors: no pulse lay within the log.
     pub(crate) fn finish(&self, log: &Path, end_s: f64) -> Result<Vec<String>, DriveError> {
         let Some(reader) = &self.reader else { return Ok(vec![]) };
         let path = reader.path().display();

@@ -21,7 +21,7 @@ pub struct Taught {
     pub wheel_speeds: Option<RadiusCalibration<f64>>,
     pub torsion: LearnedTorsion,
     pub suspension: Option<SuspensionReference>,
-    /// What the days since the calibration of the wheel speeds show, with this one, or why it does not count; `None` without one.
+    /// The radii of the days since the calibration of the wheel speeds, with this one, or why it does not count; `None` without one.
     pub days: Option<Result<RadiusDays<f64>, &'static str>>,
 }
 
@@ -31,7 +31,7 @@ impl Taught {
     }
 }
 
-/// What the car learned on an earlier drive, if `--reference` names a file, and the vehicle that it counts from.
+/// The reference of an earlier drive, if `--reference` names a file, and the vehicle that it counts from.
 pub(crate) fn read(
     settings: &Settings,
     vehicle: &Vehicle,

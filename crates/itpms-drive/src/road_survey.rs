@@ -49,7 +49,7 @@ impl RoadSurvey {
         self.distance_m
     }
 
-    /// What a wrong unit makes of the way.
+    /// The way's factor by a wrong unit.
     pub fn doubt_of_positions(&self) -> Option<String> {
         let share = self.way.length_share().filter(|share| !SAME_WAY.contains(share))?;
         Some(format!(
@@ -102,7 +102,6 @@ impl SurveyedRoad {
         all
     }
 
-    /// These as JSON.
     pub fn anomalies_json(&self) -> Value {
         let one = |(track, SideAnomaly { anomaly, passes }): (&str, SideAnomaly)| {
             json!({

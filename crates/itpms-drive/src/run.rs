@@ -45,12 +45,12 @@ pub trait Sink {
         Ok(())
     }
 
-    /// What the monitor reported or took back, with its time in s. Errors: the sink's own; they end the drive.
+    /// An alert that began or ended, with its time in s. Errors: the sink's own; they end the drive.
     fn transition(&mut self, _time_s: f64, _change: &Change<f64>) -> Result<(), DriveError> {
         Ok(())
     }
 
-    /// What is found beside the monitor, as a line of `events.jsonl`.
+    /// A finding beside the monitor's, as a line of `events.jsonl`.
     ///
     /// # Errors
     /// The sink's own; they end the drive.
@@ -70,19 +70,18 @@ pub type Fit = (BodyFit<f64>, Option<Misfit>);
 pub struct Done {
     pub data: ReportData,
     pub alerts: Alerts,
-    /// Caveats, a sentence each.
     pub concerns: Vec<String>,
     /// The corners of the vehicle file that the log does not have, each with the reason, as the end of "it is".
     pub not_estimated: Vec<(Corner, String)>,
     /// How well body and wheel of every corner go together, in the order of [`Corner::ALL`](itpms_core::model::Corner::ALL).
     pub fits: [Option<Fit>; 4],
-    /// What a calibration drive taught, once it was over.
+    /// The result of a calibration, once it was over.
     pub learned: Taught,
     /// Placard pressures in kPa, in the order of [`Corner::ALL`](itpms_core::model::Corner::ALL); of tires without one `None`.
     pub placards_kpa: [Option<f64>; 4],
     /// The last report by wheel speeds, where they are used.
     pub radii: Option<RadiusRow>,
-    /// What tooth pulses showed in the end of each tire since the calibration, where they are read, in the order of
+    /// Each tire's change since the calibration by its tooth pulses at the end, where they are read, in the order of
     /// [`Corner::ALL`](itpms_core::model::Corner::ALL).
     pub torsion: Option<[Option<TorsionChange<f64>>; 4]>,
     /// Whether the log has a temperature of the air, for cold pressures.
@@ -224,7 +223,7 @@ pub(crate) fn conclude(
     })
 }
 
-/// What becomes of the rows.
+/// Where the rows go.
 pub(crate) struct Record {
     track: Option<RoadTrack>,
     collector: ReportCollector,

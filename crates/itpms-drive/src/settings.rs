@@ -1,4 +1,4 @@
-//! What an estimate can be given besides its log and its vehicle.
+//! Settings of an estimate besides its log and its vehicle.
 
 use std::path::PathBuf;
 

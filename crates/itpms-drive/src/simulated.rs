@@ -107,7 +107,7 @@ pub fn take_vehicle(scenario: &mut Scenario, vehicle: &Vehicle) -> Result<(), Dr
     Ok(())
 }
 
-/// What an estimator is to know about the scenario's vehicle. Errors: the scenario's corners are no car's.
+/// The vehicle file for a scenario's car. Errors: the scenario's corners are no car's.
 pub fn vehicle_of(scenario: &Scenario) -> Result<Vehicle, DriveError> {
     let mut corners = [None; 4];
     for (corner, _) in scenario.corner.iter() {

@@ -1,4 +1,4 @@
-//! What is known at the end of a drive, as JSON and in lines.
+//! The summary of a drive, as JSON and as text.
 
 use itpms_analysis::report::{CornerReport, Reading, cold_words, found, unseen, wheel_line};
 use itpms_core::model::{Corner, Level, PressureUnit, Warning};
@@ -55,7 +55,7 @@ pub fn corner_lines(done: &Done, end_s: f64) -> Vec<String> {
     estimated.chain(others.map(|(corner, why)| format!("{}  not estimated: {why}", corner.label()))).collect()
 }
 
-/// What tooth pulses say of each tire since the calibration; null of one of which nothing was learned.
+/// Each tire's change since the calibration by its tooth pulses; null where nothing was learned.
 fn torsion_json(changes: &[Option<TorsionChange<f64>>; 4]) -> Value {
     let of = |(corner, change): (&Corner, &Option<TorsionChange<f64>>)| {
         let change = change.map(|TorsionChange { change_kpa, change_sd_kpa }| {
@@ -79,7 +79,7 @@ pub fn torsion_line(done: &Done, unit: PressureUnit) -> Option<String> {
     Some(format!("by the tooth pulses since the calibration {}", wheels.join(", ")))
 }
 
-/// What the wheel speeds say in the end.
+/// The result of the wheel speeds at the end.
 fn wheels_json(row: &RadiusRow) -> Value {
     let radii = &row.radii;
     let wheel = |corner: Corner| {
@@ -171,7 +171,7 @@ fn corner_json(corner: &CornerReport, fit: Option<&Fit>) -> Value {
     })
 }
 
-/// What the tire would have cold, and what is to be added.
+/// The tire's cold pressure, and the pressure to add.
 fn cold_json(corner: &CornerReport) -> Value {
     let Some(cold) = corner.figures.cold else { return json!({ "state": "unknown" }) };
     let add_kpa = cold.air_to_add_kpa(corner.placard_kpa);

@@ -27,7 +27,7 @@ const LEAST: usize = 3;
 /// Correlation from which on wheels are alike, and share of it that must not be reached at the wheelbase.
 const ALIKE: f64 = 0.45;
 const NOT_THERE: f64 = 0.6;
-/// What a wheelbase may be off, in its logarithm: a tenth and a little.
+/// Largest error of a stated wheelbase, in its logarithm: a tenth and a little.
 const OFF: f64 = 0.12;
 /// From here on two wheels at one moment are one signal: the car's pitch makes of two sensors a tenth.
 const SAME: f64 = 0.95;
@@ -146,7 +146,7 @@ impl TimeAxis {
         }
     }
 
-    /// What does not belong together, if that is clear.
+    /// The contradiction, if there surely is one.
     pub(crate) fn contradiction(&self) -> Option<String> {
         let [smooth, rough] = self.rough.map(f64::from);
         if rough > ROUGH_SECONDS * (smooth + rough) {

@@ -60,7 +60,7 @@ impl Readings {
     }
 }
 
-/// What the sensors send in the first `seconds` of a log of this vehicle; `given_kpa`: pressures that are known otherwise, NaN of others.
+/// The sensors' readings in the first `seconds` of a log of this vehicle; `given_kpa`: pressures that are known otherwise, NaN of others.
 /// Errors: readings that contradict each other, another wheel's or what is given; the log cannot be read on; [`DriveError::Stopped`].
 pub fn sent_pressures(
     log: &mut LogReader,
@@ -104,7 +104,7 @@ pub fn sent_pressures(
     Ok(SentPressures { kpa, remarks })
 }
 
-/// What the readings contradict, in words: themselves in time, what is given, or each other.
+/// The readings' contradiction as a sentence: in time, with given pressures, or with each other.
 fn contradiction(
     wheels: &[Readings; 4],
     kpa: &[Option<f64>; 4],

@@ -3,12 +3,11 @@
 
 use itpms_core::model::Corner;
 use itpms_core::monitor::MonitoredWheels;
-use itpms_core::torsion::{CarTorsion, TorsionChange};
-use itpms_core::wheel_speed::RadiusDays;
+use itpms_core::torsion::CarTorsion;
+use itpms_core::wheel_speed::{RadiusDays, WheelSpeedSample};
 use itpms_data::log::LogColumns;
 use itpms_data::out::WheelSpeedUse;
-use itpms_data::pulses::Pulse;
-use itpms_data::reference::{LearnedTorsion, StoredReference};
+use itpms_data::reference::StoredReference;
 use itpms_data::{LogRow, Vehicle};
 
 use crate::car::AnyCar;
@@ -39,8 +38,6 @@ pub(crate) struct WheelSpeeds {
     alone: bool,
     track_rear_m: f64,
     turns: Turns,
-    /// Where tooth pulses are read.
-    torsion: Option<Box<CarTorsion<f64>>>,
     /// When the stored calibration was learned, in s since 1970, before the first row has told how old it is.
     learned_unix_s: Option<f64>,
     /// From where the rows' times count, in s since 1970, and the last one's.
@@ -49,39 +46,23 @@ pub(crate) struct WheelSpeeds {
 }
 
 impl WheelSpeeds {
-    /// This vehicle's, whose monitor begins with what was stored.
-    /// Errors: a setting that it refuses, or a stored reference without wheel speeds where there is nothing else.
+    /// This vehicle's, whose monitor and analysis of tooth pulses begin with what was stored.
+    /// Errors: a stored reference without wheel speeds where there is nothing else.
     pub(crate) fn new(
         settings: &Settings,
         vehicle: &Vehicle,
         alone: bool,
         stored: Option<&StoredReference>,
-        wheels: &mut MonitoredWheels<f64>,
+        car: &mut AnyCar,
     ) -> Result<Self, DriveError> {
-        let lacks = |key| DriveError::Mismatch(lacking(vehicle, key));
-        let mut torsion = match settings.pulses {
-            None => None,
-            Some(_) => {
-                let (of_wheels, placard_kpa) = vehicle.torsion_config().map_err(lacks)?;
-                let mut torsion = Box::new(CarTorsion::unconfigured());
-                torsion.configure(&of_wheels, &placard_kpa)?;
-                Some(torsion)
-            }
-        };
-        if let Some(seconds) = settings.calibrate_s {
-            let shares = settings.pressure_shares(vehicle);
-            wheels.begin_calibration_at(seconds, &shares)?;
-            if let Some(torsion) = &mut torsion {
-                torsion.begin_calibration_at(&shares);
-            }
-        }
         let radii = stored.and_then(|stored| stored.wheel_speeds.as_ref());
-        let loaded = radii.is_some_and(|radii| wheels.load_calibration(radii));
+        let monitor = car.wheels_mut();
+        let loaded = monitor.zip(radii).is_some_and(|(monitor, radii)| monitor.load_calibration(radii));
         let learned_unix_s = stored.filter(|_| loaded).map(|stored| stored.learned_unix_s as f64);
-        if let Some(stored) = stored.filter(|_| loaded) {
-            let _ = wheels.load_days(&stored.days);
+        if let (Some(monitor), Some(stored)) = (car.wheels_mut(), stored.filter(|_| loaded)) {
+            let _ = monitor.load_days(&stored.days);
         }
-        if let (Some(torsion), Some(stored)) = (&mut torsion, stored) {
+        if let (Some(torsion), Some(stored)) = (car.torsion_mut(), stored) {
             let _ = torsion.load_calibration(&stored.torsion);
         }
         if let Some(path) = settings.reference.as_ref().filter(|_| alone && !loaded) {
@@ -91,14 +72,13 @@ impl WheelSpeeds {
             )));
         }
         let rolling_radius_m = vehicle.rolling_radius_m().unwrap_or(f64::NAN);
-        let track_rear_m = vehicle.wheel_speed_config().map_err(lacks)?.track_rear_m;
+        let track_rear_m = vehicle.wheel_speed_config().map_err(|key| lacks(vehicle, key))?.track_rear_m;
         let (began_unix_s, unix_s) = (0.0, 0.0);
         Ok(Self {
             rolling_radius_m,
             alone,
             track_rear_m,
             turns: Turns::default(),
-            torsion,
             learned_unix_s,
             began_unix_s,
             unix_s,
@@ -109,7 +89,7 @@ impl WheelSpeeds {
         self.began_unix_s = unix_s;
     }
 
-    /// What the days since the calibration show, with this one, or why it does not count; `None` without a calibration.
+    /// The radii of the days since the calibration, with this one, or why it does not count; `None` without a calibration.
     pub(crate) fn days(
         &self,
         wheels: &MonitoredWheels<f64>,
@@ -127,48 +107,40 @@ impl WheelSpeeds {
         calibrated.then(|| problem.map_or(Ok(*days), Err))
     }
 
-    /// Hands the car a row's sample, after that of its accelerations. The speed of a car of which nothing else is known is that of its wheels.
-    pub(crate) fn update(&mut self, row: &mut LogRow, car: &mut AnyCar) {
+    /// A row's wheel speeds, for the car that is about to take them.
+    pub(crate) fn sample(&mut self, row: &LogRow, car: &mut AnyCar) -> WheelSpeedSample<f64> {
         self.unix_s = self.began_unix_s + row.time_s;
         if let (Some(learned_s), Some(wheels)) = (self.learned_unix_s.take(), car.wheels_mut()) {
             wheels.age_calibration(KM_PER_S * age_s(learned_s, self.unix_s));
         }
-        let sample = row.motion.sample(row.time_s, self.rolling_radius_m);
+        row.motion.sample(row.time_s, self.rolling_radius_m)
+    }
+
+    /// Looks at the yaw rate of a row that the car has taken. The speed of a car of which nothing else is known is that of its wheels.
+    pub(crate) fn look(&mut self, row: &mut LogRow, sample: &WheelSpeedSample<f64>) {
         if self.alone && row.speed_m_s.is_nan() {
             row.speed_m_s = 0.25 * sample.wheel_speed_m_s.iter().sum::<f64>();
         }
         let [_, _, left, right] = sample.wheel_speed_m_s;
         self.turns.push(sample.yaw_rate_rad_s, left, (right - left) / self.track_rear_m);
-        car.update_wheel_speeds(&sample, self.torsion.as_deref_mut());
     }
 
-    /// What is wrong with the yaw rate, as the wheels' way round bends shows it.
+    /// The yaw rate's fault, by the wheels' speeds in bends.
     pub(crate) fn yaw_fault(&self, wheels: &MonitoredWheels<f64>) -> Option<YawFault> {
         self.turns.fault().or_else(|| wheels.doubts_yaw_rate().then_some(YawFault::LeftOut))
     }
-
-    pub(crate) fn end_calibration(&mut self) {
-        if let Some(torsion) = &mut self.torsion {
-            torsion.end_calibration();
-        }
-    }
-
-    pub(crate) fn pulse(&mut self, pulse: &Pulse) {
-        if let Some(torsion) = &mut self.torsion {
-            torsion.push(pulse.wheel, pulse.time_s);
-        }
-    }
-
-    pub(crate) fn torsion(&self) -> Option<[Option<TorsionChange<f64>>; 4]> {
-        self.torsion.as_ref().map(|torsion| torsion.changes())
-    }
-
-    pub(crate) fn learned_torsion(&self) -> LearnedTorsion {
-        self.torsion.as_ref().map_or([None; 4], |torsion| torsion.calibration())
-    }
 }
 
-/// What a car drives in the mean, 13 000 km a year, in km/s.
+/// The analysis of a vehicle's tooth pulses.
+/// Errors: a key that its file lacks, or one that no wheel has.
+pub(crate) fn torsion(vehicle: &Vehicle) -> Result<Box<CarTorsion<f64>>, DriveError> {
+    let (of_wheels, placard_kpa) = vehicle.torsion_config().map_err(|key| lacks(vehicle, key))?;
+    let mut torsion = Box::new(CarTorsion::unconfigured());
+    torsion.configure(&of_wheels, &placard_kpa)?;
+    Ok(torsion)
+}
+
+/// Mean of a car's driving, 13 000 km a year, in km/s.
 const KM_PER_S: f64 = 13_000.0 / (365.25 * 86_400.0);
 /// Stamps from here on are dates, in s since 1970.
 const DATES_S: f64 = 1e8;
@@ -191,7 +163,7 @@ const IN_ORDER: std::ops::Range<f64> = 0.6..1.8;
 const FASTEST_RAD_S: f64 = 2.0;
 const FASTEST_DEG_S: f64 = 115.0;
 
-/// What is wrong with a yaw rate.
+/// The fault of a yaw rate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum YawFault {
     Reversed,
@@ -265,4 +237,9 @@ pub(crate) fn lacking(vehicle: &Vehicle, key: &str) -> String {
         "the vehicle {:?} has no {key}; wheel speeds need wheelbase_m, track_front_m, track_rear_m and driven (itpms vehicle init --wheelbase-m and --driven write them), and speeds of rotation and tooth pulses [tire] rolling_radius_m",
         vehicle.name
     )
+}
+
+/// The same, where they are needed.
+pub(crate) fn lacks(vehicle: &Vehicle, key: &str) -> DriveError {
+    DriveError::Mismatch(lacking(vehicle, key))
 }

@@ -14,7 +14,7 @@ use crate::run::ROWS_PER_LOOK;
 /// Standard deviations by which a wheelbase that was given may differ from what the drives show.
 const FAR: f64 = 3.0;
 
-/// What `drives` logs of a car show, weighed by their standard deviations; `open` gives them by their numbers.
+/// The wheelbase by `drives` logs of a car, weighted by their standard deviations; `open` opens one by its number.
 pub(crate) fn find(
     car: &CarConfig<f64>,
     drives: usize,
@@ -55,7 +55,7 @@ pub(crate) fn with_found(file: &Vehicle, found: Option<FoundWheelbase>) -> Vehic
     vehicle
 }
 
-/// What is to be reported of it, if anything.
+/// A caveat of it, if there is one.
 pub(crate) fn doubt(file: &Vehicle, found: Option<FoundWheelbase>) -> Option<String> {
     let side = |front, rear| file.corner(front).is_some() && file.corner(rear).is_some();
     let has_side = side(Corner::FrontLeft, Corner::RearLeft) || side(Corner::FrontRight, Corner::RearRight);

@@ -83,7 +83,6 @@ pub(crate) unsafe fn instance<'a>(pointer: *mut c_void) -> Option<&'a mut Instan
     unsafe { pointer.cast::<Instance>().as_mut() }
 }
 
-/// Ends an instance.
 pub(crate) unsafe fn free(pointer: *mut c_void) {
     if !pointer.is_null() {
         // SAFETY: it came from `Box::into_raw`.
@@ -91,13 +90,11 @@ pub(crate) unsafe fn free(pointer: *mut c_void) {
     }
 }
 
-/// A tool's text.
 pub(crate) unsafe fn text<'a>(pointer: *const c_char) -> Option<&'a str> {
     // SAFETY: the caller's promise.
     (!pointer.is_null()).then(|| unsafe { CStr::from_ptr(pointer) })?.to_str().ok()
 }
 
-/// A tool's array.
 unsafe fn array<'a, X>(pointer: *const X, count: usize) -> Option<&'a [X]> {
     if count == 0 {
         return Some(&[]);
@@ -221,7 +218,6 @@ pub(crate) unsafe fn set_state(pointer: *mut c_void, state: *mut c_void) -> Stat
     Status::Ok
 }
 
-/// Forgets a state.
 pub(crate) unsafe fn free_state(pointer: *mut c_void, state: *mut *mut c_void) -> Status {
     // SAFETY: the caller's promise.
     let (Some(_), Some(state)) = (unsafe { (instance(pointer), state.as_mut()) }) else {

@@ -13,9 +13,7 @@ pub const MODEL_IDENTIFIER: &str = "itpms";
 /// A version of the standard.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Fmi {
-    /// FMI 2.0.
     Two,
-    /// FMI 3.0.
     Three,
 }
 

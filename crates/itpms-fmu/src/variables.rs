@@ -42,7 +42,6 @@ pub struct Variable {
     /// Its unit, one of [`UNITS`]; empty: none.
     pub unit: &'static str,
     pub text: &'static str,
-    /// Initial value.
     pub start: f64,
 }
 

@@ -1,4 +1,4 @@
-//! What is found beside the pressures while a drive goes on: dampers and load, the tires' own sensors, what turns with the wheels.
+//! Findings beside the pressures while a drive goes on: dampers and load, the tires' own sensors, what turns with the wheels.
 //!
 //! Owned by the drive. Rows are listened to as they come; what they show is worked out once a minute, on a thread of its own: it takes some
 //! tenths of a second, and the estimate waits for nobody. A drive ends with a long stop, after which the car may carry something else.
@@ -8,7 +8,6 @@ use std::thread::{self, JoinHandle};
 
 use itpms_analysis::beside::{Beside, Findings, Identified};
 use itpms_core::model::Corner;
-use itpms_core::monitor::MonitoredCar;
 use itpms_data::out::RadiusRow;
 use itpms_data::{LogRow, Vehicle};
 use serde_json::{Map, Value, json};
@@ -16,6 +15,7 @@ use serde_json::{Map, Value, json};
 use crate::clock::Clock;
 use crate::options::DriveOptions;
 use crate::reported::Reported;
+use crate::wheels::Car;
 
 /// Seconds between two looks at what the rows have shown.
 const LOOK_S: f64 = 60.0;
@@ -32,7 +32,7 @@ pub(crate) struct BesideWatch {
     looked_s: f64,
     moved_s: f64,
     shown: Arc<Map<String, Value>>,
-    /// What was found and stands, as alerts.
+    /// The findings that stand, as alerts.
     standing: Vec<Map<String, Value>>,
 }
 
@@ -51,7 +51,7 @@ impl BesideWatch {
         row: &LogRow,
         speed_m_s: f64,
         estimates: &[Option<itpms_core::CornerEstimate<f64>>; 4],
-        car: &MonitoredCar<f64>,
+        car: &Car,
         reported: &mut impl FnMut(f64, Reported),
     ) {
         // A speed that is not known is none of a car that stands.
@@ -90,7 +90,7 @@ impl BesideWatch {
     }
 
     /// There is nothing more: what all rows have shown.
-    pub(crate) fn finish(&mut self, car: &MonitoredCar<f64>) {
+    pub(crate) fn finish(&mut self, car: &Car) {
         self.working = None;
         self.shown = shown(&self.watch.conclude(&Identified::by(Some(car.estimator()))));
     }
@@ -109,7 +109,7 @@ impl BesideWatch {
         self.standing.iter().any(|alert| alert.get("kind").is_some_and(|kind| kind == "tire-sensor-leak"))
     }
 
-    /// What the tires' own sensors sent last, in kPa; NaN: nothing.
+    /// The tires' own sensors' last readings in kPa; NaN: none.
     pub(crate) fn sent_kpa(&self) -> [f64; 4] {
         self.watch.sent_kpa()
     }

@@ -29,12 +29,11 @@ pub struct BrokerAddress {
     pub port: u16,
     pub topic: String,
     pub user: Option<String>,
-    /// What it wants to hear from that user.
     password: Option<Password>,
     encryption: Encryption,
 }
 
-/// What is shown to no one.
+/// A secret that is never printed.
 #[derive(Clone)]
 pub struct Password(String);
 

@@ -1,4 +1,4 @@
-//! What rows a drive has, known before the first is estimated.
+//! A drive's rate and columns, known before the first row is estimated.
 
 use itpms_core::model::Corner;
 

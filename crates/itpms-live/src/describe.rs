@@ -1,4 +1,4 @@
-//! What is known of the car, put into the words and numbers of a snapshot. Called by the engine; decides nothing.
+//! The car's state as a snapshot. Called by the engine; decides nothing.
 
 use itpms_core::model::{Corner, Level};
 use itpms_core::warning::{Cause, Doubt, MonitorReport, WheelState};

@@ -4,8 +4,8 @@
 //! same estimates, here and in `itpms estimate`.
 
 use itpms_analysis::odometer::Odometer;
-use itpms_core::model::CarEstimate;
-use itpms_core::monitor::{MonitorConfig, MonitoredCar};
+use itpms_core::model::{CarEstimate, CarSample};
+use itpms_core::monitor::MonitorConfig;
 use itpms_core::warning::{Change, MonitorReport};
 use itpms_data::out::RateGate;
 use itpms_data::pulses::Pulse;
@@ -19,16 +19,17 @@ pub use crate::options::DriveOptions;
 pub use crate::reported::Reported;
 use crate::roughness::Roughness;
 use crate::speed::SpeedDoubt;
-use crate::wheels::{Wheels, lacks};
+use crate::wheels::{self, Car, lacks};
 
 /// A drive being estimated. Made and restored in parts that are moved about: whoever does so needs a stack as a program's first
 /// thread has it (8 MB), not a test's.
 #[derive(Debug)]
 pub struct Drive {
     pub(crate) clock: Clock,
-    pub(crate) car: Box<MonitoredCar<f64>>,
+    pub(crate) car: Box<Car>,
     pub(crate) road: RoadUnderCar<f64>,
-    pub(crate) wheels: Option<Wheels>,
+    /// Of speeds of rotation; NaN where the vehicle file has none.
+    pub(crate) rolling_radius_m: f64,
     pub(crate) gate: RateGate,
     pub(crate) progress: Progress,
     pub(crate) roughness: Roughness,
@@ -36,13 +37,13 @@ pub struct Drive {
     pub(crate) latest: Option<CarEstimate<f64>>,
 }
 
-/// What is counted along the way, and kept with the estimate when the drive is saved.
+/// Counters that are saved with the estimate.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Progress {
     pub(crate) rows: u64,
     pub(crate) time_s: f64,
     pub(crate) odometer: Odometer,
-    /// What the monitor reported last: transitions are found against it.
+    /// The last report: transitions are found against it.
     pub(crate) before: Option<MonitorReport<f64>>,
 }
 
@@ -55,7 +56,7 @@ impl Drive {
         let wheel_speeds =
             clock.wheel_speeds.then(|| vehicle.wheel_speed_config()).transpose().map_err(lacks)?;
         let config = MonitorConfig { limits, home_kpa, wheel_speeds, ..MonitorConfig::new(&config) };
-        let mut car = Box::new(MonitoredCar::unconfigured());
+        let mut car = Box::new(Car::unconfigured_with(None));
         car.configure(&config, clock.sample_rate_hz).map_err(|error| refused(&error))?;
         let mut road = RoadUnderCar::unconfigured();
         if config.car.has_corners() {
@@ -69,7 +70,7 @@ impl Drive {
                 &"tooth pulses count together with wheel speeds, and the source has none that can be used: expected the speeds of all four wheels",
             ));
         }
-        let wheels = car.wheels_mut().map(|monitor| Wheels::new(vehicle, options, monitor)).transpose()?;
+        wheels::begin(&mut car, vehicle, options)?;
         if let Some(seconds) = options.calibrate_s {
             car.begin_calibration(seconds).map_err(|error| refused(&error))?;
         }
@@ -80,7 +81,7 @@ impl Drive {
             clock,
             car,
             road,
-            wheels,
+            rolling_radius_m: vehicle.rolling_radius_m().unwrap_or(f64::NAN),
             gate: RateGate::new(options.rate_hz),
             progress,
             roughness,
@@ -91,21 +92,25 @@ impl Drive {
 
     /// Takes a tooth pulse, before the first row that is not earlier. One of before the last row was taken then, or is lost.
     pub(crate) fn pulse(&mut self, pulse: &Pulse) {
-        if let Some(wheels) = self.wheels.as_mut().filter(|_| !(pulse.time_s <= self.progress.time_s)) {
-            wheels.pulse(pulse);
+        let is_new = !(pulse.time_s <= self.progress.time_s);
+        if let Some(torsion) = self.car.torsion_mut().filter(|_| is_new) {
+            torsion.push(pulse.wheel, pulse.time_s);
         }
     }
 
     /// Takes a row; gives what began and ended to `reported`. `true` if an estimate is due to be published.
     pub fn update(&mut self, row: &LogRow, mut reported: impl FnMut(f64, Reported)) -> bool {
         self.car.follow_air(&row.motion.air);
-        let mut estimate = self.car.update(&row.sample());
-        self.road.update(&row.sample(), &self.car.estimator().quarter_cars(), &mut estimate);
+        let rolls = self.car.wheels().is_some();
+        let message = rolls.then(|| row.motion.sample(row.time_s, self.rolling_radius_m));
+        let sample = CarSample { wheel_speeds: message, ..row.sample() };
+        let mut estimate = self.car.update(&sample);
+        self.road.update(&sample, &self.car.estimator().quarter_cars(), &mut estimate);
         let progress = &mut self.progress;
         (progress.rows, progress.time_s) = (progress.rows + 1, row.time_s);
-        let rolls_m_s = self.wheels.as_mut().map(|wheels| wheels.update(row, &mut self.car));
         // Nothing else is known of a car without corners.
-        let rolls_m_s = rolls_m_s.filter(|_| self.clock.corners.is_empty());
+        let alone = message.filter(|_| self.clock.corners.is_empty());
+        let rolls_m_s = alone.map(|message| 0.25 * message.wheel_speed_m_s.iter().sum::<f64>());
         let measured_m_s = match rolls_m_s {
             Some(rolls_m_s) if row.speed_m_s.is_nan() => rolls_m_s,
             _ if self.car.denies_standstill() => f64::NAN,

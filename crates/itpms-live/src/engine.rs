@@ -1,4 +1,4 @@
-//! What came in becomes estimates: surveys the first rows, estimates each, and makes snapshots and transitions of it.
+//! From inputs to estimates: surveys the first rows, estimates each, and makes snapshots and transitions of it.
 //!
 //! Owned by the estimating thread. Reads no clock but the wall's, for stamps and latency: what is estimated depends on the
 //! rows alone. Knows nothing of threads; where snapshots go is its caller's business.
@@ -35,7 +35,7 @@ const SAME_RATE: f64 = 0.01;
 /// Tooth pulses that wait for their row, at most: a minute of four wheels on a motorway. Of more the oldest are lost.
 const MOST_PULSES: usize = 1 << 18;
 
-/// What leaves the estimating thread.
+/// Outputs of the estimating thread.
 #[derive(Debug, Clone)]
 pub enum Published {
     Estimate(Arc<Snapshot>),
@@ -222,7 +222,7 @@ impl Engine {
         rows.iter().try_for_each(|row| self.estimate(row, None, publish))
     }
 
-    /// What of the source's corners the vehicle has.
+    /// The source's corners that the vehicle has.
     fn clock(
         &mut self,
         sample_rate_hz: f64,

@@ -24,7 +24,7 @@ pub struct Hub {
     past: Mutex<Past>,
 }
 
-/// What has been, oldest first.
+/// The history, oldest first.
 #[derive(Debug, Clone, Default)]
 pub struct History {
     pub coarse: Vec<Arc<Snapshot>>,

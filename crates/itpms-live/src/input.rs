@@ -1,4 +1,4 @@
-//! What a source tells the estimating thread.
+//! Messages from a source to the estimating thread.
 
 use std::time::Instant;
 
@@ -9,7 +9,7 @@ use itpms_data::pulses::Pulse;
 
 #[derive(Debug, Clone)]
 pub enum Input {
-    /// What kind of rows follow, from a source that knows before the first: the rate it measured and the corners it has.
+    /// The kind of rows that follow, from a source that knows before the first: the rate it measured and the corners it has.
     Opened {
         sample_rate_hz: f64,
         corners: Vec<Corner>,
@@ -52,7 +52,7 @@ pub struct SourceName {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Note {
     Remark(String),
-    /// What is wrong or was lost.
+    /// A fault or a loss.
     Warning(String),
 }
 

@@ -61,7 +61,7 @@ impl LatencyWindow {
         self.begun = Some(begun + Duration::from_secs(over));
     }
 
-    /// What the delays were, up to `now`; NaN without any.
+    /// The delays up to `now`; NaN without any.
     pub fn summary(&mut self, now: Instant) -> Latency {
         self.turn(now);
         let mut counts = [0u64; CLASSES];

@@ -38,7 +38,7 @@ pub enum End {
 /// The estimating thread and everything it hands to.
 pub struct Monitor {
     engine: Engine,
-    /// What makes rows of frames, where frames come.
+    /// The decoder from frames to rows, where frames come.
     feed: Option<Feed>,
     hub: Arc<Hub>,
     outputs: Vec<Output>,

@@ -12,17 +12,16 @@ pub struct DriveOptions {
     pub regulation: Regulation,
     /// Length in s of the calibration that begins with the first row.
     pub calibrate_s: Option<f64>,
-    /// What an earlier calibration taught of this car.
+    /// The result of an earlier calibration of this car.
     pub reference: Option<VehicleCalibration<f64>>,
-    /// What it has shown of struts and body, against which dampers and load are judged.
+    /// The same of struts and body, against which dampers and load are judged.
     pub suspension_reference: Option<SuspensionReference>,
     pub wheel_reference: Option<RadiusCalibration<f64>>,
-    /// What the days since then have shown of them.
+    /// The days since then.
     pub days_reference: Option<RadiusDays<f64>>,
     pub pulses: bool,
-    /// What an earlier calibration taught of them.
+    /// The result of an earlier calibration of the tooth pulses.
     pub torsion_reference: LearnedTorsion,
-    /// Estimates published per second.
     pub rate_hz: f64,
     /// Whether numbers that do not look like m/s² and m/s are reported.
     pub units: UnitCheck,

@@ -22,7 +22,7 @@ struct Inner<T> {
     dropped: u64,
 }
 
-/// What came of waiting for items.
+/// The outcome of waiting for items.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Taken {
     Some,

@@ -1,9 +1,9 @@
-//! What a drive reports while it goes on, for the engine to number and publish.
+//! Events of a drive, for the engine to number and publish.
 
 use itpms_core::warning::Change;
 use serde_json::{Map, Value};
 
-/// What began and what ended.
+/// Something that began or ended.
 #[derive(Debug)]
 pub enum Reported {
     /// By the monitor.

@@ -1,4 +1,4 @@
-//! What is published: everything that is known of the car at one moment, as plain numbers and words.
+//! The published state of the car at one moment, as plain numbers and words.
 //!
 //! Made by the estimating thread; read by JSON lines, MQTT, the page and the tests. As JSON the names of the fields are
 //! part of the contract with scripts. A number that is not known is NaN here and `null` in JSON. Holds no logic.
@@ -106,7 +106,6 @@ pub struct Wheel {
     /// What was lost in this drive in kPa, and its standard deviation; `null` while that is not counted, and where the tire was low
     /// before that. By wheel speeds alone: against the other tires since the calibration.
     pub lost_kpa: Option<f64>,
-    /// See [`lost_kpa`](Self::lost_kpa).
     pub lost_sd_kpa: Option<f64>,
     /// What the tire would have once it had cooled down to the air around the car, in kPa, and its standard deviation; absent while the
     /// temperature of the air is not known.
@@ -125,9 +124,7 @@ pub struct Wheel {
     /// By wheel speeds alone: share of its pressure that was lost since the calibration, its standard deviation, and the smallest loss that
     /// would have shown; `null` while not known.
     pub lost_share: Option<f64>,
-    /// See [`lost_share`](Self::lost_share).
     pub lost_share_sd: Option<f64>,
-    /// See [`lost_share`](Self::lost_share).
     pub detectable_loss: Option<f64>,
     /// What its level rests on: `file`, `calibration`, `reference` or, by wheel speeds alone, `other-tires`: then there is no pressure.
     pub level: &'static str,
@@ -146,7 +143,7 @@ pub struct Wheel {
     pub road_m: f64,
     /// International Roughness Index of the last full 100 m under this wheel.
     pub iri_m_per_km: f64,
-    /// What the tire's own sensor sent last, in kPa; absent where it sends nothing.
+    /// The last reading of the tire's own sensor in kPa; absent where it sends nothing.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tire_sensor_kpa: Option<f64>,
 }
@@ -167,7 +164,7 @@ pub struct SensorHealth {
     pub column: String,
     /// `fine`, `suspect` (not learned from, not yet reported) or `malfunction`.
     pub state: &'static str,
-    /// What is wrong, for a person; `null` while nothing is.
+    /// The fault as a sentence; `null` while there is none.
     pub reason: Option<String>,
 }
 

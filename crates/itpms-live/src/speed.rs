@@ -25,7 +25,7 @@ impl SpeedDoubt {
 
 #[derive(Debug, Default)]
 pub(crate) struct SpeedDoubts {
-    /// What is doubted now, since when, and when that was looked at last.
+    /// The present doubt, since when, and when it was last checked.
     doubted: Option<(SpeedDoubt, f64, f64)>,
     reported: Vec<SpeedDoubt>,
 }

@@ -1,7 +1,7 @@
 //! A drive kept in a file from one start of the monitor to the next, bit by bit.
 //!
 //! ```text
-//! itpms-live-state 30 f6d0c1f2a5a1b1c3\n     format, checksum of the format and of everything below
+//! itpms-live-state 31 f6d0c1f2a5a1b1c3\n     format, checksum of the format and of everything below
 //! postcard of the vehicle's identity, the regulation and the drive
 //! ```
 //!
@@ -14,7 +14,6 @@ use std::io::{self, Read as _};
 use std::path::Path;
 
 use itpms_core::model::Corner;
-use itpms_core::monitor::MonitoredCar;
 use itpms_data::Vehicle;
 use itpms_data::out::{AtomicFile, RateGate};
 use itpms_data::reference::{Unsealed, VehicleIdentity, seal, unsealed};
@@ -25,10 +24,10 @@ use crate::beside::BesideWatch;
 use crate::drive::{Clock, Drive, DriveOptions, Progress};
 use crate::error::LiveError;
 use crate::roughness::Roughness;
-use crate::wheels::Wheels;
+use crate::wheels::Car;
 
 /// The format that is written, and the only one that is read.
-pub const FORMAT: u32 = 30;
+pub const FORMAT: u32 = 31;
 
 const MAGIC: &str = "itpms-live-state ";
 /// The largest car takes some 400 kB.
@@ -38,16 +37,15 @@ const LONGEST_BYTES: u64 = 8 << 20;
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct SavedDrive {
     vehicle: (String, Option<String>, String),
-    /// What cannot change in the middle.
+    /// Settings that cannot change within a drive.
     regulation: String,
     sample_rate_hz: f64,
     corners: Vec<Corner>,
     gate: (f64, Option<f64>, f64),
     iri_m_per_km: [f64; 4],
     progress: Progress,
-    car: Box<MonitoredCar<f64>>,
+    car: Box<Car>,
     road: RoadUnderCar<f64>,
-    wheels: Option<Wheels>,
 }
 
 impl SavedDrive {
@@ -62,7 +60,6 @@ impl SavedDrive {
             progress: drive.progress.clone(),
             car: drive.car.clone(),
             road: drive.road.clone(),
-            wheels: drive.wheels.clone(),
         }
     }
 
@@ -153,20 +150,20 @@ impl SavedDrive {
             (gate.start_s, gate.due) = (start_s, due);
         }
         let (car, progress) = (self.car.clone(), self.progress.clone());
-        let (road, wheels) = (self.road.clone(), self.wheels.clone());
+        let (road, rolling_radius_m) = (self.road.clone(), vehicle.rolling_radius_m().unwrap_or(f64::NAN));
         let beside = BesideWatch::new(vehicle, &clock, options);
-        Ok(Drive { clock, car, road, wheels, gate, progress, roughness, beside, latest: None })
+        Ok(Drive { clock, car, road, rolling_radius_m, gate, progress, roughness, beside, latest: None })
     }
 
     pub(crate) fn has_wheel_speeds(&self) -> bool {
-        self.wheels.is_some()
+        self.car.wheels().is_some()
     }
 
     pub(crate) fn has_pulses(&self) -> bool {
-        self.wheels.as_ref().is_some_and(|wheels| wheels.torsion.is_some())
+        self.car.torsion().is_some()
     }
 
-    pub fn car(&self) -> &MonitoredCar<f64> {
+    pub fn car(&self) -> &Car {
         &self.car
     }
 

@@ -1,62 +1,36 @@
-//! What turns a row's wheel speeds and the tooth pulses up to it into what a car's monitor takes.
+//! What a drive's wheel speeds and tooth pulses begin with.
 
-use itpms_core::monitor::{MonitoredCar, MonitoredWheels};
+use itpms_core::monitor::MonitoredCar;
 use itpms_core::torsion::CarTorsion;
-use itpms_data::pulses::Pulse;
-use itpms_data::{LogRow, Vehicle};
+use itpms_data::Vehicle;
 
 use crate::error::LiveError;
 use crate::options::DriveOptions;
 
-#[derive(Debug, Clone, serde::Serialize, serde::Deserialize)]
-pub(crate) struct Wheels {
-    rolling_radius_m: f64,
-    /// Where tooth pulses are read.
-    pub(crate) torsion: Option<Box<CarTorsion<f64>>>,
-}
+/// A car whose tooth pulses may be read.
+pub(crate) type Car = MonitoredCar<f64, Option<Box<CarTorsion<f64>>>>;
 
-impl Wheels {
-    /// Of a car about to begin, whose monitor takes over what was learned.
-    pub(crate) fn new(
-        vehicle: &Vehicle,
-        options: &DriveOptions,
-        monitor: &mut MonitoredWheels<f64>,
-    ) -> Result<Self, LiveError> {
-        let refused = |error: &dyn std::fmt::Display| LiveError::Refused(error.to_string());
-        if let Some(calibration) = &options.wheel_reference
-            && !monitor.load_calibration(calibration)
-        {
-            return Err(refused(&"the learned reference has wheel speeds that no car has"));
-        }
-        if let Some(days) = &options.days_reference {
-            let _ = monitor.load_days(days);
-        }
-        let mut torsion = None;
-        if options.pulses {
-            let (of_wheels, placard_kpa) = vehicle.torsion_config().map_err(lacks)?;
-            let read = torsion.insert(Box::new(CarTorsion::unconfigured()));
-            read.configure(&of_wheels, &placard_kpa).map_err(|error| refused(&error))?;
-            let _ = read.load_calibration(&options.torsion_reference);
-            if options.calibrate_s.is_some() {
-                read.begin_calibration();
-            }
-        }
-        Ok(Self { rolling_radius_m: vehicle.rolling_radius_m().unwrap_or(f64::NAN), torsion })
+/// Gives a car about to begin what was learned, before it is calibrated.
+pub(crate) fn begin(car: &mut Car, vehicle: &Vehicle, options: &DriveOptions) -> Result<(), LiveError> {
+    let Some(monitor) = car.wheels_mut() else { return Ok(()) };
+    if let Some(calibration) = &options.wheel_reference
+        && !monitor.load_calibration(calibration)
+    {
+        let what = "the learned reference has wheel speeds that no car has";
+        return Err(LiveError::Refused(what.to_owned()));
     }
-
-    /// Hands the car a row's wheel speeds. Gives the speed of the car by them, in m/s.
-    pub(crate) fn update(&mut self, row: &LogRow, car: &mut MonitoredCar<f64>) -> f64 {
-        let sample = row.motion.sample(row.time_s, self.rolling_radius_m);
-        car.update_wheel_speeds(&sample, self.torsion.as_deref_mut());
-        0.25 * sample.wheel_speed_m_s.iter().sum::<f64>()
+    if let Some(days) = &options.days_reference {
+        let _ = monitor.load_days(days);
     }
-
-    /// Takes a tooth pulse, before the first row that is not earlier.
-    pub(crate) fn pulse(&mut self, pulse: &Pulse) {
-        if let Some(torsion) = &mut self.torsion {
-            torsion.push(pulse.wheel, pulse.time_s);
-        }
+    if options.pulses {
+        let (of_wheels, placard_kpa) = vehicle.torsion_config().map_err(lacks)?;
+        let mut torsion = Box::new(CarTorsion::unconfigured());
+        let configured = torsion.configure(&of_wheels, &placard_kpa);
+        configured.map_err(|error| LiveError::Refused(error.to_string()))?;
+        let _ = torsion.load_calibration(&options.torsion_reference);
+        car.read_pulses(torsion);
     }
+    Ok(())
 }
 
 /// A key that the vehicle file lacks for what the source sends.

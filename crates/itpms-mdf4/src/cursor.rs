@@ -17,7 +17,6 @@ pub struct GroupCursor {
     parts: Parts,
     /// Samples the group claims.
     claimed: Option<u64>,
-    /// Samples given out.
     given: u64,
     repairs: Repairs,
     finished: bool,

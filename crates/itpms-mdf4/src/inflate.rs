@@ -33,9 +33,7 @@ pub(super) struct Zipped {
     columns: usize,
     /// Bytes once inflated.
     pub(super) original: u64,
-    /// Bytes in the file.
     stored: u64,
-    /// Place of the compressed bytes.
     from: u64,
 }
 

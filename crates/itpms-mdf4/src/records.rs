@@ -154,12 +154,10 @@ impl Records {
         }
     }
 
-    /// Why there are no more.
     pub(super) fn stop(&self) -> Option<Stop> {
         self.stop
     }
 
-    /// Records read or lost so far.
     pub(super) fn passed(&self) -> u64 {
         self.next
     }
@@ -275,7 +273,6 @@ impl Records {
         taken
     }
 
-    /// The next `count` bytes.
     #[inline]
     fn take(&mut self, count: usize) -> Result<Taken, Mdf4Problem> {
         let from = self.used;
@@ -309,7 +306,6 @@ impl Records {
         }
     }
 
-    /// Passes over `count` bytes.
     fn skip(&mut self, mut count: u64) -> Result<Skipped, Mdf4Problem> {
         loop {
             let rest = (self.stream.bytes().len() - self.used) as u64;

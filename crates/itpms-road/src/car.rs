@@ -63,7 +63,7 @@ impl<T: Real> RoadUnderWheel<T> {
 /// let mut car = MonitoredCar::new(&MonitorConfig::new(&config), 200.0)?;
 /// let mut road = RoadUnderCar::new(&config, 200.0)?;
 /// # let corner = CornerSample { body_accel_m_s2: 0.1, wheel_accel_m_s2: 0.5 };
-/// # let sample = CarSample { time_s: 0.0, speed_m_s: 20.0, corners: [Some(corner); 4] };
+/// # let sample = CarSample { time_s: 0.0, speed_m_s: 20.0, corners: [Some(corner); 4], wheel_speeds: None };
 /// let mut estimate = car.update(&sample);
 /// road.update(&sample, &car.estimator().quarter_cars(), &mut estimate);
 /// // `road_m` and `road_sd_m` of each corner are set now; NaN until the filters have settled.

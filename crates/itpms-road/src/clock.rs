@@ -13,7 +13,6 @@ const PATIENCE: u8 = 3;
 /// What to make of a sample's time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Arrival<T> {
-    /// Nothing was before.
     First,
     Next(T),
     /// Not after the last one, or absurdly late: leave it out.

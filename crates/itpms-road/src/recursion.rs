@@ -127,7 +127,6 @@ impl<T: Real> Recursion<T> {
         Correction { row, gain: CoreState::from_fn(|i, _| gain[i]), innovation, variance }
     }
 
-    /// Finite, with positive variances.
     pub(crate) fn is_sound(&self) -> bool {
         // Zero times what is not finite is no number.
         let mut zeros = [T::zero(); STATES];

@@ -23,8 +23,8 @@
 //!
 //! let scenario = Scenario::builtin("paper-drop")?;
 //! for row in Simulation::new(&scenario, 1)?.take(3) {
-//!     let sample = row.sample(Corner::FrontLeft);
-//!     assert!(sample.is_some_and(|s| s.corners.body_accel_m_s2.is_finite()));
+//!     let sample = row.car_sample().corners[Corner::FrontLeft];
+//!     assert!(sample.is_some_and(|s| s.body_accel_m_s2.is_finite()));
 //! }
 //! # Ok::<(), itpms_sim::error::ScenarioError>(())
 //! ```

@@ -24,7 +24,6 @@ pub struct SensorSpec {
     /// Largest reading either way in m/s².
     #[serde(skip_serializing_if = "Option::is_none")]
     pub range_m_s2: Option<f64>,
-    /// Share of samples lost.
     pub dropout_fraction: f64,
     /// Mean number of samples lost in a row.
     pub dropout_burst_samples: f64,

@@ -21,5 +21,5 @@ pub fn sample(index: usize) -> CarSample<f32> {
             wheel_accel_m_s2: value(2 + 2 * i, PER_M_S2),
         })
     });
-    CarSample { time_s: index as f64 / RATE_HZ, speed_m_s: value(0, PER_M_S), corners }
+    CarSample { time_s: index as f64 / RATE_HZ, speed_m_s: value(0, PER_M_S), corners, wheel_speeds: None }
 }

@@ -68,7 +68,7 @@ pub fn taken<T: Real>(sample: &CarSample<f64>) -> CarSample<T> {
             wheel_accel_m_s2: T::lit(c.wheel_accel_m_s2),
         })
     });
-    CarSample { time_s: sample.time_s, speed_m_s: T::lit(sample.speed_m_s), corners }
+    CarSample { time_s: sample.time_s, speed_m_s: T::lit(sample.speed_m_s), corners, wheel_speeds: None }
 }
 
 /// A car under way, and how far it has come.
@@ -113,7 +113,6 @@ impl<T: Real> RunningCar<T> {
         running
     }
 
-    /// Samples of [`STRETCH_S`].
     pub fn stretch(&self) -> usize {
         (STRETCH_S * self.rate_hz) as usize
     }

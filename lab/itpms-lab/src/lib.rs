@@ -6,6 +6,7 @@
 //! | [`malfunction`] | sensors that go wrong, and what the monitor reports of it |
 //! | [`observability`] | why two accelerations leave the stiffness free, and what each source of information fixes |
 //! | [`paper`] | the paper's study, made again |
+//! | [`runner`] | many drives on all processors, and why a study ends before its time |
 //! | [`score`] | the accuracy table, recomputed over many simulated drives |
 //! | [`sensors`] | what a study's car has: accelerometers, or wheel speeds alone |
 //! | [`soak`] | false warnings over many simulated hours |
@@ -16,6 +17,7 @@ pub mod certify;
 pub mod malfunction;
 pub mod observability;
 pub mod paper;
+pub mod runner;
 pub mod score;
 pub mod sensors;
 pub mod soak;

@@ -1,14 +1,13 @@
 //! What a car of a study has to find its pressures with.
 
-use itpms_core::model::{CarEstimate, CarSample, Corner, ParameterError};
+use itpms_core::model::{Corner, ParameterError};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_core::torsion::{CarTorsion, TorsionConfig};
-use itpms_core::wheel_speed::{DrivenAxle, LoadUncertainty, WheelSpeedConfig, WheelSpeedSample};
+use itpms_core::wheel_speed::{DrivenAxle, LoadUncertainty, WheelSpeedConfig};
 use itpms_sim::error::ScenarioError;
 use itpms_sim::pulses::PulseCar;
 use itpms_sim::scenario::Scenario;
-use itpms_sim::simulation::SimRow;
-use itpms_sim::wheel_speeds::{DrivenWheels, WheelSpeedRow, WheelSpeedSpec};
+use itpms_sim::wheel_speeds::{DrivenWheels, WheelSpeedSpec};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
@@ -52,19 +51,21 @@ pub(crate) fn wheel_speed_config(
     Some(WheelSpeedConfig { limited_slip, load, ..config })
 }
 
-/// The tooth pulses of a car's drives, one after the other, and what an estimator makes of them: of tires and sensors nothing is known of.
-pub(crate) struct Pulses {
-    rolling: Option<PulseCar>,
-    pub(crate) torsion: Box<CarTorsion<f64>>,
-}
+/// A car whose tooth pulses may be read.
+pub(crate) type PulsedCar = MonitoredCar<f64, Option<Box<CarTorsion<f64>>>>;
+
+/// The tooth pulses of a car's drives, one after the other.
+pub(crate) struct Pulses(Option<PulseCar>);
 
 impl Pulses {
-    pub(crate) fn new(scenario: &Scenario) -> Result<Self, ParameterError> {
+    /// Lets a car read them, with tires and sensors nothing is known of.
+    pub(crate) fn read_by(car: &mut PulsedCar, scenario: &Scenario) -> Result<Self, ParameterError> {
         let placard_kpa = Corner::ALL
             .map(|corner| scenario.corner.get(corner).map_or(f64::NAN, |corner| corner.placard_kpa));
         let mut torsion = Box::new(CarTorsion::unconfigured());
         torsion.configure(&[TorsionConfig::new(); 4], &placard_kpa)?;
-        Ok(Self { rolling: None, torsion })
+        car.read_pulses(torsion);
+        Ok(Self(None))
     }
 
     pub(crate) fn roll(
@@ -73,36 +74,20 @@ impl Pulses {
         car_seed: u64,
         seed: u64,
     ) -> Result<(), ScenarioError> {
-        self.rolling = Some(PulseCar::new(scenario, car_seed, seed)?);
+        self.0 = Some(PulseCar::new(scenario, car_seed, seed)?);
         Ok(())
     }
 
-    /// With what passes up to a time of the drive, which began `offset_s` after the first one.
-    pub(crate) fn until(&mut self, time_s: f64, offset_s: f64) -> &mut CarTorsion<f64> {
-        let Self { rolling, torsion } = self;
-        if let Some(rolling) = rolling {
+    /// Hands the car those that pass up to a time of the drive, which began `offset_s` after the first one.
+    pub(crate) fn until(&mut self, time_s: f64, offset_s: f64, car: &mut PulsedCar) {
+        if let Some((rolling, torsion)) = self.0.as_mut().zip(car.torsion_mut()) {
             rolling.until(time_s, |wheel, at_s| {
                 if let Some(corner) = Corner::ALL.get(wheel) {
                     torsion.push(*corner, offset_s + at_s);
                 }
             });
         }
-        torsion
     }
-}
-
-/// What a monitor sees of a row.
-pub(crate) fn wheel_speed_sample(row: &SimRow) -> Option<(WheelSpeedSample<f64>, &WheelSpeedRow)> {
-    let wheels = row.wheel_speeds.as_ref()?;
-    let sample = WheelSpeedSample {
-        time_s: row.time_s,
-        wheel_speed_m_s: wheels.wheel_speed_m_s,
-        yaw_rate_rad_s: wheels.yaw_rate_rad_s,
-        accel_x_m_s2: wheels.accel_x_m_s2,
-        accel_y_m_s2: wheels.accel_y_m_s2,
-        brake: wheels.brake.is_finite().then_some(wheels.brake > 0.5),
-    };
-    Some((sample, wheels))
 }
 
 /// Radius over pressure of the tires of cars on the road: where they have been measured, and where models put them.
@@ -128,17 +113,4 @@ pub(crate) fn equipped(
     let mut car = Box::new(MonitoredCar::unconfigured());
     car.configure(&MonitorConfig { wheel_speeds, ..*config }, scenario.rate_hz)?;
     Ok(car)
-}
-
-/// Hands a car a row, of which its own sensors say `sample`.
-pub(crate) fn take_row(
-    car: &mut MonitoredCar<f64>,
-    row: &SimRow,
-    sample: &CarSample<f64>,
-) -> CarEstimate<f64> {
-    let estimate = car.update(sample);
-    if let Some((sample, _)) = wheel_speed_sample(row) {
-        car.update_wheel_speeds(&sample, None);
-    }
-    estimate
 }

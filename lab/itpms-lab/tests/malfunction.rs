@@ -2,7 +2,8 @@
 
 use std::ops::ControlFlow;
 
-use itpms_lab::malfunction::{MalfunctionError, Request, kinds, study};
+use itpms_lab::malfunction::{Request, kinds, study};
+use itpms_lab::runner::StudyError;
 
 fn request(only: &str) -> Request {
     Request { drives: 1, first_seed: 6, only: Some(only.to_owned()) }
@@ -86,13 +87,14 @@ fn a_gain_that_is_a_quarter_off_is_said() {
 #[test]
 fn requests_that_make_no_sense_are_refused_and_a_break_stops() {
     let go = |_, _| ControlFlow::Continue(());
-    assert!(matches!(study(&Request { drives: 0, ..request("stuck") }, &go), Err(MalfunctionError::Nothing)));
+    let refused = study(&Request { drives: 0, ..request("stuck") }, &go).unwrap_err().to_string();
+    assert!(refused.starts_with("0 drives"), "{refused}");
     let unknown = study(&request("rusty"), &go).unwrap_err().to_string();
     assert!(
         unknown.starts_with("no malfunction is called `rusty`, expected a part of one of: stuck, wheel; ")
     );
     let stop = |_, _| ControlFlow::Break(());
-    assert!(matches!(study(&request("stuck, wheel"), &stop), Err(MalfunctionError::Stopped)));
+    assert!(matches!(study(&request("stuck, wheel"), &stop), Err(StudyError::Stopped)));
     assert!(kinds().iter().all(|kind| kind.stated_s > 0.0));
     // Twenty-six of sensors, and a road that tells nothing.
     let of_sensors = kinds().iter().filter(|kind| !kind.faults.is_empty()).count();

@@ -3,7 +3,8 @@
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use itpms_lab::paper::{PaperError, Request, reproduce};
+use itpms_lab::paper::{Request, reproduce};
+use itpms_lab::runner::StudyError;
 
 #[test]
 fn what_diverges_is_shown_as_diverged() {
@@ -43,7 +44,7 @@ fn a_break_ends_the_study() {
         ControlFlow::Break(())
     };
     let request = Request { seeds: 1000, ..Request::default() };
-    assert!(matches!(reproduce(&request, &stop), Err(PaperError::Stopped)));
+    assert!(matches!(reproduce(&request, &stop), Err(StudyError::Stopped)));
     // One word per processor at most.
     assert!(told.load(Ordering::Relaxed) < 1000);
 }

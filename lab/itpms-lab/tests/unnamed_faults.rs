@@ -15,10 +15,16 @@ const ABSURD_KPA: f64 = 60.0;
 /// A sample as a wrong sensor or a wrong cable gives it.
 type Spoil = fn(CarSample<f64>) -> CarSample<f64>;
 
-/// Sensors of the front axle's wheels that read too little.
-fn front_gain(mut sample: CarSample<f64>) -> CarSample<f64> {
-    sample.corners[..2].iter_mut().flatten().for_each(|corner| corner.wheel_accel_m_s2 *= 0.75);
+/// Wheel sensors that read so many times what they should.
+fn gains(mut sample: CarSample<f64>, gains: [f64; 4]) -> CarSample<f64> {
+    let corners = sample.corners.iter_mut().flatten();
+    corners.zip(gains).for_each(|(corner, gain)| corner.wheel_accel_m_s2 *= gain);
     sample
+}
+
+/// Sensors of the front axle's wheels that read too little.
+fn front_gain(sample: CarSample<f64>) -> CarSample<f64> {
+    gains(sample, [0.75, 0.75, 1.0, 1.0])
 }
 
 fn exchanged(mut sample: CarSample<f64>, corners: [[usize; 2]; 2]) -> CarSample<f64> {
@@ -41,6 +47,8 @@ fn fast(sample: CarSample<f64>) -> CarSample<f64> {
 
 /// What is found on a drive of a car that is about as its file says and has all its air.
 struct Found {
+    /// Seconds in which a wheel was low at all.
+    ever_low_s: f64,
     /// Seconds in which a wheel was low, and in which a pressure that may be shown was absurd, once that has to have been seen.
     low_s: f64,
     absurd_s: f64,
@@ -61,9 +69,11 @@ fn drive(spoil: Spoil, seed: u64) -> Found {
     let step_s = 1.0 / scenario.rate_hz;
     let mut car = Box::new(MonitoredCar::unconfigured());
     car.configure(&MonitorConfig::new(&file), scenario.rate_hz).unwrap();
-    let mut found = Found { low_s: 0.0, absurd_s: 0.0, misfits: [None; 4], valid_s: 0.0 };
+    let mut found = Found { ever_low_s: 0.0, low_s: 0.0, absurd_s: 0.0, misfits: [None; 4], valid_s: 0.0 };
     for row in Simulation::new(&scenario, seed).unwrap() {
         let estimate = car.update(&spoil(row.car_sample()));
+        let is_low = |i: usize| car.report().wheels[i].unwrap().state == WheelState::Low;
+        found.ever_low_s += if (0..4).any(is_low) { step_s } else { 0.0 };
         if row.time_s < SEEN_S {
             continue;
         }
@@ -73,8 +83,7 @@ fn drive(spoil: Spoil, seed: u64) -> Found {
             let absurd = valid && (estimate.pressure_kpa - truth.pressure_kpa).abs() > ABSURD_KPA;
             found.valid_s += if valid { 0.25 * step_s } else { 0.0 };
             found.absurd_s += if absurd { step_s } else { 0.0 };
-            let low = car.report().wheels[i].unwrap().state == WheelState::Low;
-            found.low_s += if low { step_s } else { 0.0 };
+            found.low_s += if is_low(i) { step_s } else { 0.0 };
         }
     }
     found.misfits = Corner::ALL.map(|corner| car.estimator().fit(corner).unwrap().1);
@@ -96,6 +105,25 @@ fn a_fault_that_no_tire_explains_is_no_pressure() {
         assert_eq!(found.misfits, [Some(Misfit::Apart); 4], "{name}");
         assert_eq!((found.low_s, found.absurd_s), (0.0, 0.0), "{name}");
     }
+}
+
+/// From the first second on, long before it is reported that a sensor is wrong; one drive of 24 may have a road that hides it.
+#[test]
+fn a_gain_of_a_wheel_or_of_a_side_makes_no_tire_low() {
+    let faults: [(&str, Spoil); 6] = [
+        ("fl x 0.6", |sample| gains(sample, [0.6, 1.0, 1.0, 1.0])),
+        ("fr x 1.25", |sample| gains(sample, [1.0, 1.25, 1.0, 1.0])),
+        ("rl x 0.8", |sample| gains(sample, [1.0, 1.0, 0.8, 1.0])),
+        ("rr x 1.6", |sample| gains(sample, [1.0, 1.0, 1.0, 1.6])),
+        ("left x 0.75", |sample| gains(sample, [0.75, 1.0, 0.75, 1.0])),
+        ("right x 1.35", |sample| gains(sample, [1.0, 1.35, 1.0, 1.35])),
+    ];
+    let drives = faults.iter().flat_map(|fault| (1..5).map(move |seed| (fault, seed)));
+    let low: Vec<_> = drives
+        .map(|((name, spoil), seed)| (name, seed, drive(*spoil, seed).ever_low_s))
+        .filter(|(.., low_s)| *low_s > 0.0)
+        .collect();
+    assert!(low.len() <= 1, "{low:?}");
 }
 
 /// A gain that is common to both wheels of an axle has no witness among the sensors, and is not named in every drive: pressures of the

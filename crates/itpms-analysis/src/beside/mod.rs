@@ -43,7 +43,6 @@ impl Identified {
     }
 }
 
-/// Listens to a drive.
 #[derive(Debug, Clone)]
 pub struct Beside {
     suspension: Option<SuspensionWatch>,

@@ -84,7 +84,6 @@ struct Wheel {
     now: Option<WatchedSensor>,
 }
 
-/// See the [module](self).
 #[derive(Debug, Clone)]
 pub(super) struct SensorWatch {
     wheels: [Wheel; 4],

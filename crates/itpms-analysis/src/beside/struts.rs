@@ -103,7 +103,6 @@ pub fn dampers_json(verdict: Option<&SuspensionVerdict>) -> Value {
 pub struct SentLoads {
     /// What was sent last, in kg; NaN: nothing.
     pub axle_kg: [f64; 2],
-    /// The vehicle file's `gross_axle_kg`.
     pub gross_axle_kg: Option<[f64; 2]>,
 }
 

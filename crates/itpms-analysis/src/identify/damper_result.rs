@@ -23,7 +23,6 @@ pub struct DamperResult {
     pub rows: usize,
     /// Rows left out: after turning points, between the runs, or in no whole period.
     pub rows_left_out: usize,
-    /// Caveats on the number.
     pub concerns: Vec<String>,
     /// Displacement in m, velocity in m/s, force in N and residual in N, run by run; for figures.
     #[serde(skip)]

@@ -58,7 +58,6 @@ pub struct SpringResult {
     /// Rows left out: next to turning points, or in strokes too short to use.
     pub rows_left_out: usize,
     pub residual_rms_n: f64,
-    /// Caveats on the number.
     pub concerns: Vec<String>,
     /// Displacement in m, load in N and residual in N of the rows used; for figures.
     #[serde(skip)]

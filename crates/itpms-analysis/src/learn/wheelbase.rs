@@ -220,7 +220,7 @@ mod tests {
             let (front, rear) = (at_m, at_m - wheelbase_m);
             let corners =
                 [wheel(front, 1.0), wheel(front + 77.0, 2.0), wheel(rear, 3.0), wheel(rear + 77.0, 4.0)];
-            listener.take(&CarSample { time_s, speed_m_s, corners });
+            listener.take(&CarSample { time_s, speed_m_s, corners, wheel_speeds: None });
         }
         listener.finish()
     }

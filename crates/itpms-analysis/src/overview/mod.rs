@@ -42,7 +42,6 @@ pub struct CornerSignals {
     pub road_m: f64,
 }
 
-/// Collects a log's rows.
 #[derive(Debug)]
 pub struct Overview {
     step_s: f64,

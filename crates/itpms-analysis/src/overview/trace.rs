@@ -61,7 +61,6 @@ pub(super) struct Trace {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Statistics {
     pub samples: u64,
-    /// Rows without a value.
     pub missing: u64,
     /// Mean; this and the next three are NaN without a value.
     pub mean: f64,

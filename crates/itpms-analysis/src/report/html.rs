@@ -113,7 +113,6 @@ fn distance(metres: f64) -> String {
     if metres < 1000.0 { format!("{metres:.0}\u{a0}m") } else { format!("{:.2}\u{a0}km", metres / 1000.0) }
 }
 
-/// Caveats of the page.
 fn concerns(data: &ReportData) -> String {
     if data.concerns.is_empty() {
         return String::new();

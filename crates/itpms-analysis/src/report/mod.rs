@@ -79,7 +79,6 @@ pub struct ReportData {
     pub not_estimated: Vec<Corner>,
     /// The monitor's reports; `None` without a monitor.
     pub watch: Option<WatchReport>,
-    /// Caveats, a sentence each.
     pub concerns: Vec<String>,
     pub pressure_unit: PressureUnit,
     /// The report by wheel speeds; `None` where they were not used.
@@ -102,7 +101,6 @@ pub struct CornerReport {
     pub figures: CornerFigures,
     /// The tire's own sensor, where the log has one.
     pub tire_sensor: Option<TireSensor>,
-    /// Curves over [`ReportData::time_s`].
     pub curves: TimeCurves,
     /// The road; `None` when the speed is unknown.
     pub road: Option<RoadReport>,

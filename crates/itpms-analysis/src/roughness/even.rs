@@ -45,7 +45,6 @@ pub struct EvenProfile {
 }
 
 impl EvenProfile {
-    /// From heights `spacing_m` apart.
     pub fn of_even(start_m: f64, spacing_m: f64, heights_m: Vec<f64>) -> Self {
         let mut even = Self { start_m, spacing_m, heights_m, sampling: Sampling::Points, bridged: 0 };
         even.bridge();

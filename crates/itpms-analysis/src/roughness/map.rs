@@ -119,7 +119,6 @@ pub fn map_page(name: &str, about: &str, map: &Value) -> String {
 pub struct MapCell {
     /// Its corners, longitude first, in degrees: south-west and north-east.
     pub corners_deg: [[f64; 2]; 2],
-    /// Its roughness in m/km.
     pub iri_m_per_km: f64,
     /// What it is, in words.
     pub title: String,

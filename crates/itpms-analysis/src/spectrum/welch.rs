@@ -29,7 +29,6 @@ pub struct Psd {
 }
 
 impl Psd {
-    /// Distance between two frequencies.
     pub fn resolution(&self) -> f64 {
         self.frequencies.first().copied().unwrap_or(f64::NAN)
     }

@@ -1,6 +1,5 @@
 //! Why a drive says nothing of dampers or load.
 
-/// Why.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Because {
     /// Too short so far.
@@ -20,7 +19,6 @@ pub enum Because {
 }
 
 impl Because {
-    /// As files have it.
     #[must_use]
     pub fn label(self) -> &'static str {
         match self {

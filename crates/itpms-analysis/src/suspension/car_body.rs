@@ -7,13 +7,9 @@ const GRAVITY_M_S2: f64 = 9.80665;
 /// A car as its vehicle file has it, corners in the order of [`Corner::ALL`](itpms_core::model::Corner::ALL).
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct CarBody {
-    /// Sprung masses in kg.
     pub sprung_mass_kg: [f64; 4],
-    /// Unsprung masses in kg.
     pub unsprung_mass_kg: [f64; 4],
-    /// Dampers in N s/m.
     pub damping_n_s_per_m: [f64; 4],
-    /// Springs in N/m.
     pub spring_n_per_m: [f64; 4],
     /// By how much springs stiffen as they are compressed, in 1/m: their slope goes as `exp(p x)`.
     pub spring_stiffening_per_m: f64,

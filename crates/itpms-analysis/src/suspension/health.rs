@@ -10,9 +10,7 @@ use super::reading::SuspensionReading;
 /// A number and its standard deviation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measured {
-    /// The number.
     pub value: f64,
-    /// Its standard deviation.
     pub sd: f64,
 }
 
@@ -29,12 +27,10 @@ pub enum DamperState {
     Worn,
     /// It damps more than it did, by a quarter or more.
     Stiff,
-    /// Nothing can be said.
     Unknown,
 }
 
 impl DamperState {
-    /// As files have it.
     #[must_use]
     pub fn label(self) -> &'static str {
         match self {
@@ -48,7 +44,6 @@ impl DamperState {
     }
 }
 
-/// One damper.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DamperHealth {
     /// Damping in N s/m at a tenth of a meter per second (rms), without friction, for the mass of the vehicle file.

@@ -19,18 +19,15 @@ const MOST_FRICTION: f64 = 0.5;
 /// What is known of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LoadState {
-    /// It is known.
     Known,
     /// An axle carries more than it may.
     Overload,
     /// Too little has been driven so far.
     Learning,
-    /// It is not.
     Unknown,
 }
 
 impl LoadState {
-    /// As files have it.
     #[must_use]
     pub fn label(self) -> &'static str {
         match self {
@@ -47,7 +44,6 @@ impl LoadState {
 pub struct Masses {
     /// On the front and on the rear axle.
     pub axles_kg: [Measured; 2],
-    /// On both.
     pub total_kg: Measured,
     /// More than when the reference was learned.
     pub added_kg: Measured,
@@ -58,9 +54,7 @@ pub struct Masses {
 pub struct Load {
     /// What the axles carry, where it is known.
     pub masses: Option<Masses>,
-    /// What is known.
     pub state: LoadState,
-    /// Why it is not.
     pub because: Option<Because>,
     /// What front and rear axle may carry in kg, where the vehicle file says so.
     pub gross_axle_kg: Option<[f64; 2]>,

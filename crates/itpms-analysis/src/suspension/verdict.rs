@@ -25,7 +25,6 @@ pub struct Terms {
 pub struct SuspensionVerdict {
     /// The dampers, in the order of [`Corner::ALL`](itpms_core::model::Corner::ALL).
     pub dampers: [DamperHealth; 4],
-    /// What the axles carry.
     pub load: Load,
     /// What it would teach of a car that is healthy; nothing where there is a reference already, or where the drive does not suffice.
     pub learned: Option<SuspensionReference>,

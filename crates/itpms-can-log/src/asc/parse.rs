@@ -135,7 +135,7 @@ fn classic_data(words: &mut Words<'_>, base: Base) -> Result<Payload, &'static s
     words.bytes(code.ok_or(EXPECTED_DATA)?.min(8) as usize, base).ok_or(EXPECTED_DATA)
 }
 
-/// What a remote frame asks for, where the line says it.
+/// The data length that a remote frame requests, where the line has it.
 fn requested(word: Option<&[u8]>, base: Base) -> Payload {
     let code = word.and_then(|word| digits::unsigned(word, base)).unwrap_or(0);
     Payload::zeros(code.min(8) as usize).unwrap_or(Payload::EMPTY)

@@ -4,11 +4,12 @@ use super::parse::{AscLine, EXPECTED, Stamps, parse};
 use crate::digits::Base;
 use crate::error::CanProblem;
 use crate::frame::CanFrame;
-use crate::lines::{TextLines, beginning};
+use crate::lines::TextLines;
 use crate::repairs::{FramePlace, FrameRepairs};
+use crate::strange::StrangeLines;
 
-/// Lines without any meaning after which a file is given up.
-const MOST_LINES_OF_NOTHING: u64 = 10_000;
+/// Expected of an empty file.
+const EMPTY: &str = "a header that begins with date and lines such as 0.25 1 123 Rx d 2 DE AD";
 
 #[derive(Debug)]
 pub(crate) struct AscReader {
@@ -22,8 +23,7 @@ pub(crate) struct AscReader {
     /// Date of a block that began after a stamp, until the next stamp says whether it counts.
     block_s: Option<f64>,
     any_stamp: bool,
-    any_meaning: bool,
-    first_strange: Option<(u64, String)>,
+    strange: StrangeLines,
 }
 
 impl AscReader {
@@ -36,8 +36,7 @@ impl AscReader {
             stamp_s: 0.0,
             block_s: None,
             any_stamp: false,
-            any_meaning: false,
-            first_strange: None,
+            strange: StrangeLines::new(EMPTY, EXPECTED),
         }
     }
 
@@ -57,13 +56,13 @@ impl AscReader {
                         return Ok(Some(frame));
                     }
                 }
-                Err(_) if !self.lines.is_terminated() && self.any_meaning => {
+                Err(_) if !self.lines.is_terminated() && self.strange.any_understood => {
                     repairs.cut_off = Some(FramePlace::Line(self.lines.number()));
                 }
-                Err(expected) => self.strange(expected, repairs)?,
+                Err(expected) => self.strange.count(&self.lines, expected, repairs)?,
             }
         }
-        if self.any_meaning { Ok(None) } else { Err(self.nothing()) }
+        self.strange.end(&self.lines).map(|()| None)
     }
 
     /// Takes in what a line says; its frame if it is one.
@@ -71,8 +70,8 @@ impl AscReader {
         // Neither a comment nor a number at the beginning of a line makes a file an ASC file.
         match line {
             AscLine::Nothing => {}
-            AscLine::Event(_) => self.remember_first(),
-            _ => self.any_meaning = true,
+            AscLine::Event(_) => self.strange.remember(&self.lines),
+            _ => self.strange.any_understood = true,
         }
         match line {
             AscLine::Nothing => {}
@@ -112,38 +111,5 @@ impl AscReader {
         }
         self.any_stamp = true;
         self.start_s + self.stamp_s
-    }
-
-    fn strange(&mut self, expected: &'static str, repairs: &mut FrameRepairs) -> Result<(), CanProblem> {
-        let (number, text) = (self.lines.number(), self.lines.text());
-        repairs.not_understood(FramePlace::Line(number), format!("{:?}", beginning(text)), expected);
-        self.remember_first();
-        if !self.any_meaning && number >= MOST_LINES_OF_NOTHING {
-            return Err(self.nothing());
-        }
-        Ok(())
-    }
-
-    /// Keeps the present line for the message, should the whole file mean nothing.
-    fn remember_first(&mut self) {
-        if !self.any_meaning {
-            let (number, text) = (self.lines.number(), self.lines.text());
-            self.first_strange.get_or_insert_with(|| (number, beginning(text)));
-        }
-    }
-
-    /// The error of a file that says nothing.
-    fn nothing(&self) -> CanProblem {
-        match &self.first_strange {
-            None => CanProblem::Empty {
-                expected: "a header that begins with date and lines such as 0.25 1 123 Rx d 2 DE AD",
-            },
-            Some((line, found)) => CanProblem::NothingUnderstood {
-                lines: self.lines.number(),
-                line: *line,
-                found: found.clone(),
-                expected: EXPECTED,
-            },
-        }
     }
 }

@@ -12,7 +12,6 @@ use crate::frame::{CanFrame, Direction, FrameKind};
 pub(crate) struct AscWriter {
     /// The log's beginning in s since 1970.
     start_s: Option<f64>,
-    /// The text in the making.
     text: String,
 }
 

@@ -1,6 +1,5 @@
 //! Little-endian numbers at a place that may lie beyond the end. Called by the modules beside it.
 
-/// `N` bytes from `at`.
 pub(super) fn array<const N: usize>(data: &[u8], at: usize) -> Option<[u8; N]> {
     data.get(at..at.checked_add(N)?)?.try_into().ok()
 }
@@ -21,7 +20,6 @@ pub(super) fn u64_at(data: &[u8], at: usize) -> Option<u64> {
     array(data, at).map(u64::from_le_bytes)
 }
 
-/// Where `wanted` begins in `data`.
 pub(super) fn find(data: &[u8], wanted: &[u8; 4]) -> Option<usize> {
     let mut from = 0;
     while let Some(step) = data.get(from..)?.iter().position(|byte| *byte == wanted[0]) {

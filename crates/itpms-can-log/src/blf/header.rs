@@ -46,7 +46,7 @@ fn system_time(data: &[u8]) -> Option<f64> {
     Some((date.seconds()? * 1000 + milliseconds) as f64 / 1000.0)
 }
 
-/// What a finished file says of itself.
+/// The statistics in the header of a finished file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Summary {
     pub(super) file_bytes: u64,

@@ -32,7 +32,7 @@ pub(crate) struct BlfReader {
     is_over: bool,
 }
 
-/// What stands at a place of the stream.
+/// The object at a position of the stream.
 enum Step {
     /// An object of ours: padding before it, its size.
     Frame(usize, usize),
@@ -110,7 +110,6 @@ impl BlfReader {
         }
     }
 
-    /// Looks at what comes next.
     fn step(&self) -> Step {
         let ahead = self.buffer.get(self.at..).unwrap_or_default();
         let near = ahead.get(..MOST_PADDING + SIGNATURE.len()).unwrap_or(ahead);

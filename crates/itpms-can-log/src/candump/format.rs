@@ -29,7 +29,6 @@ pub fn format_line(frame: &CanFrame, interface: &str) -> String {
     line
 }
 
-/// Adds the line to `out`.
 pub(crate) fn push_line(out: &mut String, frame: &CanFrame, interface: &str) {
     let time_s = if frame.time_s.is_finite() { frame.time_s.max(0.0) } else { 0.0 };
     // Writing to a String does not fail.
@@ -71,7 +70,6 @@ fn push_bytes(out: &mut String, bytes: &[u8]) {
     }
 }
 
-/// A hexadecimal digit, upper case.
 fn digit(nibble: u8) -> char {
     char::from(if nibble < 10 { b'0' + nibble } else { b'A' + nibble - 10 })
 }

@@ -18,7 +18,7 @@ pub struct Line<'a> {
     pub clock: Clock,
 }
 
-/// What a time stamp counts from.
+/// The origin of a time stamp.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Clock {
     /// 1970.
@@ -173,7 +173,7 @@ fn identifier(text: &[u8]) -> Result<(CanId, bool), LineProblem> {
     Ok((id.ok_or(wrong)?, false))
 }
 
-/// What a remote frame asks for: nothing, a digit, and perhaps the raw code after `_`.
+/// The data length that a remote frame requests: nothing, a digit, and perhaps the raw code after `_`.
 fn requested(text: &[u8]) -> Result<Payload, LineProblem> {
     let wrong = LineProblem::NotUnderstood("a length of 0 to 8 after R");
     match without_raw_code(text) {

@@ -9,9 +9,7 @@ use crate::frame::CanFrame;
 use crate::interfaces::Interfaces;
 use crate::lines::{TextLines, beginning};
 use crate::repairs::{FramePlace, FrameRepairs};
-
-/// Lines without any frame after which a file is given up.
-const MOST_LINES_OF_NOTHING: u64 = 10_000;
+use crate::strange::StrangeLines;
 
 /// Frames looked at to tell differences from times since the beginning.
 const SURVEY_FRAMES: usize = 512;
@@ -23,9 +21,7 @@ pub(crate) struct CandumpReader {
     /// Frames read ahead while the clock is not known.
     ahead: VecDeque<(CanFrame, Clock)>,
     stamps: Stamps,
-    frames: u64,
-    /// The first line that is not understood, until there is a frame.
-    first_strange: Option<(u64, String)>,
+    strange: StrangeLines,
 }
 
 /// How the file's short time stamps are meant.
@@ -45,8 +41,7 @@ impl CandumpReader {
             interfaces: Interfaces::default(),
             ahead: VecDeque::new(),
             stamps: Stamps::Unknown,
-            frames: 0,
-            first_strange: None,
+            strange: StrangeLines::new("lines such as (1436509052.249713) can0 123#DEADBEEF", EXPECTED),
         }
     }
 
@@ -98,60 +93,35 @@ impl CandumpReader {
         while self.lines.advance()? {
             let place = FramePlace::Line(self.lines.number());
             match parse(self.lines.text()) {
-                Ok(_) if self.frames > 0 && !self.lines.is_terminated() && !is_whole(self.lines.text()) => {
+                Ok(_)
+                    if self.strange.any_understood
+                        && !self.lines.is_terminated()
+                        && !is_whole(self.lines.text()) =>
+                {
                     repairs.cut_off = Some(place);
                 }
                 Ok(line) => {
                     let mut frame = line.frame;
                     frame.bus = self.interfaces.bus(line.interface, frame.bus, repairs);
-                    self.frames += 1;
+                    self.strange.any_understood = true;
                     return Ok(Some((frame, line.clock)));
                 }
                 Err(LineProblem::Blank) => {}
                 Err(LineProblem::Lost(frames)) => repairs.lost_by_logger += frames,
-                Err(_) if !self.lines.is_terminated() && self.frames > 0 => repairs.cut_off = Some(place),
-                Err(LineProblem::NoTimeStamp) if self.frames == 0 => {
+                Err(_) if !self.lines.is_terminated() && self.strange.any_understood => {
+                    repairs.cut_off = Some(place)
+                }
+                Err(LineProblem::NoTimeStamp) if !self.strange.any_understood => {
                     let found = beginning(self.lines.text());
                     return Err(CanProblem::NoTimeStamp { line: self.lines.number(), found });
                 }
-                Err(problem) => self.strange(place, problem, repairs)?,
+                Err(LineProblem::NotUnderstood(expected)) => {
+                    self.strange.count(&self.lines, expected, repairs)?;
+                }
+                Err(LineProblem::NoTimeStamp) => self.strange.count(&self.lines, "a time stamp", repairs)?,
             }
         }
-        if self.frames == 0 { Err(self.nothing()) } else { Ok(None) }
-    }
-
-    fn strange(
-        &mut self,
-        place: FramePlace,
-        problem: LineProblem,
-        repairs: &mut FrameRepairs,
-    ) -> Result<(), CanProblem> {
-        let expected = match problem {
-            LineProblem::NotUnderstood(expected) => expected,
-            _ => "a time stamp",
-        };
-        repairs.not_understood(place, format!("{:?}", beginning(self.lines.text())), expected);
-        if self.frames == 0 {
-            let (number, text) = (self.lines.number(), self.lines.text());
-            self.first_strange.get_or_insert_with(|| (number, beginning(text)));
-            if number >= MOST_LINES_OF_NOTHING {
-                return Err(self.nothing());
-            }
-        }
-        Ok(())
-    }
-
-    /// The error of a file without a frame.
-    fn nothing(&self) -> CanProblem {
-        match &self.first_strange {
-            None => CanProblem::Empty { expected: "lines such as (1436509052.249713) can0 123#DEADBEEF" },
-            Some((line, found)) => CanProblem::NothingUnderstood {
-                lines: self.lines.number(),
-                line: *line,
-                found: found.clone(),
-                expected: EXPECTED,
-            },
-        }
+        self.strange.end(&self.lines).map(|()| None)
     }
 }
 

@@ -27,7 +27,6 @@ pub(super) struct Builder {
     current: Current,
     enumerations: HashMap<String, Vec<String>>,
     defaults: HashMap<String, String>,
-    /// What is spoken on the bus: `J1939`.
     protocol: Option<String>,
     pub(super) problems: Problems,
 }
@@ -208,7 +207,7 @@ impl Builder {
     }
 }
 
-/// What a `VFrameFormat` says that matters here.
+/// The kinds of `VFrameFormat` that matter here.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum FrameFormat {
     Fd,

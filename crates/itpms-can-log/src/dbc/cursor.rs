@@ -108,7 +108,7 @@ impl<'a> Cursor<'a> {
         Ok(text)
     }
 
-    /// What is left of this line, without its end.
+    /// The rest of this line, without its end.
     pub(super) fn line_rest(&mut self) -> &'a str {
         let end = self.rest.find('\n').unwrap_or(self.rest.len());
         let text = &self.rest[..end];
@@ -116,7 +116,6 @@ impl<'a> Cursor<'a> {
         text
     }
 
-    /// Goes past one character.
     pub(super) fn skip_character(&mut self) {
         self.advance(self.rest.chars().next().map_or(0, char::len_utf8));
     }

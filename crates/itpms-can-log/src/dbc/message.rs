@@ -72,7 +72,7 @@ pub struct Signal {
     pub(super) is_another_layout: bool,
 }
 
-/// What bits mean.
+/// The meaning of a signal's bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// A natural number.

@@ -94,7 +94,7 @@ impl Dbc {
         Ok(Self { messages, places, groups, problems })
     }
 
-    /// What is wrong with the file, by line; what it concerns was left out unless it says otherwise.
+    /// The problems of the file, by line; what they concern was left out unless they say otherwise.
     #[must_use]
     pub fn problems(&self) -> &[DbcProblem] {
         &self.problems

@@ -1,4 +1,4 @@
-//! What is wrong in a DBC file. Most of it costs one signal or one remark; only a file without any message is refused.
+//! Problems of a DBC file. Most of them cost one signal or one remark; only a file without any message is refused.
 //!
 //! Made by the modules beside it; read by people.
 
@@ -36,7 +36,7 @@ impl fmt::Display for DbcProblem {
     }
 }
 
-/// What can be wrong.
+/// Kinds of problems.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
 #[allow(missing_docs, reason = "the messages say it")]

@@ -7,7 +7,7 @@
 use super::cursor::{Astray, Cursor};
 use super::problem::Fault;
 
-/// What a file says, as far as it matters here.
+/// The statements of a file that matter here.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Statement {
     /// `BO_`.

@@ -70,12 +70,10 @@ impl<T: Real> Belief<T> {
         self.bank.circumstances.tires_set = active;
     }
 
-    /// Whether the tires are being calibrated.
     pub(crate) fn is_calibrating(&self) -> bool {
         self.calibration.active
     }
 
-    /// What the last calibration taught.
     pub(crate) fn calibration(&self) -> Option<&VehicleCalibration<T>> {
         self.calibration.stored.as_ref()
     }
@@ -85,8 +83,7 @@ impl<T: Real> Belief<T> {
         self.calibration.stored.get().or(self.calibration.loaded.get())
     }
 
-    /// The tires have their placard pressures now: what was believed of them before does not matter, nor of what goes with
-    /// it.
+    /// The tires have their placard pressures now: their estimates and correlations with others are forgotten.
     pub(super) fn set_tires(&mut self) {
         self.calibration.from_s = self.learned_s;
         self.losses.end(self.learned_s);
@@ -155,9 +152,7 @@ impl<T: Real> Belief<T> {
     }
 
     /// Begins with what an earlier calibration taught.
-    ///
-    /// # Errors
-    /// A calibration of other corners or other placard pressures.
+    /// Errors: a calibration of other corners or other placard pressures.
     pub(crate) fn load_calibration(
         &mut self,
         calibration: &VehicleCalibration<T>,

@@ -81,12 +81,10 @@ impl<T: Real> Belief<T> {
         Some(self.time_s)
     }
 
-    /// Nothing is to be restored.
     pub(super) fn drop_checkpoints(&mut self) {
         self.checkpoints.iter_mut().for_each(Placed::clear);
     }
 
-    /// The belief that would be restored.
     pub(crate) fn restore_point(&self) -> Option<&Hypothesis<T>> {
         older(&self.checkpoints).map(|saved| &saved.belief)
     }

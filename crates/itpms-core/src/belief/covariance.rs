@@ -16,7 +16,6 @@ use crate::real::Real;
 const DIAGONALS: usize = SIZE / 2 + 1;
 const _: () = assert!(SIZE % 2 == 1, "with an even size half a diagonal would be there twice");
 
-/// See the [module](self).
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Covariance<T: Real> {
@@ -74,7 +73,6 @@ impl<T: Real> Covariance<T> {
         self.diagonals.set_column(0, variances);
     }
 
-    /// Covariances of one quantity with all.
     pub(crate) fn column(&self, of: usize) -> State<T> {
         let mut column = State::zeros();
         self.add_column(of, T::one(), &mut column);
@@ -200,12 +198,10 @@ pub(super) fn product<T: Real, const N: usize>(a: &[T; N], b: &[T; N]) -> T {
 
 #[cfg(test)]
 impl Covariance<f64> {
-    /// The matrix with all entries.
     pub(crate) fn dense(&self) -> SMatrix<f64, SIZE, SIZE> {
         SMatrix::from_fn(|i, j| self[(i, j)])
     }
 
-    /// Of a symmetric matrix.
     pub(crate) fn of(dense: &SMatrix<f64, SIZE, SIZE>) -> Self {
         Self { diagonals: SMatrix::from_fn(|i, d| dense[(i, (i + d) % SIZE)]) }
     }

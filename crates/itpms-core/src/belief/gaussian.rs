@@ -24,7 +24,6 @@ const LEAST_LOSS_VARIANCE: f64 = 1e-9;
 /// The least that a tire's compliance can be, over that at placard pressure, less one: at more than twice that pressure.
 const HARDEST: f64 = -0.5;
 
-/// See the [module](self).
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Hypothesis<T: Real> {
@@ -101,7 +100,6 @@ pub(crate) struct FrictionError<T> {
 }
 
 impl<T: Real> FrictionError<T> {
-    /// No friction.
     pub(crate) fn none() -> Self {
         Self { damping: T::zero(), spring: T::zero(), damped: T::zero() }
     }
@@ -161,14 +159,13 @@ impl<T: Real> Hypothesis<T> {
         self.weight = T::one();
     }
 
-    /// What another one is, in the place of what this was.
+    /// Becomes a copy of the other one.
     pub(crate) fn take_over(&mut self, other: &Self) {
         self.mean.copy_from(&other.mean);
         self.covariance.copy_from(&other.covariance);
         self.weight = other.weight;
     }
 
-    /// As it is added to others.
     pub(crate) fn part(&self) -> Part<'_, T> {
         let (mean, rate_variance) = (self.mean, self.covariance[(RATE, RATE)]);
         Part { mean, covariance: &self.covariance, rate_is_free: true, rate_variance }
@@ -232,7 +229,7 @@ impl<T: Real> Hypothesis<T> {
     }
 
     /// Projects the mean, if it lies below `least` of a quantity, onto that bound, weighted by the covariance: the likeliest state that the
-    /// bound allows. The covariance stays, so that a bound which is met again and again makes nobody surer. Gives the logarithm of the share
+    /// bound allows. The covariance stays, so that a bound which is met again and again adds no certainty. Gives the logarithm of the share
     /// of its belief that the bound allows, over the half of one that has it for its mean.
     pub(crate) fn hold_above(&mut self, at: usize, least: T) -> T {
         let at = at.min(SIZE - 1);
@@ -259,7 +256,6 @@ impl<T: Real> Hypothesis<T> {
         self.mean[TIRE + tire.index()] - self.mean[LEVEL + tire.index()]
     }
 
-    /// Covariance of two tires' losses.
     pub(crate) fn loss_covariance(&self, a: Corner, b: Corner) -> T {
         let (a, b, p) = (a.index(), b.index(), &self.covariance);
         p[(TIRE + a, TIRE + b)] - p[(TIRE + a, LEVEL + b)] - p[(LEVEL + a, TIRE + b)]

@@ -11,7 +11,6 @@ pub(super) const CONSTANT: usize = 0;
 pub(super) const SIDE: usize = 5;
 pub(super) const RANDOM_WALK: usize = 7;
 
-/// A Gaussian for each.
 pub(super) type Hypotheses<T> = [Hypothesis<T>; HYPOTHESES];
 
 /// Whether compliances follow the rate in a hypothesis.

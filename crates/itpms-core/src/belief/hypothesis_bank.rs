@@ -33,7 +33,6 @@ const SMALLEST_WEIGHT: f64 = 1e-30;
 /// Chance that a tire was filled or let down during a stop, and the sd of its compliance then.
 const FILLED: f64 = 1e-3;
 const FILLED_SD: f64 = 0.15;
-/// See the [module](self).
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct HypothesisBank<T: Real> {
@@ -59,8 +58,8 @@ struct FrameUpdate<T: Real> {
 }
 
 impl<T: Real> FrameUpdate<T> {
-    /// Whether a hypothesis of this weight is updated with what a side tells: not what nobody believes in, and where wheels change that are
-    /// hardly believed to, every third time, and so of either side.
+    /// Whether a hypothesis of this weight is updated with a side's frame: never at weight zero; hypotheses of low weight in which
+    /// several wheels change, or one of the other side, every third time.
     fn follows(&self, index: usize, weight: T, side: Side) -> bool {
         let always_from = match single(index) {
             Some(wheel) if wheel.side() != side => RARE_OPPOSITE,
@@ -102,7 +101,6 @@ impl<T: Real> HypothesisBank<T> {
         self.transition.begin(seconds, may, onset_rates);
     }
 
-    /// Does a part of the prediction.
     pub(super) fn predict_part(&mut self, part: usize) {
         self.has_changed = true;
         self.transition.apply(part, &mut self.hypotheses, &self.circumstances);
@@ -119,8 +117,7 @@ impl<T: Real> HypothesisBank<T> {
         self.hypotheses.iter_mut().for_each(|hypothesis| hypothesis.change_alike(sd));
     }
 
-    /// Moves on by `seconds` in which nobody watched: nothing moves any more. `filled`: somebody may have changed a
-    /// pressure.
+    /// Predicts over `seconds` without samples, after which no pressure is changing. `filled`: one may have been changed by hand.
     pub(super) fn predict_gap(&mut self, seconds: T, filled: bool) {
         self.collapse();
         let [constant, .., loose] = &mut self.hypotheses;
@@ -144,8 +141,8 @@ impl<T: Real> HypothesisBank<T> {
         self.update.frames = self.update.frames.wrapping_add(1);
     }
 
-    /// Updates one hypothesis with a frame of one side, which `linearize` linearizes at a state; false if it is left out: what nobody
-    /// believes in, and where several wheels change that are hardly believed to, but for every third frame, and so of either side.
+    /// Updates one hypothesis with a frame of one side, which `linearize` linearizes at a state; false if it is left out for its low weight
+    /// ([`FrameUpdate::follows`]).
     #[inline(never)]
     pub(super) fn update_hypothesis(
         &mut self,
@@ -196,7 +193,7 @@ impl<T: Real> HypothesisBank<T> {
     /// expected. The hypotheses' weights stay as they are.
     pub(super) fn update(&mut self, variance: T, linearize: impl Fn(&State<T>) -> (State<T>, T)) {
         self.has_changed = true;
-        // What nobody believes in begins anew with the next prediction.
+        // A hypothesis of weight zero begins anew with the next prediction.
         for hypothesis in self.hypotheses.iter_mut().filter(|hypothesis| hypothesis.weight > T::zero()) {
             let (slope, innovation) = linearize(&hypothesis.mean);
             hypothesis.update(&slope, innovation, variance);
@@ -249,7 +246,6 @@ impl<T: Real> HypothesisBank<T> {
         }
     }
 
-    /// The most likely hypothesis.
     pub(super) fn best(&self) -> &Hypothesis<T> {
         &self.hypotheses[self.most_likely()]
     }

@@ -8,7 +8,6 @@ use crate::memory::Blank;
 const SETTLING_S: f64 = 25.0;
 const CALIBRATED_SETTLING_S: f64 = 1.0;
 
-/// See the [module](self).
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Losses {

@@ -1,5 +1,4 @@
-//! What a measurement of one side looks like to the belief: the residual of a frame with its derivatives, what is expected of
-//! it, and the record of what an update made of it.
+//! A measurement of one side: the residual of a frame with its derivatives, its expected covariance, and the record of its update.
 
 use nalgebra::{Complex, SMatrix, SVector};
 
@@ -8,7 +7,6 @@ use crate::memory::Blank;
 use crate::model::Side;
 use crate::real::Real;
 
-/// Spectral bins of a frame.
 pub(crate) const BINS: usize = 5;
 /// Real numbers in a frame's residual: real and imaginary part of every bin.
 pub(crate) const ROWS: usize = 2 * BINS;
@@ -21,7 +19,6 @@ pub(crate) type Gram<T> = SMatrix<T, SIDE_SIZE, SIDE_SIZE>;
 pub(crate) type Products<T> = SVector<T, PRODUCTS>;
 const PRODUCTS: usize = SIDE_SIZE * (SIDE_SIZE + 1) / 2;
 
-/// Packs the lower triangle.
 pub(crate) fn pack_lower<T: Real>(of: &Gram<T>) -> Products<T> {
     let columns = of.column_iter().enumerate();
     let mut values = columns.flat_map(|(i, column)| column.into_iter().skip(i).copied());
@@ -76,7 +73,6 @@ pub(crate) struct SideMeasurement<T: Real> {
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct UpdateRecord<T: Real> {
-    /// Before the update.
     pub(crate) prefit: AxleResidual<T>,
     /// Power of the residual over its expectation, per bin.
     pub(crate) power_ratio: [T; BINS],

@@ -64,8 +64,8 @@ pub(crate) const LONGEST_SILENCE_S: f64 = 3.0;
 /// Pauses count for so many seconds at most, and from [`FILLING_S`] on a tire may have been filled.
 const LONGEST_PAUSE_S: f64 = 600.0;
 const FILLING_S: f64 = 20.0;
-/// Sd of what a car that was parked for long has lost or won of all pressures alike, as a share of them, and the time in s in which
-/// tires become as cold as the air: 20 K are 23 kPa.
+/// Sd of the common change of all pressures while a car was parked for long, as a share of them, and the time constant in s with which
+/// tires take the air's temperature: 20 K are 23 kPa.
 const PARKED_SD: f64 = 0.06;
 const PARKED_S: f64 = 1800.0;
 /// Seconds of shared road after which the belief counts.
@@ -78,7 +78,7 @@ const HELD_MASS_SD: f64 = 0.01;
 pub(crate) const LEAST_DAMPING: f64 = 0.5;
 /// Probability that no tire moves from which on losses may begin to be counted.
 const SURELY_STILL: f64 = 0.9;
-/// Sd of a tire's compliance, over that at placard pressure, when nobody watched.
+/// Sd of a tire's compliance, over that at placard pressure, after a time without samples.
 const UNWATCHED_SD: f64 = 0.05;
 
 /// How readily pressures are taken to begin to change.
@@ -90,14 +90,12 @@ pub(crate) struct Onset<T> {
     pub(crate) longest_step_s: f64,
 }
 
-/// See the [module](self).
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Belief<T: Real> {
     bank: HypothesisBank<T>,
     scale: TireScale<T>,
     present: [bool; 4],
-    /// The tires' compliances at the start.
     start: [T; 4],
     /// How well the vehicle file knows the unsprung masses, each axle's for itself, as a share of them.
     mass_sd: [T; 4],
@@ -106,7 +104,6 @@ pub(crate) struct Belief<T: Real> {
     /// Seconds of shared road learned from.
     learned_s: f64,
     calibration: CalibrationState<T>,
-    /// The newest first.
     checkpoints: [Placed<Checkpoint<T>>; 2],
     pre_fault: [Option<PreFaultEstimate<T>>; 4],
     inflation: Inflation,
@@ -171,7 +168,6 @@ impl<T: Real> Belief<T> {
         self.bank.begin_prediction(T::lit(seconds), [begins, together, begins && !self.only_lose()], &rates);
     }
 
-    /// Does one part of a prediction.
     pub(crate) fn predict_part(&mut self, part: usize) {
         self.bank.predict_part(part);
     }

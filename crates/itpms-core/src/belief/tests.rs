@@ -24,7 +24,6 @@ use super::{Belief, Onset};
 use crate::memory::configured;
 use crate::model::{CarConfig, Corner, CornerConfig, Inflation, Side};
 
-/// A covariance with all its entries.
 type Dense = SMatrix<f64, SIZE, SIZE>;
 
 /// Unsprung masses as a measured car's, axle by axle.

@@ -9,11 +9,9 @@ use crate::memory::Blank;
 use crate::model::Corner;
 use crate::real::Real;
 
-/// See the [module](self).
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Tires<T: Real> {
-    /// Time in s of it.
     pub(super) time_s: f64,
     /// Means of the compliances, and of their rates; the products of both.
     mean: SVector<T, 4>,
@@ -100,7 +98,6 @@ impl<T: Real> Tires<T> {
         })
     }
 
-    /// Time in s of it.
     pub(crate) fn time_s(&self) -> f64 {
         self.time_s
     }

@@ -125,7 +125,6 @@ impl<T: Real> Transition<T> {
         }
     }
 
-    /// Time passes for some hypotheses.
     fn pass(
         &self,
         hypotheses: &mut Hypotheses<T>,
@@ -176,7 +175,7 @@ fn go_on<T: Real>(hypotheses: &mut Hypotheses<T>, hypothesis: usize, end: T, beg
     let with_onset = constant.part().with_onset(has_rate(hypothesis));
     let stays = changing.weight * (T::one() - end);
     let begins = constant.weight * begin;
-    // What nobody believes in is not followed.
+    // Below this weight a hypothesis is not followed.
     if stays > T::lit(FORGOTTEN) {
         changing.weight = stays;
         changing.join(begins, &with_onset);

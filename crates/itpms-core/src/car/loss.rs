@@ -8,8 +8,7 @@ use super::fusion::FusedLosses;
 use crate::model::{Corner, Loss};
 use crate::real::Real;
 
-/// Share of its placard pressure, or of what its axle's other tire has of its own, below which a tire may have lost air before that was
-/// counted.
+/// A tire below this share of its placard pressure, or of its axle's other tire's share, may have lost air before losses were counted.
 const UNHARMED: f64 = 0.9;
 
 impl<T: Real> Considered<T> {

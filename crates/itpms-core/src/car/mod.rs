@@ -64,7 +64,6 @@ pub struct CarEstimator<T: Real> {
     considered: Considered<T>,
     /// What wheel speeds tell of the tires' radii, if anyone compares them.
     radii: Placed<RadiusDifferences<T>>,
-    /// The body that all corners carry.
     body_equation: BodyEquation<T>,
     /// When the calibration that is under way ends, and how long it lasts if it has not begun.
     calibration_s: Option<f64>,
@@ -292,6 +291,12 @@ impl<T: Real> CarEstimator<T> {
         let corners = Corner::ALL.map(|corner| self.estimate(corner, at.now_s, sample));
         let Concluded { correlation, loss_correlation, tracks, .. } = self.concluded;
         CarEstimate { time_s: sample.time_s, corners, correlation, loss_correlation, tracks }
+    }
+
+    /// What is known of the axles, at a time at which no corner was measured.
+    pub(crate) fn without_corners(&self, time_s: f64) -> CarEstimate<T> {
+        let Concluded { correlation, loss_correlation, tracks, .. } = self.concluded;
+        CarEstimate { time_s, corners: [None; 4], correlation, loss_correlation, tracks }
     }
 
     /// Gives a sample's values to the corners and to the road they share.

@@ -32,7 +32,7 @@ struct Sought<'a, T: Real> {
     by_stiffness: &'a SMatrix<T, 4, 4>,
 }
 
-/// By how much the radii change the means of what is [`Sought`], and the covariance then.
+/// The step of the [`Sought`] means by the radii, and the covariance after it.
 struct Joined<T: Real> {
     step: SVector<T, 4>,
     covariance: SMatrix<T, 4, 4>,
@@ -134,8 +134,8 @@ impl<T: Real> Considered<T> {
         fused.stiffness_n_per_m += joined.step;
         fused.covariance = SMatrix::from_fn(|i, j| fused.covariance[(i, j)] * left[i] * left[j]);
         *by_file = joined.covariance - fused.covariance;
-        // What was lost since losses are counted, by a calibration of this drive or by a stop after it, is a part of what the radii have
-        // seen since the calibration: as far as a loss and the present stiffness err alike.
+        // Losses are counted since a calibration of this drive or a stop after it, the radii's change since the calibration: the former is
+        // part of the latter, as far as a loss and the present stiffness err alike.
         let Some(losses) = fused.losses.as_mut().filter(|_| level == Level::Calibration) else { return };
         let tires = Tires { covariance: &signals, ..tires };
         let sought = Sought { covariance: &losses.covariance, by_stiffness: &losses.by_stiffness };

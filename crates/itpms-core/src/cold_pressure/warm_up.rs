@@ -102,7 +102,7 @@ mod tests {
             let expected_sd_k = parts.iter().map(|part| part * part).sum::<f64>().sqrt();
             assert!((excess_k - expected_k).abs() < 1e-6, "{minutes}: {excess_k} {expected_k}");
             assert!((sd_k - expected_sd_k).abs() < 2e-3, "{minutes}: {sd_k} {expected_sd_k}");
-            // One long step is as many short ones, of what the lag is not exact of.
+            // One long step equals many short ones, within the error of the lag's discretization.
             let mut at_once = WarmUp::new();
             at_once.advance(0.1, speed_m_s, Some(10.0));
             at_once.advance(minutes * 60.0 - 0.1, speed_m_s, Some(10.0));

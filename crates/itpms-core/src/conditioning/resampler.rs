@@ -153,7 +153,6 @@ pub struct Resampler<T> {
     last_accepted_s: f64,
     /// Whether these two are the same sample's.
     last_was_accepted: bool,
-    /// Stamps refused in a row.
     refused: u32,
     stuck_now: bool,
     /// Mean distance of the samples in s.

@@ -13,7 +13,6 @@ const LIFTED: f64 = 1.05;
 const UNLOADED: f64 = 0.85;
 /// A share that no load explains: this tire pulls, as in a simulation that does not let it go, and nothing ever lifts.
 const PULLING: f64 = 2.0;
-/// Seconds after which that is forgotten.
 const PULLING_S: f64 = 60.0;
 /// Gravity may be in or out. Time constant in s of a sensor's mean, the longest step that counts, the least time it is taken
 /// over, and the mean in m/s² from which on it is an offset and nothing that a road does for so long.

@@ -75,7 +75,8 @@ impl<T: Real> Probabilities<T> {
         Self { of_set, lacks: [true; 4], on_rim: [T::zero(); 4], doubt: [T::zero(); 4] }
     }
 
-    /// Of these log-likelihoods, priors included: of the sets, of what no set explains, and of each tire on its rim; and the log of their sum.
+    /// Normalizes these log-likelihoods, priors included, of the sets, of the unexplained and of each tire on its rim; gives the log of their
+    /// sum, too.
     fn of(sets: &[T; SETS], unexplained: T, rims: &[T; 4]) -> (Self, T) {
         let best = sets.iter().chain(rims).copied().fold(unexplained, T::at_least);
         let weight = |log: T| (log - best).exp_fast();

@@ -8,7 +8,7 @@ use super::{
 use crate::model::Corner;
 use crate::real::Real;
 
-/// What nobody explains may do to each tire, as an sd of its share, and its prior over that of one low tire.
+/// The unexplained hypothesis: sd of each tire's share, and its prior over that of one low tire.
 const UNEXPLAINED_SD: f64 = 0.3;
 const UNEXPLAINED: f64 = 0.01;
 /// What a tire on its rim lacks by its stiffness, and the sd of that: it reads 1.6 to 2.3 times its pressure; and what others lack beside it.
@@ -41,7 +41,7 @@ impl Since {
     }
 }
 
-/// What tires lack, as shares of what they should have.
+/// The pressure that each tire lacks, as a share of its reference.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Shares<T: Real> {
     lacking: Vector4<T>,
@@ -88,7 +88,7 @@ impl<T: Real> Shares<T> {
         }
         weighed.add_all(&another);
         let (found, all) = Probabilities::of(&weighed.log, unexplained, &rims);
-        // What the tires of another car do not lack is the car's, and of what nothing explains all may be.
+        // A deficit that the tires of another car do not have belongs to the car; an unexplained one may belong to it entirely.
         let sum = |logs: &[T]| logs.iter().fold(T::zero(), |sum, &log| sum + (log - all).exp_fast());
         let changed = if since == Since::EarlierDay { sum(&another.log) } else { T::zero() };
         let odd = found.on_rim.iter().fold(sum(&[unexplained]), |sum, &rim| sum + rim);
@@ -220,7 +220,7 @@ impl<T: Real> Weighed<T> {
     }
 }
 
-/// Log of the sum of what these are the logs of.
+/// `ln(exp(one) + exp(other))`.
 fn log_sum<T: Real>(one: T, other: T) -> T {
     let most = one.at_least(other);
     if most == T::lit(f64::NEG_INFINITY) {
@@ -328,7 +328,7 @@ mod tests {
         }
     }
 
-    /// One tire reads as a rim; two of a side do not, nor does one that is harder than its air makes it by the sd of what is known.
+    /// One tire reads as a rim; two of a side do not, nor does one that is harder than its pressure explains by one sd.
     #[test]
     fn a_rim_reads_hard_and_hides_what_is_beside_it() {
         let on_rim = |lacking, sd| {

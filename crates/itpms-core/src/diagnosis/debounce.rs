@@ -73,7 +73,6 @@ impl Debouncer {
         self.active
     }
 
-    /// Whether the report is set.
     pub(crate) fn is_active(&self) -> bool {
         self.active
     }

@@ -25,9 +25,7 @@ const FOURTH_DIFFERENCE: f64 = 70.0;
 pub(crate) struct SensorBlock<T> {
     /// Power in (m/s²)² per sample of white noise with the fourth differences of the block's quietest part; `None` when no part was whole.
     pub(crate) floor: Option<T>,
-    /// Share of missing values of late.
     pub(crate) missing: T,
-    /// Single values that stood out.
     pub(crate) spikes: u32,
     /// For how long the value has not changed, in s.
     pub(crate) unchanged_s: f64,

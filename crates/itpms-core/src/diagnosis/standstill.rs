@@ -144,7 +144,7 @@ mod tests {
             let wave = (core::f64::consts::TAU * 11.0 * time_s).sin() * core::f64::consts::SQRT_2;
             let corner =
                 |rms: f64| CornerSample { body_accel_m_s2: 9.81, wheel_accel_m_s2: 9.81 + rms * wave };
-            CarSample { time_s, speed_m_s, corners: rms.map(|rms| Some(corner(rms))) }
+            CarSample { time_s, speed_m_s, corners: rms.map(|rms| Some(corner(rms))), wheel_speeds: None }
         };
         let samples = (0..(200.0 * seconds) as u32).map(sample);
         samples.map(|sample| standstill.take(sample.time_s, speed_m_s, &sample)).collect()
@@ -178,7 +178,11 @@ mod tests {
                     wheel_accel_m_s2: 9.81 + wave + random.normal(),
                 };
                 let corners = [(); 4].map(|()| Some(corner()));
-                standstill.take(time_s, 0.0, &CarSample { time_s, speed_m_s: 0.0, corners })
+                standstill.take(
+                    time_s,
+                    0.0,
+                    &CarSample { time_s, speed_m_s: 0.0, corners, wheel_speeds: None },
+                )
             })
         };
         let mut standstill = Standstill::new();
@@ -192,7 +196,8 @@ mod tests {
         let mut standstill = Standstill::new();
         drive(&mut standstill, 0.0, 0.0, [0.1; 4], 3.0);
         let corner = CornerSample { body_accel_m_s2: 9.81, wheel_accel_m_s2: -400.0 };
-        let glitch = CarSample { time_s: 3.0, speed_m_s: 0.0, corners: [Some(corner); 4] };
+        let glitch =
+            CarSample { time_s: 3.0, speed_m_s: 0.0, corners: [Some(corner); 4], wheel_speeds: None };
         assert_eq!(standstill.take(3.0, 0.0, &glitch), 0.0);
         assert!(drive(&mut standstill, 3.005, 0.0, [0.1; 4], 5.0).iter().all(|v| *v == 0.0));
     }

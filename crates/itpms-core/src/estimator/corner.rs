@@ -47,7 +47,6 @@ pub(crate) struct CornerEstimator<T: Real> {
     misfit: Placed<Misfit>,
     /// Since when there is something to believe, but for the verdict on body and wheel.
     judged_from_s: Option<f64>,
-    /// Whether they were found to fit.
     has_fitted: bool,
     /// Seconds of information that the corner had when its sensors last sent nothing.
     learned_before_s: T,
@@ -55,9 +54,7 @@ pub(crate) struct CornerEstimator<T: Real> {
 
 impl<T: Real> CornerEstimator<T> {
     /// An estimator for a corner whose samples come at about `sample_rate_hz`.
-    ///
-    /// # Errors
-    /// The rate must be positive and finite; parameters of the corner that the filters refuse are named.
+    /// Errors: the rate must be positive and finite; parameters of the corner that the filters refuse are named.
     pub(crate) fn configure(
         &mut self,
         config: &CornerConfig<T>,
@@ -96,9 +93,7 @@ impl<T: Real> CornerEstimator<T> {
     }
 
     /// Says that the tire has its placard pressure from the next sample on, for `seconds`: the driver's calibration.
-    ///
-    /// # Errors
-    /// The length must be positive and finite.
+    /// Errors: the length must be positive and finite.
     pub(crate) fn begin_calibration(&mut self, seconds: f64) -> Result<(), ParameterError> {
         self.calibration_s = positive("calibrate_s", seconds)?;
         self.calibration_ends_s = None;

@@ -11,7 +11,6 @@ pub(crate) struct FusedStiffness<T> {
     pub(crate) stiffness_sd_n_per_m: T,
     pub(crate) considered_sd_n_per_m: T,
     pub(crate) level: Level,
-    /// Probability that the pressure is changing.
     pub(crate) changing: T,
     /// Seconds of full information that it rests on.
     pub(crate) learned_s: T,

@@ -37,14 +37,12 @@ use crate::spectrum::transfer::Body;
 /// Time between frames in s, and so the distance of the bins in Hz: 5, 10, ... 25 Hz.
 pub(crate) const HOP_S: f64 = 0.1;
 pub(crate) const BIN_SPACING_HZ: f64 = 0.5 / HOP_S;
-/// A frame of both axles' signals.
 pub(crate) type Frame<T> = crate::spectrum::Frame<T, BINS, SIGNALS>;
 /// Signals of both axles, and what they would be on the road both agree on.
 pub(crate) const SIGNALS: usize = 2 * BOTH;
 /// The bins around wheel hop: 10 and 15 Hz.
 pub(crate) const NEAR_HOP_BINS: [usize; 2] = [1, 2];
 
-/// Middle of a bin in Hz.
 pub(crate) fn bin_hz<T: Real>(bin: usize) -> T {
     T::lit((bin + 1) as f64 * BIN_SPACING_HZ)
 }
@@ -63,7 +61,6 @@ pub(crate) enum Aligned<T: Real> {
     OtherDelay(Found<T>),
 }
 
-/// See the [module](self).
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct InterAxle<T: Real> {
@@ -225,7 +222,6 @@ impl<T: Real> InterAxle<T> {
         Side::ALL.into_iter().all(|side| !self.has_partner(side.front()) || self.pairs[side].spectral_only())
     }
 
-    /// The travelled distance and the speed.
     pub(crate) fn travel(&self) -> &Travel<T> {
         &self.travel
     }

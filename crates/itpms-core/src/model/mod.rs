@@ -31,7 +31,7 @@ pub use self::pressure_unit::PressureUnit;
 pub use self::quarter_car::{ParameterError, QuarterCar, positive};
 pub(crate) use self::radius_differences::{RadiusDifferences, SEEN};
 pub(crate) use self::sample::{ABSURD_M_S2, Side};
-pub use self::sample::{CarSample, Corner, CornerSample, Sample};
+pub use self::sample::{CarSample, Corner, CornerSample, WheelSpeedSample};
 pub use self::strut_reading::StrutReading;
 pub use self::tire::{PressureMap, RegressionError};
 pub(crate) use self::uncertainty::ONE_SIDED_95;

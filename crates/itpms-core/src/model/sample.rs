@@ -3,6 +3,7 @@
 use core::ops::{Index, IndexMut};
 
 use crate::memory::Blank;
+use crate::real::Real;
 
 /// An acceleration in m/s² that is none: a wheel on a kerb reaches some 500 m/s²; twice that is no car any more.
 pub(crate) const ABSURD_M_S2: f64 = 1000.0;
@@ -130,20 +131,51 @@ pub struct CornerSample<T> {
     pub wheel_accel_m_s2: T,
 }
 
-/// One row of a drive: what one corner's estimator sees of it.
+/// Four wheel speeds and what the car says of its motion besides. NaN: not known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Sample<T, C> {
+pub struct WheelSpeedSample<T> {
+    /// Time of the message in s, strictly increasing.
+    pub time_s: f64,
+    /// Speeds of the wheels as the car has them, each by the same assumed radius, in the order of [`Corner::ALL`].
+    pub wheel_speed_m_s: [T; 4],
+    /// Yaw rate, positive to the left.
+    pub yaw_rate_rad_s: T,
+    /// Acceleration forward, gravity along a grade included.
+    pub accel_x_m_s2: T,
+    /// Acceleration to the left.
+    pub accel_y_m_s2: T,
+    /// Whether the driver brakes.
+    pub brake: Option<bool>,
+}
+
+/// One row of a car's drive: what came with it of accelerations and wheel speeds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct CarSample<T> {
     /// Time in s, strictly increasing.
     pub time_s: f64,
     /// Vehicle speed in m/s; NaN when unknown.
     pub speed_m_s: T,
-    /// The accelerations: a [`CornerSample`], or an array of optional ones for the whole car.
-    pub corners: C,
+    /// The accelerations; a corner that is not measured is `None`.
+    pub corners: [Option<CornerSample<T>>; 4],
+    /// The wheel speeds, where a message of them has come since the last sample.
+    pub wheel_speeds: Option<WheelSpeedSample<T>>,
 }
 
-/// One row of a whole car's drive; a corner that is not measured is `None`.
-pub type CarSample<T> = Sample<T, [Option<CornerSample<T>>; 4]>;
+impl<T: Real> CarSample<T> {
+    /// A message of the wheel speeds between two samples of the accelerations, or of a car that has none.
+    #[must_use]
+    pub fn of_wheel_speeds(message: WheelSpeedSample<T>) -> Self {
+        let (time_s, speed_m_s) = (message.time_s, T::lit(f64::NAN));
+        Self { time_s, speed_m_s, corners: [None; 4], wheel_speeds: Some(message) }
+    }
+
+    /// Whether it is one: the accelerations are neither measured nor missing.
+    pub(crate) fn is_of_wheel_speeds(&self) -> bool {
+        self.wheel_speeds.is_some() && self.corners.iter().all(Option::is_none)
+    }
+}
 
 #[cfg(test)]
 mod tests {

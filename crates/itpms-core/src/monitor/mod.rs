@@ -1,4 +1,4 @@
-//! The monitor that a car would ship: watches sensors and pressures, and says what is wrong, since when and why.
+//! The monitor that a car would ship: watches sensors and pressures, and reports what is wrong, since when and why.
 //!
 //! [`MonitoredCar`] is the whole: an estimator between the two halves of a [`Monitor`]. Called by the binary, the
 //! studies and controllers. Of the estimate the monitor knows pressures, their sds and
@@ -11,7 +11,7 @@
 //! | `monitored` | a whole car: estimator, monitor and wheel speeds as one |
 //! | `wheels` | wheel speeds alone, for a controller with kilobytes |
 //!
-//! What can be wrong with sensors is in [`crate::diagnosis`], when to warn of what in [`crate::warning`].
+//! Faults of sensors are found in [`crate::diagnosis`], warnings decided in [`crate::warning`].
 
 mod config;
 mod monitored;
@@ -58,7 +58,6 @@ pub struct Monitor<T: Real> {
     config: MonitorConfig<T>,
     configured_kpa: [T; 4],
     reference: ReferencePressure<T>,
-    /// How warm the tires are.
     cold: ColdTires<T>,
     /// What each tire should have now.
     reference_kpa: [T; 4],
@@ -71,7 +70,6 @@ pub struct Monitor<T: Real> {
     /// Corners that have had a fault since their estimator last started.
     faulted: Wheels,
     wheels: [WheelWatch; 4],
-    /// Left and right.
     decorrelation: [DecorrelationDetector<T>; 2],
     leaks: LeakWatch<T>,
     all_low: AllLow<T>,
@@ -97,9 +95,6 @@ impl<T: Real> Monitor<T> {
     }
 
     /// The same where it lies.
-    ///
-    /// # Errors
-    /// As for [`new`](Self::new).
     pub(crate) fn configure(
         &mut self,
         config: &MonitorConfig<T>,
@@ -256,7 +251,7 @@ impl<T: Real> Monitor<T> {
             self.decide(steadied(estimate, time_s), step_s.min(MISSING_S));
         }
         self.doubt(estimate);
-        // Of a time that nobody can place, nobody can say how long ago something was learned.
+        // Without a valid time the age of what was learned is unknown.
         let latest_s = at.latest_s;
         for i in Corner::ALL {
             let of_both = (&mut estimate.corners[i], &mut self.report.wheels[i]);

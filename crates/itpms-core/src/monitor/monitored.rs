@@ -1,5 +1,5 @@
 //! A car with all that it has to find its pressures with: an estimator of accelerations under its monitor, which keeps bad sensors from
-//! it and judges what it says, and the monitor of wheel speeds, a second witness or the only one.
+//! it and judges its estimates, the monitor of wheel speeds, a second witness or the only one, and the tooth pulses, where they are read.
 
 #[cfg(test)]
 mod tests;
@@ -12,17 +12,18 @@ use crate::model::{
 };
 use crate::monitor::{Monitor, MonitorConfig, MonitoredWheels};
 use crate::real::Real;
-use crate::torsion::CarTorsion;
+use crate::torsion::{CarTorsion, WheelSensors};
 use crate::warning::MonitorReport;
-use crate::wheel_speed::WheelSpeedSample;
 
-/// A running estimator and its monitors. A value: clone it, save it, go on.
-#[derive(Debug, Clone, Blank)]
+/// A running estimator and its monitors. A value: clone it, save it, go on. `S` says [which](WheelSensors) of its wheels' sensors
+/// it reads.
+#[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct MonitoredCar<T: Real> {
+pub struct MonitoredCar<T: Real, S = ()> {
     estimator: CarEstimator<T>,
     monitor: Monitor<T>,
     wheels: Placed<MonitoredWheels<T>>,
+    sensors: S,
 }
 
 impl<T: Real> MonitoredCar<T> {
@@ -42,10 +43,29 @@ impl<T: Real> MonitoredCar<T> {
     /// without corners and wheel speeds, of which nothing is estimated.
     #[must_use]
     pub const fn unconfigured() -> Self {
-        Self::BLANK
+        Self::unconfigured_with(())
     }
+}
 
-    /// What [`new`](Self::new) does, where the car lies: it takes little stack. Whatever was there is forgotten.
+impl<T: Real, S> MonitoredCar<T, S> {
+    /// The same with other sensors: [`NoWheelSpeeds`](crate::torsion::NoWheelSpeeds), or `None`, where tooth pulses [may be
+    /// read](Self::read_pulses).
+    #[must_use]
+    pub const fn unconfigured_with(sensors: S) -> Self {
+        Self { estimator: Blank::BLANK, monitor: Blank::BLANK, wheels: Blank::BLANK, sensors }
+    }
+}
+
+impl<T: Real, P> MonitoredCar<T, Option<P>> {
+    /// Reads tooth pulses from here on, analysed in `torsion`: of this car's wheels, [configured](CarTorsion::configure).
+    pub fn read_pulses(&mut self, torsion: P) {
+        self.sensors = Some(torsion);
+    }
+}
+
+impl<T: Real, S: WheelSensors<T>> MonitoredCar<T, S> {
+    /// Configures the car as [`new`](Self::new) does, in place: it takes little stack. Whatever was there is forgotten, but for the tooth
+    /// pulses: their analysis is configured by itself.
     ///
     /// # Errors
     /// As for [`new`](Self::new); the car is unconfigured then.
@@ -81,8 +101,7 @@ impl<T: Real> MonitoredCar<T> {
         self.wheels.clear();
     }
 
-    /// Begins with what a calibration on an earlier drive taught; before the first sample. What one of wheel speeds taught goes to
-    /// [`wheels_mut`](Self::wheels_mut).
+    /// Loads the calibration of an earlier drive, before the first sample; one of wheel speeds goes to [`wheels_mut`](Self::wheels_mut).
     ///
     /// # Errors
     /// An implausible calibration, or one of other corners or other placard pressures.
@@ -90,8 +109,20 @@ impl<T: Real> MonitoredCar<T> {
         self.estimator.load_calibration(calibration)
     }
 
-    /// Takes one sample of the accelerations; gives the estimate after it, its validity and warnings being the monitor's.
+    /// Takes one sample; gives the estimate after its accelerations, whose validity and warnings are the monitor's. Wheel speeds count if the
+    /// car was [configured](MonitorConfig::wheel_speeds) with them, tooth pulses with the next of these. A sample that has wheel speeds and
+    /// no corner leaves the accelerations as they are.
     pub fn update(&mut self, sample: &CarSample<T>) -> CarEstimate<T> {
+        match S::SPEEDS && sample.is_of_wheel_speeds() {
+            true => {
+                self.take_wheel_speeds(sample);
+                self.estimator.without_corners(sample.time_s)
+            }
+            false => self.take(sample),
+        }
+    }
+
+    fn take(&mut self, sample: &CarSample<T>) -> CarEstimate<T> {
         let at = self.estimator.clock().take(sample.time_s, sample.speed_m_s);
         let watched = self.estimator.has_corners();
         let (at, screened) = if watched { self.monitor.screen(&at, sample) } else { (at, *sample) };
@@ -106,15 +137,15 @@ impl<T: Real> MonitoredCar<T> {
                 self.estimator.restart_corner(corner);
             }
         }
+        self.take_wheel_speeds(sample);
         estimate
     }
 
-    /// Takes one sample of the wheel speeds, after that of the accelerations of the same time; where tooth pulses are read, those up to its
-    /// time are in `pulses`, whose calibration ends with that of the wheel speeds. A car whose wheel speeds are not configured learns nothing
-    /// from it; one without four corners whose axles share the road, nothing of its pressures.
-    pub fn update_wheel_speeds(&mut self, sample: &WheelSpeedSample<T>, pulses: Option<&mut CarTorsion<T>>) {
+    /// The pressures learn from these if four corners are there and their axles share the road.
+    fn take_wheel_speeds(&mut self, sample: &CarSample<T>) {
+        let Some(message) = sample.wheel_speeds.as_ref().filter(|_| S::SPEEDS) else { return };
         if let Some(wheels) = self.wheels.as_mut() {
-            wheels.update_with_pulses(sample, pulses);
+            wheels.update_with_pulses(message, self.sensors.torsion_mut());
         }
         self.follow_wheels();
     }
@@ -130,7 +161,7 @@ impl<T: Real> MonitoredCar<T> {
         }
     }
 
-    /// What there is to say now.
+    /// The report after the last sample.
     pub fn report(&self) -> &MonitorReport<T> {
         self.monitor.report()
     }
@@ -140,7 +171,7 @@ impl<T: Real> MonitoredCar<T> {
         self.wheels.as_ref()
     }
 
-    /// The same, to begin with what earlier drives taught, or to calibrate at other pressures.
+    /// The same, to load calibrations and days.
     pub fn wheels_mut(&mut self) -> Option<&mut MonitoredWheels<T>> {
         self.wheels.as_mut()
     }
@@ -150,6 +181,16 @@ impl<T: Real> MonitoredCar<T> {
         self.monitor.denies_standstill()
     }
 
+    /// The analysis of the tooth pulses, where they are read.
+    pub fn torsion(&self) -> Option<&CarTorsion<T>> {
+        self.sensors.torsion()
+    }
+
+    /// The same, to take in the [edges](CarTorsion::push) up to the next sample, and to begin with what an earlier drive taught.
+    pub fn torsion_mut(&mut self) -> Option<&mut CarTorsion<T>> {
+        self.sensors.torsion_mut()
+    }
+
     /// The driver's calibration: all tires have their placard pressures from the next sample on. The estimator learns the car for
     /// `seconds`, and how its wheels' radii differ; the monitor then takes what the warm tires are read to have for what they should have.
     /// Before the first sample, too.
@@ -157,23 +198,42 @@ impl<T: Real> MonitoredCar<T> {
     /// # Errors
     /// The length must be positive and finite.
     pub fn begin_calibration(&mut self, seconds: f64) -> Result<(), ParameterError> {
+        self.begin_calibration_at(seconds, &[T::one(); 4])
+    }
+
+    /// The same at pressures that are known otherwise, each so much of what it should be. Accelerations are calibrated at placard
+    /// pressures alone.
+    ///
+    /// # Errors
+    /// As for [`begin_calibration`](Self::begin_calibration).
+    pub fn begin_calibration_at(
+        &mut self,
+        seconds: f64,
+        pressure_share: &[T; 4],
+    ) -> Result<(), ParameterError> {
         if self.estimator.has_corners() {
             self.estimator.begin_calibration(seconds)?;
             self.monitor.begin_calibration(seconds)?;
         }
         if let Some(wheels) = self.wheels.as_mut() {
-            wheels.begin_calibration(seconds)?;
+            wheels.begin_calibration_at(seconds, pressure_share)?;
+        }
+        if let Some(torsion) = self.sensors.torsion_mut() {
+            torsion.begin_calibration_at(pressure_share);
         }
         self.follow_wheels();
         Ok(())
     }
 
-    /// Ends the calibration that is to begin or under way, as where a log ends with it; what it taught is there then.
+    /// Ends the calibration that is to begin or under way, as where a log ends with it; its result is there then.
     pub fn end_calibration(&mut self) {
         self.estimator.end_calibration();
         self.monitor.end_calibration();
         if let Some(wheels) = self.wheels.as_mut().filter(|wheels| wheels.is_calibrating()) {
             wheels.end_calibration();
+            if let Some(torsion) = self.sensors.torsion_mut() {
+                torsion.end_calibration();
+            }
         }
     }
 

@@ -1,5 +1,5 @@
-//! The radius analysis of wheel speeds under the monitor's words: the same states and alerts as of a car with accelerations. For a car
-//! that has nothing else, or beside its other monitor.
+//! The radius analysis of wheel speeds under a monitor: the same states and alerts as for a car with accelerations. Alone, or beside the
+//! monitor of the accelerations.
 
 #[cfg(test)]
 mod tests;
@@ -19,7 +19,7 @@ use crate::wheel_speed::{
 /// Usable driving in s after which what is more probable than .99 is reported, and after which a report that does not hold any more
 /// is taken back.
 const LASTING_S: f64 = 60.0;
-/// Seconds of driving that was not usable after which no tire is known to be fine any more: a loss in them would not have shown.
+/// After so many seconds of unusable driving no tire is known to be fine any more: a loss in them would not have shown.
 const FORGOTTEN_S: f64 = 60.0;
 /// Largest rounding error of an hour of steps added up, in s.
 const ROUNDING_S: f64 = 1e-6;
@@ -105,13 +105,13 @@ impl<T: Real> MonitoredWheels<T> {
         self.radii.end_calibration()
     }
 
-    /// What a calibration taught, once it is over.
+    /// The calibration's result, once it is over.
     #[must_use]
     pub fn calibration(&self) -> Option<&RadiusCalibration<T>> {
         self.radii.calibration()
     }
 
-    /// Begins with what a calibration on an earlier drive taught; whether a car can have it.
+    /// Loads the calibration of an earlier drive; `false` if no car can have it.
     #[must_use]
     pub fn load_calibration(&mut self, calibration: &RadiusCalibration<T>) -> bool {
         self.radii.load_calibration(calibration)
@@ -129,7 +129,7 @@ impl<T: Real> MonitoredWheels<T> {
         self.radii.age(km);
     }
 
-    /// Goes on with what the days since the [calibration that was loaded](Self::load_calibration) have shown; whether a car can have it.
+    /// Loads the days since the [calibration that was loaded](Self::load_calibration); `false` if no car can have them.
     #[must_use]
     pub fn load_days(&mut self, days: &RadiusDays<T>) -> bool {
         let is_one = days.is_sane();
@@ -139,20 +139,20 @@ impl<T: Real> MonitoredWheels<T> {
         is_one
     }
 
-    /// Takes in what another day has shown, the newest one of its [days](Self::days); whether it counts: it is of the last day or later.
+    /// Takes in another day, the newest one of its [days](Self::days); `false` if it is older than the last one.
     pub fn add_day(&mut self, day: &RadiusDay<T>) -> bool {
         let counts = self.radii.add_day(day);
         self.judge();
         counts
     }
 
-    /// What the days since the calibration have shown, this one included: to be stored with it. Only days with dates count.
+    /// The days since the calibration, this one included: to be stored with it. Only days with dates count.
     #[must_use]
     pub fn days(&self) -> &RadiusDays<T> {
         self.radii.days()
     }
 
-    /// What they say of a slow leak.
+    /// The slow leak that they show, with its probability.
     #[must_use]
     pub fn slow_leak(&self) -> &SlowLeak<T> {
         self.radii.slow_leak()
@@ -181,13 +181,13 @@ impl<T: Real> MonitoredWheels<T> {
         self.radii.doubts_yaw_rate()
     }
 
-    /// What the analysis says of radii and losses.
+    /// The report of radii and losses.
     #[must_use]
     pub fn radii(&self) -> &RadiusReport<T> {
         self.radii.report()
     }
 
-    /// What is reported of the tires now, if anything is.
+    /// The alert that stands, if one does.
     #[must_use]
     pub fn alert(&self) -> Option<Alert<T>> {
         self.alert.get()
@@ -227,7 +227,7 @@ impl<T: Real> MonitoredWheels<T> {
         self.calibration_left_s > 0.0
     }
 
-    /// What is wrong with the wheels' sensors, and with which.
+    /// The fault of the wheels' sensors, and of which.
     fn malfunction(&self) -> Option<(Wheels, Malfunction<T>)> {
         let sensor = |corner: Corner| Sensor { corner, place: Place::WheelSpeed };
         let (missing, stuck) = (self.radii.missing(), self.radii.stuck());
@@ -303,7 +303,7 @@ impl<T: Real> MonitoredWheels<T> {
         }));
     }
 
-    /// What the days since the calibration report, if they do.
+    /// The alert of a slow leak by the days since the calibration.
     fn slow_leak_alert(&self, now_s: f64) -> Option<Alert<T>> {
         let leak = self.radii.slow_leak();
         let (wheel, probability) = leak.likeliest();
@@ -364,7 +364,7 @@ impl<T: Real> MonitoredWheels<T> {
         }
     }
 
-    /// What is known of a wheel, in one word: fine is a tire that does not differ from the others.
+    /// The state of a wheel; a tire that does not differ from the others is fine.
     #[must_use]
     pub fn state_of(&self, corner: Corner) -> WheelState {
         let radii = self.radii.report();

@@ -10,7 +10,6 @@ use crate::conditioning::{LEAST_GRID_HZ, STANDING_M_S};
 use crate::memory::{Blank, Placed};
 use crate::real::Real;
 
-/// A piece of a frame's work.
 #[derive(Clone, Copy)]
 enum Unit {
     /// The road wanders, and is faster or slower met, in every cell; it is decided in which of them roads are fitted.

@@ -32,13 +32,11 @@ const LEAST_INFORMATION: f64 = 1e-3;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Summary<T> {
     pub(crate) mean_cell: T,
-    /// Variance in cells².
     pub(crate) variance_cells2: T,
     /// Probability that the pressure is falling or rising fast.
     pub(crate) moving: T,
 }
 
-/// The whole belief. See the [module](self).
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Posterior<T: Real> {

@@ -352,7 +352,6 @@ impl<T: Real> Informed<T> {
 pub(crate) struct Belief<T> {
     pub(crate) pressure_kpa: T,
     pub(crate) pressure_sd_kpa: T,
-    /// Probability that the pressure is changing.
     pub(crate) moving: T,
     /// Power of the last frame over its expectation: about 1 when the model holds.
     pub(crate) nis: T,
@@ -360,7 +359,6 @@ pub(crate) struct Belief<T> {
     pub(crate) gate: T,
     /// Factor by which the variance grew in the last prediction.
     pub(crate) variance_growth: T,
-    /// Seconds of full information so far.
     pub(crate) learned_s: T,
     /// Whether the pressure lies within the range that is looked at, and not at an end of it.
     pub(crate) is_in_range: bool,

@@ -11,7 +11,6 @@ use crate::single_wheel::BINS;
 use crate::single_wheel::dynamics::{ENVELOPE_SD, SLOPE_MEAN, SLOPE_SD};
 use crate::single_wheel::tables::{CELLS, CellTables, Tables};
 
-/// Numbers that describe a road.
 const PARAMETERS: usize = 3;
 /// Log of the velocity power density at 10 Hz, `c`.
 pub(crate) const LEVEL: usize = 0;
@@ -99,7 +98,6 @@ pub(crate) struct Reading<T> {
     pub(crate) expected: CellTables<T>,
 }
 
-/// A Gaussian over the road's parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Road<T: Real> {
     pub(crate) mean: Vector3<T>,

@@ -13,7 +13,6 @@ use crate::single_wheel::BINS;
 use crate::spectrum::reconstruction::LEAK_RAD_S;
 use crate::spectrum::transfer::{Body, DescribingFunction, response, sine_window_power};
 
-/// Cells of the pressure grid.
 pub(crate) const CELLS: usize = 36;
 /// Cells from one that has tables to the next, and how many have; the last one lies beyond the grid.
 const NODES_APART: usize = 3;

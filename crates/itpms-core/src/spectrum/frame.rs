@@ -52,7 +52,6 @@ struct Sums<T: Real, const BINS: usize, const SIGNALS: usize> {
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct FrameClock<T: Real, const BINS: usize, const SIGNALS: usize> {
-    /// Steps per hop.
     hop: u32,
     grid_period_s: f64,
     step: u32,
@@ -190,7 +189,6 @@ impl<T: Real, const BINS: usize, const SIGNALS: usize> Sums<T, BINS, SIGNALS> {
     }
 }
 
-/// The product of two complex numbers.
 fn times<T: Real>([a_re, a_im]: [T; 2], [b_re, b_im]: [T; 2]) -> [T; 2] {
     [a_re * b_re - a_im * b_im, a_re * b_im + a_im * b_re]
 }

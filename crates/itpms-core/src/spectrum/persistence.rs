@@ -39,7 +39,6 @@ impl<T: Real> Persistence<T> {
         Self { before: [[zero; NEAR_HOP]; LAG], product: zero, power: T::zero(), frames: 0, hop_s }
     }
 
-    /// Takes a frame's road velocities.
     pub(crate) fn take(&mut self, road: [Complex<T>; NEAR_HOP]) {
         let keep = T::lit(1.0 - self.hop_s / MEAN_S);
         (self.product, self.power) = (self.product * keep, self.power * keep);

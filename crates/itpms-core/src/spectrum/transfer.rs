@@ -41,7 +41,6 @@ pub(crate) struct DescribingFunction<T> {
 }
 
 impl<T: Real> DescribingFunction<T> {
-    /// No friction.
     pub(crate) fn none() -> Self {
         Self { n_per_m: [[T::zero(); 2]; FRICTION_BINS] }
     }

@@ -99,7 +99,6 @@ impl<T: Real> Powers<T> {
     }
 }
 
-/// See the [module](self).
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct BodyEquation<T: Real> {
@@ -208,7 +207,6 @@ impl<T: Real> BodyEquation<T> {
         if self.units_left == 0 { Learning::Complete } else { Learning::UnderWay }
     }
 
-    /// Whether frames are being learned from.
     pub(crate) fn is_learning(&self) -> bool {
         self.units_left > 0
     }

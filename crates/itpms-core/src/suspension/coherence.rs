@@ -9,7 +9,6 @@ use crate::spectrum::transfer::{FRICTION_BINS as BINS, FRICTION_SPACING_HZ};
 
 /// Bins looked at, 5 to 16 Hz: below, pitch and roll move a corner with the others' wheels; above, bushings decide.
 const USED: core::ops::Range<usize> = 1..6;
-/// Memory in s.
 const MEMORY_S: f64 = 20.0;
 /// Power over that of the sensors' noise from which on a frame counts.
 const ABOVE_NOISE: f64 = 4.0;
@@ -65,7 +64,6 @@ impl<T: Real> Coherence<T> {
         }));
     }
 
-    /// Seconds of frames that counted.
     pub(super) fn learned_s(&self) -> T {
         self.learned_s
     }

@@ -32,11 +32,9 @@ pub(super) const FRICTION: usize = 3;
 pub(super) const WHEEL: usize = FRICTION + ELEMENTS;
 const SIGNALS: usize = WHEEL + 1;
 
-/// A frame of one corner.
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct StrutFrame<T: Real> {
-    /// Time in s of its end.
     pub(crate) time_s: f64,
     pub(super) spectra: Frame<T, BINS, SIGNALS>,
 }
@@ -48,7 +46,6 @@ impl<T: Real> StrutFrame<T> {
     }
 }
 
-/// See the [module](self).
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Strut<T: Real> {

@@ -1,6 +1,8 @@
 //! The four wheels of a car: edges in, by how much the pressures have changed out. It calibrates and stands still with the wheel speeds' monitor, which asks it
 //! ([`MonitoredWheels::update_with_pulses`](crate::monitor::MonitoredWheels::update_with_pulses)).
 
+use core::ops::DerefMut;
+
 use super::{TorsionCalibration, TorsionChange, TorsionConfig, TorsionEvidence, TorsionPiece, TorsionWheel};
 use crate::memory::Blank;
 use crate::model::{Corner, ParameterError, positive};
@@ -14,6 +16,45 @@ pub struct CarTorsion<T: Real> {
     /// What the pressures should be, and by how much those of the calibration were more, in kPa.
     reference_kpa: [T; 4],
     above_kpa: [T; 4],
+}
+
+/// Which of its wheels' sensors a car reads beside its accelerometers: `()` is wheel speeds, [`NoWheelSpeeds`] none of them,
+/// `Option<Box<CarTorsion<T>>>` on a host and `Option<&'static mut CarTorsion<T>>` on a controller wheel speeds and a place for the analysis
+/// of tooth pulses, empty until they are read.
+pub trait WheelSensors<T: Real> {
+    /// Whether wheel speeds are read; what is known at compile time leaves the code out.
+    const SPEEDS: bool = true;
+
+    /// The analysis of the tooth pulses, where they are read.
+    fn torsion(&self) -> Option<&CarTorsion<T>> {
+        None
+    }
+
+    /// The same, to take edges in.
+    fn torsion_mut(&mut self) -> Option<&mut CarTorsion<T>> {
+        None
+    }
+}
+
+impl<T: Real> WheelSensors<T> for () {}
+
+/// The sensors of a car whose program has no code for wheel speeds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct NoWheelSpeeds;
+
+impl<T: Real> WheelSensors<T> for NoWheelSpeeds {
+    const SPEEDS: bool = false;
+}
+
+impl<T: Real, P: DerefMut<Target = CarTorsion<T>>> WheelSensors<T> for Option<P> {
+    fn torsion(&self) -> Option<&CarTorsion<T>> {
+        self.as_deref()
+    }
+
+    fn torsion_mut(&mut self) -> Option<&mut CarTorsion<T>> {
+        self.as_deref_mut()
+    }
 }
 
 impl<T: Real> CarTorsion<T> {

@@ -36,7 +36,7 @@ mod teeth;
 use nalgebra::SVector;
 
 pub use self::calibration::{TorsionCalibration, TorsionCurve};
-pub use self::car::CarTorsion;
+pub use self::car::{CarTorsion, NoWheelSpeeds, WheelSensors};
 pub use self::config::TorsionConfig;
 pub(crate) use self::evidence::{TorsionEvidence, level_variance_kpa2};
 use self::fit::{BINS, Fitted, Spectrum, fit};

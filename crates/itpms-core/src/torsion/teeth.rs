@@ -3,7 +3,6 @@
 use crate::memory::Blank;
 use crate::real::Real;
 
-/// Teeth of the largest ring.
 pub(super) const MOST_TEETH: usize = 96;
 /// Turns from which the teeth are known well enough, and up to which each turn counts alike.
 const LEAST_TURNS: u32 = 200;

@@ -123,7 +123,6 @@ struct Shares<T> {
     sd: T,
     lowest: T,
     highest: T,
-    /// Whether these are all four.
     complete: bool,
     /// Whether their level rests on a calibration of an earlier day.
     stored: bool,

@@ -9,11 +9,9 @@ use crate::real::Real;
 
 /// Share of the loss that must be warned of which makes a leak if it was fast.
 pub(crate) const OF_A_LOSS: f64 = 0.5;
-/// Seconds over which a loss grows.
 const GROWTH_S: f64 = 30.0;
 const LEAK: DebounceTimes = DebounceTimes { set_s: 10.0, clear_s: 60.0 };
 
-/// Who leaks, and how fast.
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct LeakWatch<T> {

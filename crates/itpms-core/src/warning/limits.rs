@@ -45,7 +45,7 @@ impl Regulation {
     }
 }
 
-/// How far a calibration may move the reference, as shares of what was given. A tire at its placard pressure that has not warmed
+/// How far a calibration may move the reference, as shares of the configured one. A tire at its placard pressure that has not warmed
 /// up, as in rain, stays 5 % above the limit of a fifth's loss at the largest; 20 K are 1.1.
 const WARM_SPAN: [f64; 2] = [0.97, 1.08];
 const PLACARD_SPAN: [f64; 2] = [1.0, 1.0];

@@ -49,7 +49,6 @@ pub(crate) struct Around<T> {
     pub(crate) doubted: bool,
 }
 
-/// What is remembered of a wheel.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct WheelWatch {
@@ -208,7 +207,6 @@ pub(crate) fn is_learning<T: Real>(estimate: &CornerEstimate<T>) -> bool {
     estimate.validity.is_valid() && estimate.diagnostics.gate > T::lit(LEARNING)
 }
 
-/// The estimate against a limit.
 pub(crate) fn reading<T: Real>(
     estimate: &CornerEstimate<T>,
     limit_share: T,

@@ -37,7 +37,6 @@ struct Taken<T> {
     cold_kpa: T,
 }
 
-/// What all tires should have.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct ReferencePressure<T> {

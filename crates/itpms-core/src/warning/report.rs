@@ -8,18 +8,16 @@ use crate::model::{Corner, Validity, Warning};
 use crate::real::Real;
 use crate::warning::Alert;
 
-/// Places of a wheel's alerts.
 const OF_A_WHEEL: usize = Slot::NoInformation as usize + 1;
 /// The place of the alert for all wheels together, after those of each.
 pub(crate) const ALL_LOW_SLOT: usize = 4 * OF_A_WHEEL;
 /// The place of that of a shift of all of them since a calibration.
 pub(crate) const COMMON_SHIFT_SLOT: usize = ALL_LOW_SLOT + 1;
-/// The place of what wheel speeds say.
+/// The place of the wheel speeds' alert.
 const WHEEL_SPEED_SLOT: usize = COMMON_SHIFT_SLOT + 1;
 /// Alerts that can stand at once.
 const SLOTS: usize = WHEEL_SPEED_SLOT + 1;
 
-/// The places of a wheel's alerts.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Slot {
     Low,
@@ -31,7 +29,6 @@ pub(crate) enum Slot {
 }
 
 impl Slot {
-    /// The place of a wheel.
     pub(crate) fn of(self, corner: Corner) -> usize {
         OF_A_WHEEL * corner.index() + self as usize
     }

@@ -1,12 +1,11 @@
 //! Half a second of wheel speeds as three log ratios with their spread, and whether the car drove so that they can be used.
 
 use super::config::{DrivenAxle, WheelSpeedConfig};
-use super::sample::WheelSpeedSample;
 use super::state::{AXLE, FRONT, REAR, SCALE};
 use crate::memory::Blank;
+use crate::model::WheelSpeedSample;
 use crate::real::Real;
 
-/// Length of a block in s.
 pub(super) const BLOCK_S: f64 = 0.5;
 /// Samples below which a block says nothing.
 const LEAST_SAMPLES: u32 = 5;
@@ -31,7 +30,6 @@ pub(super) const LEAST_NOISE: f64 = 0.0025;
 /// Log ratio of two wheels that is none of radii, in thousandths.
 pub(super) const ABSURD_RATIO: f64 = 30.0;
 
-/// A block that was driven well.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Block<T> {
@@ -96,12 +94,10 @@ impl<T: Real> Block<T> {
 }
 
 impl<T: Real> BlockSums<T> {
-    /// An empty block from `time_s` on.
     pub(super) fn begin(&mut self, time_s: f64) {
         *self = Self { begun_s: time_s, ..Self::BLANK };
     }
 
-    /// Whether `time_s` is past its end.
     pub(super) fn is_over(&self, time_s: f64) -> bool {
         !(time_s - self.begun_s < BLOCK_S)
     }
@@ -141,7 +137,6 @@ impl<T: Real> BlockSums<T> {
         self.braked |= sample.brake == Some(true);
     }
 
-    /// Whether the car stood throughout.
     pub(super) fn stood(&self) -> bool {
         self.samples > 0 && self.speed < T::lit(0.3) * T::whole(self.samples)
     }

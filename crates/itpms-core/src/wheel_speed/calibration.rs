@@ -4,7 +4,6 @@ use super::state::{BEND, OFFSET, SLIP, UNEQUAL_SLIP};
 use crate::memory::Blank;
 use crate::real::Real;
 
-/// Numbers that a calibration teaches.
 pub(super) const NUMBERS: usize = 8;
 /// The states it holds: three offsets, the slip that is learned with the last one, and those learned with the first two.
 pub(super) const LEARNED: [usize; NUMBERS] =

@@ -16,7 +16,6 @@ const DATES_S: f64 = 1e8;
 pub(super) const DAY_S: f64 = 86_400.0;
 /// Drives less than so many days apart are of one day, with one load: the best known counts.
 const SAME_DAY: f64 = 0.6;
-/// Days that have to agree.
 const LEAST_DAYS: u32 = 4;
 /// Rate of a leak in thousandths of the radius a day, and its sd.
 const RATE_MEAN: f64 = -0.15;
@@ -72,7 +71,6 @@ pub struct SlowLeak<T> {
 }
 
 impl<T: Real> SlowLeak<T> {
-    /// The tire that most probably leaks.
     pub(crate) fn likeliest(&self) -> (Corner, T) {
         let wheels = Corner::ALL.into_iter().zip(self.probability);
         wheels.reduce(|a, b| if b.1 > a.1 { b } else { a }).unwrap_or((Corner::FrontLeft, T::zero()))
@@ -204,7 +202,6 @@ impl<T: Real> RadiusDays<T> {
     }
 }
 
-/// One wheel leaks.
 struct Leak<T> {
     /// Log of its probability over that of no leak.
     log: T,
@@ -220,7 +217,7 @@ impl<T: Real> Leak<T> {
         let variance = T::one() / (before + dot(seen, &weighted));
         let mean = variance * (before * T::lit(RATE_MEAN) + dot(found, &weighted));
         let sd = variance.sqrt();
-        // A leak takes air away: the Gaussian's part below zero, of its prior and of what follows.
+        // A leak takes air away: only the part of prior and posterior below zero counts.
         let loses = normal_distribution(-mean / sd).at_least(T::lit(1e-30)) * T::lit(1.0 / LOSES);
         let square = mean * mean / variance - T::lit(RATE_MEAN * RATE_MEAN) * before;
         let log =

@@ -80,7 +80,6 @@ const PER_SLIP: f64 = 0.05;
 /// Longest step of time over which a leak may begin or end, in s.
 const LONGEST_STEP_S: f64 = 4.0;
 
-/// The bank.
 #[derive(Debug, Clone, Copy, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Filter<T> {
@@ -268,7 +267,6 @@ impl<T: Real> Filter<T> {
         Gaussian::mix(&mut self.modes, &shares);
     }
 
-    /// Takes in a block.
     pub(super) fn update(&mut self, block: &Block<T>, config: &WheelSpeedConfig<T>, learning: bool) {
         self.yaw_known = block.yaw_rate_rad_s.is_some();
         self.grade_seen = block.grade_seen;
@@ -336,7 +334,6 @@ impl<T: Real> Filter<T> {
         }
     }
 
-    /// Whether every number is one.
     pub(super) fn is_finite(&self) -> bool {
         self.weight.iter().all(|w| w.is_finite()) && self.modes.iter().all(Gaussian::is_finite)
     }

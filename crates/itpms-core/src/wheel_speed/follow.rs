@@ -36,7 +36,6 @@ const TURNED_ROUND: f64 = -0.5;
 const ACROSS: f64 = 0.5;
 const MAYBE_TURNED: f64 = -0.2;
 
-/// See the [module](self).
 #[derive(Debug, Clone, Copy, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Following<T> {
@@ -58,7 +57,6 @@ pub(super) struct Following<T> {
     bends: [T; 2],
 }
 
-/// What does not follow.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Astray {
     /// This wheel's speed comes late.
@@ -150,7 +148,7 @@ impl<T: Real> Following<T> {
         (left * T::lit(PLACE_S / MEMORY_S) / self.speeding).sqrt() * T::lit(1.0 / SCALE)
     }
 
-    /// Whether a ratio follows at least this share of what bends make of the ratio of an axle.
+    /// Whether a ratio follows at least this share of an axle's change of ratio in bends.
     fn follows(&self, ratio: usize, axle: usize, share: f64) -> bool {
         self.turned[ratio] > T::lit(share) * self.bends[axle]
     }
@@ -233,7 +231,6 @@ fn exchanged<T: Real>([front, rear]: [T; 2], least_s: f64) -> bool {
 }
 
 impl Astray {
-    /// As the monitor reports it.
     pub(super) fn malfunction<T>(self) -> (Wheels, Malfunction<T>) {
         let sensor = |corner: Corner| Sensor { corner, place: Place::WheelSpeed };
         match self {

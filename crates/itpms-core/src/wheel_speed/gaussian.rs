@@ -25,12 +25,10 @@ impl<T: Real> Gaussian<T> {
         belief
     }
 
-    /// Covariance of two states.
     pub(super) fn get(&self, i: usize, j: usize) -> T {
         self.covariance.as_flattened().get(place(i, j)).copied().unwrap_or(T::ZERO)
     }
 
-    /// Sets the covariance of two states.
     pub(super) fn set(&mut self, i: usize, j: usize, value: T) {
         if let Some(entry) = self.covariance.as_flattened_mut().get_mut(place(i, j)) {
             *entry = value;
@@ -57,7 +55,6 @@ impl<T: Real> Gaussian<T> {
         }
     }
 
-    /// Widens a state by a variance.
     pub(super) fn widen(&mut self, i: usize, variance: T) {
         if let Some(entry) = self.covariance.as_flattened_mut().get_mut(place(i, i)) {
             *entry += variance;
@@ -175,7 +172,6 @@ impl<T: Real> Gaussian<T> {
         }
     }
 
-    /// Whether every number is one.
     pub(super) fn is_finite(&self) -> bool {
         self.mean.iter().chain(self.covariance.as_flattened()).all(|x| x.is_finite())
     }

@@ -45,9 +45,9 @@ pub(super) struct Decision<T> {
 }
 
 impl<T: Real> Decision<T> {
-    /// The changes of the three ratios of radii with their covariance, in thousandths; how far radii move by themselves; `fifth`: by what a
-    /// loss of a fifth changes one; what tooth pulses say, by themselves; `unexplained`: the prior of what no loss explains over that of
-    /// one wheel.
+    /// From the changes of the three ratios of radii with their covariance, in thousandths, the drift of radii without a loss, `fifth` (the
+    /// change by a loss of a fifth), the evidence of tooth pulses alone, and the prior of the `unexplained` hypothesis over that of one
+    /// wheel.
     pub(super) fn of(
         change: &[T; 3],
         covariance: &Triangle<T>,
@@ -93,7 +93,7 @@ impl<T: Real> Decision<T> {
             let spread = |(p, mean, variance): &(T, [T; 4], [T; 4])| {
                 *p * (variance[i] + (mean[i] - *center) * (mean[i] - *center))
             };
-            // What nobody explains may have been done by this wheel, too.
+            // An unexplained change may be this wheel's, too.
             let by_none = unexplained * T::lit(UNEXPLAINED_SD[0] * UNEXPLAINED_SD[0]);
             *sd = all.iter().map(spread).fold(by_none, |sum, v| sum + v).at_least(T::zero()).sqrt();
         }
@@ -196,7 +196,7 @@ pub(super) fn add_radii<T: Real>(covariance: &mut Triangle<T>, sd: f64) {
     }
 }
 
-/// Adds this part of what loads may have done to the three ratios since the calibration.
+/// Adds this part of the covariance that unknown loads give the three ratios since the calibration.
 pub(super) fn add_load<T: Real>(covariance: &mut Triangle<T>, load: &LoadUncertainty<T>, part: f64) {
     let per_load = T::lit(RADIUS_PER_LOAD);
     let rear_axle = [T::zero(), T::zero(), -per_load * load.rear_axle];
@@ -269,7 +269,7 @@ mod tests {
             let decision = Decision::of(&seen(radius), &SHARP, FINE_SD, 1.6, &NO_PULSES, UNEXPLAINED);
             let most = decision.sets.of_set().iter().copied().fold(0.0, f64::max);
             assert_eq!(decision.sets.of_set()[number], most, "{number:04b}");
-            // Three at once are so seldom that something else, which nobody named, is not much less probable.
+            // Three at once are so rare that the unexplained hypothesis is not much less probable.
             let sure = if number.count_ones() == 3 { 0.7 } else { 0.9 };
             for (wheel, radius) in radius.iter().enumerate() {
                 let low = number & (1 << wheel) != 0;

@@ -54,4 +54,4 @@ pub use self::config::{DrivenAxle, LoadUncertainty, WheelSpeedConfig};
 pub use self::days::{RadiusDay, RadiusDays, SlowLeak};
 pub(crate) use self::radius_monitor::RadiusMonitor;
 pub use self::report::{Pattern, RadiusReport, RadiusState, Unseen, WheelRadius};
-pub use self::sample::WheelSpeedSample;
+pub use crate::model::WheelSpeedSample;

@@ -10,14 +10,13 @@ use super::days::{RadiusDays, SlowLeak};
 use super::filter::Filter;
 use super::follow::{Astray, Following};
 use super::report::{RadiusReport, RadiusState};
-use super::sample::WheelSpeedSample;
 use super::sensor_watch::SensorWatch;
 use super::state::SCALE;
 use super::yaw_witness::YawWitness;
 use crate::conditioning::pauses::{LONG_STOP_S, PAUSE_S};
 use crate::diagnosis::Malfunction;
 use crate::memory::{Blank, Placed};
-use crate::model::{Corner, ParameterError, RadiusDifferences, SEEN, Wheels};
+use crate::model::{Corner, ParameterError, RadiusDifferences, SEEN, WheelSpeedSample, Wheels};
 use crate::real::Real;
 use crate::torsion::TorsionEvidence;
 
@@ -81,9 +80,7 @@ pub(crate) struct RadiusMonitor<T: Real> {
 
 impl<T: Real> RadiusMonitor<T> {
     /// Begins anew with this car, uncalibrated.
-    ///
-    /// # Errors
-    /// A length or a radius over pressure that no car has; the monitor is unconfigured then.
+    /// Errors: a length or a radius over pressure that no car has; the monitor is unconfigured then.
     pub(crate) fn configure(&mut self, config: &WheelSpeedConfig<T>) -> Result<(), ParameterError> {
         *self = Self::BLANK;
         self.report.time_s = f64::NAN;

@@ -1,30 +1,13 @@
-//! What comes in with every message of the wheel speeds.
+//! Which values of a message of the wheel speeds a car can have.
 
 use crate::conditioning::is_a_cars;
+use crate::model::WheelSpeedSample;
 use crate::real::Real;
 
 /// A yaw rate that no car has, in rad/s.
 const ABSURD_YAW_RAD_S: f64 = 5.0;
 /// A horizontal acceleration that no car has, in m/s².
 const ABSURD_ACCEL_M_S2: f64 = 30.0;
-
-/// Four wheel speeds and what the car says of its motion besides. NaN: not known.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct WheelSpeedSample<T> {
-    /// Time in s, strictly increasing.
-    pub time_s: f64,
-    /// Speeds of the wheels as the car has them, each by the same assumed radius, in the order of [`Corner::ALL`](crate::Corner::ALL).
-    pub wheel_speed_m_s: [T; 4],
-    /// Yaw rate, positive to the left.
-    pub yaw_rate_rad_s: T,
-    /// Acceleration forward, gravity along a grade included.
-    pub accel_x_m_s2: T,
-    /// Acceleration to the left.
-    pub accel_y_m_s2: T,
-    /// Whether the driver brakes.
-    pub brake: Option<bool>,
-}
 
 impl<T: Real> WheelSpeedSample<T> {
     /// Whether all four wheels have a speed that a wheel can have.

@@ -2,10 +2,10 @@
 //! radius; without one of four nothing is compared.
 
 use super::block::{ABSURD_RATIO, BLOCK_S, Block, LEAST_SPEED_M_S};
-use super::sample::{WheelSpeedSample, is_speed};
+use super::sample::is_speed;
 use crate::conditioning::pauses::PAUSE_S;
 use crate::memory::Blank;
-use crate::model::{Corner, Wheels};
+use crate::model::{Corner, WheelSpeedSample, Wheels};
 use crate::real::Real;
 use crate::wheel_speed::state::{AXLE, SCALE};
 
@@ -16,7 +16,6 @@ const ABSURD_S: f64 = 20.0;
 /// By how many of the smallest steps seen the others have to have moved: of coarse speeds, one may stay while others go two steps.
 const STEPS: f64 = 3.0;
 
-/// See the [module](self).
 #[derive(Debug, Clone, Copy, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct SensorWatch<T> {

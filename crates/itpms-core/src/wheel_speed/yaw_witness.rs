@@ -33,7 +33,6 @@ const BENDS_SEEN: f64 = 100.0;
 const FREE: f64 = 0.85;
 const COUPLED: f64 = 0.75;
 
-/// See the [module](self).
 #[derive(Debug, Clone, Copy, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct YawWitness<T> {
@@ -45,7 +44,7 @@ pub(super) struct YawWitness<T> {
     /// The sensor's offset that was taken off, in rad/s.
     bias_rad_s: T,
     begun: bool,
-    /// Sum of what the sensor leaves of both axles' product beyond its share, between [`LEFT`] and what proves as much for the sensor.
+    /// Sum of the axles' product that the sensor leaves unexplained beyond its share, from [`LEFT`] to as much evidence for the sensor.
     left: T,
     doubted: bool,
     doubts: u8,

@@ -64,6 +64,7 @@ impl CarRide {
                         wheel_accel_m_s2: wheel + 0.05 * noise.normal(),
                     })
                 }),
+                wheel_speeds: None,
             })
             .collect()
     }
@@ -137,6 +138,7 @@ pub fn cast<T: Real>(row: &CarSample<f64>) -> CarSample<T> {
                 wheel_accel_m_s2: T::lit(c.wheel_accel_m_s2),
             })
         }),
+        wheel_speeds: None,
     }
 }
 

@@ -224,7 +224,8 @@ fn a_broken_clock_does_not_stop_the_monitor() {
         let mut drive = Drive::new();
         drive.on(5.0, &FINE);
         let corner = CornerSample { body_accel_m_s2: 0.1, wheel_accel_m_s2: 0.2 };
-        let sample = CarSample { time_s: broken_s, speed_m_s: 20.0, corners: [Some(corner); 4] };
+        let sample =
+            CarSample { time_s: broken_s, speed_m_s: 20.0, corners: [Some(corner); 4], wheel_speeds: None };
         drive.monitor.begin_calibration(10.0).unwrap();
         let at = drive.clock.take(broken_s, 20.0);
         drive.monitor.screen(&at, &sample);
@@ -251,7 +252,7 @@ fn without_a_speed_a_parked_car_is_not_stuck_and_one_sensor_of_a_driven_one_is()
             let corners = [0, 1, 2, 3].map(|i| Some(corner(i)));
             let time_s = f64::from(step) / RATE_HZ;
             let at = clock.take(time_s, f64::NAN);
-            monitor.screen(&at, &CarSample { time_s, speed_m_s: f64::NAN, corners });
+            monitor.screen(&at, &CarSample { time_s, speed_m_s: f64::NAN, corners, wheel_speeds: None });
             monitor.judge(&at, &mut estimate(time_s, &FINE));
         }
         let report = monitor.report();

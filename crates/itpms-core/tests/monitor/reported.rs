@@ -142,7 +142,10 @@ impl Drive {
             let corners = [Some(corner); 4];
             let time_s = self.time_s();
             let at = self.clock.take(time_s, reported.speed_m_s);
-            self.monitor.screen(&at, &CarSample { time_s, speed_m_s: reported.speed_m_s, corners });
+            self.monitor.screen(
+                &at,
+                &CarSample { time_s, speed_m_s: reported.speed_m_s, corners, wheel_speeds: None },
+            );
             assert!(self.monitor.judge(&at, &mut estimate(time_s, reported)).is_empty());
             if stop(self.monitor.report()) {
                 return Some(time_s);

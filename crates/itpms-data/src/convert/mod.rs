@@ -34,7 +34,6 @@ pub struct Request<'a> {
     pub output: &'a Path,
     /// How to read the log; the DBC file and the map are also for writing a CAN log.
     pub options: &'a LogOptions,
-    /// Whether MDF4 is compressed.
     pub packing: Packing,
     /// Whether rows say where the car was, if the log does.
     pub position: bool,

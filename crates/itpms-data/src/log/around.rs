@@ -24,11 +24,8 @@ impl AirField {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct AirColumns {
-    /// Whether `ambient_temperature_c` is there.
     pub temperature: bool,
-    /// Whether `barometric_kpa` is there.
     pub pressure: bool,
-    /// Whether `altitude_m` is there.
     pub altitude: bool,
 }
 
@@ -73,9 +70,7 @@ impl PositionField {
 /// What the car's own axle load sensors say, with the unsprung masses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum AxleField {
-    /// On the front axle.
     Front,
-    /// On the rear axle.
     Rear,
 }
 
@@ -93,7 +88,6 @@ impl AxleField {
 /// Whether a log says where the car was, and whether what is written of the log may say it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum PositionColumns {
-    /// It does not.
     #[default]
     Absent,
     Private,

@@ -1,7 +1,6 @@
 //! A row of a drive log, and which columns it has.
 
-use itpms_core::model::{Air, CarSample, Corner, CornerSample, Sample};
-use itpms_core::wheel_speed::WheelSpeedSample;
+use itpms_core::model::{Air, CarSample, Corner, CornerSample, WheelSpeedSample};
 
 use super::around::{AirColumns, AirField, AxleField, PositionColumns, PositionField};
 use super::slot::{Field, Motion, SLOTS, Slot};
@@ -9,7 +8,6 @@ use super::slot::{Field, Motion, SLOTS, Slot};
 /// Which columns a drive log has besides `time_s`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct LogColumns {
-    /// Whether `speed_m_s` is there.
     pub speed: bool,
     /// The corners with both accelerations, in the order of [`Corner::ALL`].
     pub corners: [Option<CornerColumns>; 4],
@@ -23,13 +21,9 @@ pub struct MotionColumns {
     pub wheel_speed: bool,
     /// Whether `{c}_wheel_speed_rad_s` of all four wheels is there.
     pub wheel_rotation: bool,
-    /// Whether `yaw_rate_rad_s` is there.
     pub yaw_rate: bool,
-    /// Whether `accel_x_m_s2` is there.
     pub accel_x: bool,
-    /// Whether `accel_y_m_s2` is there.
     pub accel_y: bool,
-    /// Whether `brake` is there.
     pub brake: bool,
     /// Whether `{c}_tpms_kpa` is there, in the order of [`Corner::ALL`].
     pub tire_sensors: [bool; 4],
@@ -83,9 +77,7 @@ impl MotionColumns {
 /// Which truth a corner has besides its two accelerations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct CornerColumns {
-    /// Whether `{c}_pressure_kpa` is there.
     pub pressure: bool,
-    /// Whether `{c}_road_m` is there.
     pub road: bool,
 }
 
@@ -244,12 +236,13 @@ impl LogMotion {
 }
 
 impl LogRow {
-    /// The estimators' input: everything but the truth.
+    /// The estimators' input: everything but the truth, and the wheel speeds.
     pub fn sample(&self) -> CarSample<f64> {
-        Sample {
+        CarSample {
             time_s: self.time_s,
             speed_m_s: self.speed_m_s,
             corners: self.corners.map(|corner| corner.map(|c| c.sample())),
+            wheel_speeds: None,
         }
     }
 

@@ -79,9 +79,7 @@ impl Motion {
 /// A column that means something to us.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Slot {
-    /// `time_s`.
     Time,
-    /// `speed_m_s`.
     Speed,
     /// `{c}_body_accel_m_s2` and the like.
     Corner(Corner, Field),
@@ -120,7 +118,6 @@ impl Slot {
             .chain(AxleField::ALL.map(Slot::Axle))
     }
 
-    /// Its place in [`Slot::all`].
     pub fn index(self) -> usize {
         match self {
             Slot::Time => 0,

@@ -174,7 +174,6 @@ impl ParquetColumns {
         Ok(())
     }
 
-    /// No row is wanted.
     pub(crate) fn choose_no_rows(&mut self) {
         self.no_rows = true;
     }

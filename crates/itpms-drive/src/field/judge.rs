@@ -40,7 +40,6 @@ pub(super) struct Findings {
     pub(super) facts: Vec<String>,
     /// Why it is not good enough.
     pub(super) faults: Vec<String>,
-    /// Advice and caveats.
     pub(super) notes: Vec<String>,
 }
 
@@ -180,7 +179,7 @@ fn course(log: &LogReader, watch: &LogWatch, found: &mut Findings) {
     }
 }
 
-/// What a sensor's readings say of how it is mounted.
+/// How a sensor is mounted, by its readings.
 fn mounting(name: &str, reading: &Reading, found: &mut Findings) {
     let Reading { rest_mean, rest_rms, driving_rms } = *reading;
     if UPRIGHT_M_S2.contains(&-rest_mean) {

@@ -28,10 +28,10 @@ use watch::LogWatch;
 
 const FORMAT: u32 = 1;
 
-/// What an owner tells beside log and vehicle file.
+/// The owner's notes beside log and vehicle file.
 #[derive(Debug, Clone, Default)]
 pub struct FieldNotes {
-    /// What the gauge read, in the order of time.
+    /// The gauge's readings, in the order of time.
     pub pressures: Vec<KnownFrom>,
     /// Sensors, road, weather, in the owner's words.
     pub note: Option<String>,
@@ -132,17 +132,16 @@ impl FieldCheck {
         &self.findings.faults
     }
 
-    /// Advice and caveats.
     pub fn notes(&self) -> &[String] {
         &self.findings.notes
     }
 
-    /// What of log and vehicle file is not in the archive.
+    /// Parts of log and vehicle file that are not in the archive.
     pub fn left_out(&self) -> &[String] {
         &self.left_out
     }
 
-    /// What `itpms vehicle check --field --json` prints.
+    /// The output of `itpms vehicle check --field --json`.
     pub fn document(&self) -> Value {
         json!({
             "good": self.is_good(),

@@ -86,7 +86,7 @@ fn without_places(mut columns: LogColumns) -> LogColumns {
     columns
 }
 
-/// What of a log and a vehicle file is not in the archive, a name each.
+/// Names of the parts of a log and a vehicle file that are not in the archive.
 pub(super) fn left_out(columns: &LogColumns, vehicle: &Vehicle) -> Vec<String> {
     let mut out = Vec::new();
     if columns.motion.position != PositionColumns::Absent {

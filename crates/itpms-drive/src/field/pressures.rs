@@ -6,7 +6,7 @@ use itpms_core::model::Corner;
 
 use crate::learn::no_pressure;
 
-/// What the gauge read from some time of a log on: gauge pressures in kPa, in the order of [`Corner::ALL`]; `None`: as before.
+/// The gauge's readings from some time of a log on: gauge pressures in kPa, in the order of [`Corner::ALL`]; `None`: as before.
 ///
 /// Written `240`, `fl=240,fr=240,rl=220,rr=220`, or with the time in s since the log's first row before it: `480:fl=200`.
 #[derive(Debug, Clone, Copy, PartialEq)]

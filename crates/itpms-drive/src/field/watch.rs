@@ -1,4 +1,4 @@
-//! What a log shows of itself, row by row: how long and how fast the car drives, where it stands, and what each accelerometer reads then.
+//! Statistics of a log, row by row: how long and how fast the car drives, where it stands, and what each accelerometer reads then.
 
 use itpms_core::model::Corner;
 use itpms_data::LogRow;
@@ -53,7 +53,7 @@ struct Sensor {
     quietest: Option<f64>,
 }
 
-/// What an accelerometer reads, in m/s².
+/// An accelerometer's reading in m/s².
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Reading {
     pub(super) rest_mean: f64,
@@ -174,7 +174,6 @@ impl LogWatch {
         }
     }
 
-    /// No more rows come.
     pub(super) fn finish(&mut self) {
         self.end_stop();
     }

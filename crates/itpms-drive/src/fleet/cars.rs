@@ -19,7 +19,7 @@ pub struct Car {
     /// Its parameters, or why they cannot be used.
     pub vehicle: Result<Vehicle, String>,
     pub fingerprint: String,
-    /// What an earlier calibration drive taught of it.
+    /// The result of an earlier calibration drive.
     pub reference: Option<PathBuf>,
 }
 

@@ -107,7 +107,7 @@ pub fn files(patterns: &[PathBuf], out: &Path) -> Result<Vec<Found>, DriveError>
     Ok(found)
 }
 
-/// What a pattern fits. Patterns are text; names that are not are fitted by what they look like.
+/// The files that a pattern matches. Patterns are text; names that are not are matched as they are displayed.
 fn fitting(pattern: &str) -> Result<Vec<PathBuf>, glob::PatternError> {
     // What cannot be looked into holds no files for us.
     let mut paths: Vec<PathBuf> = glob::glob(pattern)?.flatten().collect();

@@ -61,7 +61,7 @@ use one::Errand;
 use record::{DriveRecord, Inputs, Records};
 use road_map::FleetRoads;
 
-/// What a fleet's run is.
+/// The plan of a fleet's run.
 #[derive(Debug)]
 pub struct Plan {
     pub files: Vec<Found>,
@@ -78,7 +78,7 @@ pub struct Plan {
     /// Whether roads are mapped from positions; nothing of these is kept otherwise.
     pub map: bool,
     pub jobs: usize,
-    /// What tells this program from another that might compute otherwise.
+    /// Identifies this build, as another one might compute otherwise.
     pub program: String,
 }
 
@@ -213,7 +213,7 @@ fn assign<'a>(plan: &'a Plan, failed: &mut BTreeMap<usize, Failed>) -> Vec<Assig
     assigned
 }
 
-/// What is to be done for a drive, and from which inputs.
+/// The work for a drive, and its inputs.
 fn errand<'a>(
     plan: &'a Plan,
     drive: &Assigned<'a>,
@@ -239,7 +239,7 @@ fn errand<'a>(
     Ok(Errand { number: drive.number, name, path: &drive.file.path, bytes, car: drive.car, settings, inputs })
 }
 
-/// What the last calibration drive of the car before this one taught, if one did.
+/// The result of the car's last calibration drive before this one, if there is one.
 fn carried(plan: &Plan, drive: &Assigned<'_>, all: &[Assigned<'_>], records: &Records) -> Option<PathBuf> {
     let taught = |earlier: &&Assigned<'_>| {
         earlier.calibrate
@@ -285,7 +285,7 @@ fn fingerprint(path: &Path) -> Result<String, DriveError> {
     Ok(format!("{:016x}", crc64(&[&fs::read(path).map_err(unreadable)?])))
 }
 
-/// What the results depend on besides the inputs of each drive.
+/// Inputs of the results besides those of each drive.
 fn heading(plan: &Plan) -> Result<Value, DriveError> {
     let content = |path: &Option<PathBuf>| path.as_deref().map(fingerprint).transpose();
     let Plan { settings, options, .. } = plan;

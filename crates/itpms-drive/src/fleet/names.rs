@@ -1,4 +1,4 @@
-//! What drives are called on the fleet's page, and where their names lead.
+//! Names of drives on the fleet's page, and their links.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;

@@ -28,7 +28,6 @@ const LISTED: usize = 500;
 /// Points of a car's line over its drives.
 const LINE: usize = 60;
 
-/// Writes `index.html`.
 pub(super) fn write(plan: &Plan, outcome: &Outcome, roads: Option<&FleetRoads>) -> Result<(), DriveError> {
     let mut file = AtomicFile::create(&plan.out.join("index.html"))?;
     file.append(page(plan, outcome, roads).as_bytes())?;
@@ -166,7 +165,7 @@ fn later_failures(car: &CarStanding<'_>, last: &DriveRecord, failed: &[Failed]) 
     }
 }
 
-/// What was warned of in the car's last drive, and how many earlier ones had a warning.
+/// The warnings of the car's last drive, and how many earlier ones had one.
 fn warned(last: &DriveRecord, drives: &[&DriveRecord]) -> String {
     let earlier = drives.iter().rev().skip(1).filter(|drive| !drive.alerts.is_empty()).count();
     let earlier = (earlier > 0).then(|| format!("{} with a warning", counted(earlier, "earlier drive")));
@@ -290,7 +289,7 @@ fn line(drives: &[&DriveRecord]) -> String {
     )
 }
 
-/// What a cell is sorted by; nothing where it is not known.
+/// The key by which a cell is sorted; empty where it is not known.
 fn key(value: f64) -> String {
     if value.is_finite() { format!("{value:.4}") } else { String::new() }
 }

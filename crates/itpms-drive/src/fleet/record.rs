@@ -1,4 +1,4 @@
-//! What is kept of a drive, and the file that keeps it: a line of JSON for every drive that is done, under a line that
+//! The record of a drive, and its file: a line of JSON for every drive that is done, under a line that
 //! says by what program and with what settings.
 
 use std::collections::BTreeMap;
@@ -17,7 +17,7 @@ use crate::reference::Taught;
 /// Key of the lines that say what the lines after them were computed with.
 const KEY: &str = "itpms_fleet";
 
-/// What a drive has shown of its day since the calibration with which it began.
+/// The radii of a drive's day since the calibration with which it began.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DayRecord {
     pub day: f64,
@@ -36,7 +36,7 @@ impl DayRecord {
     }
 }
 
-/// What a drive's results depend on; with the same inputs it is not estimated again.
+/// The inputs of a drive's results; with the same ones it is not estimated again.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Inputs {
     pub bytes: u64,
@@ -56,7 +56,7 @@ pub struct Pressure {
     pub sd_kpa: f64,
 }
 
-/// What a tire has lost since the calibration, by wheel speeds alone: shares of its pressure.
+/// The loss of a tire since the calibration by wheel speeds alone, as shares of its pressure.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Loss {
     pub share: f64,
@@ -65,7 +65,7 @@ pub struct Loss {
     pub detectable: f64,
 }
 
-/// What a drive showed of one wheel.
+/// The results of one wheel in a drive.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct WheelRecord {
     /// `fl`, `fr`, `rl` or `rr`.
@@ -86,7 +86,7 @@ pub struct WheelRecord {
     /// How often `malfunction` was begun to be warned of.
     pub malfunctions: u32,
     pub first_malfunction_s: Option<f64>,
-    /// What wheel speeds alone say of it at the end.
+    /// Its result by wheel speeds alone at the end.
     pub lost: Option<Loss>,
     /// Mean roughness of the road under it, in m/km.
     pub iri_m_per_km: Option<f64>,
@@ -122,7 +122,7 @@ pub struct FitRecord {
     /// How much more front and rear disagree about their road near wheel hop than beside it.
     pub hop_excess: Option<f64>,
     pub friction_n: f64,
-    /// What does not fit: `incoherent`, `unexplained` or `hop`.
+    /// The misfit: `incoherent`, `unexplained` or `hop`.
     pub misfit: Option<String>,
 }
 
@@ -153,9 +153,8 @@ pub struct DriveRecord {
     pub not_estimated: Vec<String>,
     /// The monitor's reports, a sentence each.
     pub alerts: Vec<String>,
-    /// Caveats, a sentence each.
     pub concerns: Vec<String>,
-    /// What it has shown of its day since the calibration, by wheel speeds and where it has a date.
+    /// The radii of its day since the calibration, by wheel speeds and where it has a date.
     pub day: Option<DayRecord>,
     /// What it says beside pressures and dampers, in words, each with whether somebody has to look.
     #[serde(default)]
@@ -169,7 +168,7 @@ pub struct DriveRecord {
 }
 
 impl DriveRecord {
-    /// What it has to do with calibration: `drive` (it taught the car), `carried` (it starts with what an earlier one taught) or `none`.
+    /// Its part in the calibration: `drive` (it taught the car), `carried` (it starts with what an earlier one taught) or `none`.
     pub fn calibration(&self) -> &'static str {
         match (self.taught, &self.inputs.reference) {
             (true, _) => "drive",

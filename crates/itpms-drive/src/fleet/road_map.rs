@@ -106,18 +106,15 @@ pub struct FleetCell {
     pub iri_m_per_km: [f64; 2],
     /// Cars and drives that were there.
     pub cars: usize,
-    /// Drives.
     pub drives: usize,
 }
 
 /// By how much a car reads roads rougher than the others.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CarFactor {
-    /// The car.
     pub car: String,
     /// One: like the others; `None` of a car that shares too little road with any.
     pub factor: Option<f64>,
-    /// Its standard deviation.
     pub sd: f64,
     /// Squares that it shares.
     pub shared: usize,
@@ -329,7 +326,6 @@ fn groups(cars: usize, cells: usize, shared: &[&Seen]) -> Vec<usize> {
     }
 }
 
-/// Writes `road.geojson`.
 pub(super) fn write(out: &std::path::Path, roads: &FleetRoads) -> Result<(), DriveError> {
     let mut file = AtomicFile::create(&out.join("road.geojson"))?;
     file.append(format!("{}\n", roads.geojson()).as_bytes())?;

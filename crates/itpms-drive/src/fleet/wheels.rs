@@ -1,4 +1,4 @@
-//! What a drive showed of each wheel. Called by the fleet for its tables, and by the Python package for the same rows.
+//! The results of a drive's wheels. Called by the fleet for its tables, and by the Python package for the same rows.
 
 use itpms_analysis::report::{CornerReport, Reading};
 use itpms_analysis::suspension::DamperHealth;

@@ -22,7 +22,7 @@ pub(super) struct Seats {
     taken: Mutex<Vec<Arc<Place>>>,
 }
 
-/// What is known of a seat that is taken.
+/// A seat that is taken.
 #[derive(Debug)]
 struct Place {
     peer: IpAddr,

@@ -1,4 +1,4 @@
-//! What all handlers see: the hub, the newest snapshot, which run this is.
+//! Shared by all handlers: the hub, the newest snapshot, which run this is.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicUsize;
@@ -23,7 +23,6 @@ impl Shared {
     }
 }
 
-/// Seconds since 1970-01-01 UTC.
 pub(super) fn unix_s() -> f64 {
     SystemTime::now().duration_since(UNIX_EPOCH).map_or(f64::NAN, |since| since.as_secs_f64())
 }

@@ -16,7 +16,7 @@ use crate::engine::Published;
 use crate::error::LiveError;
 use crate::snapshot::{Snapshot, Transition, Wheel};
 
-/// What a power cut takes at most.
+/// The most that a power cut loses.
 const FLUSH_EVERY: Duration = Duration::from_secs(10);
 const MOST: u32 = 100_000;
 

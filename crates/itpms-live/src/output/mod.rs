@@ -29,7 +29,7 @@ use crate::engine::Published;
 use crate::error::LiveError;
 use crate::queue::{Queue, Taken};
 
-/// What waits for an output at most: seven minutes at ten a second, some 10 MB.
+/// Items that wait for an output at most: seven minutes at ten a second, some 10 MB.
 const WAITING: usize = 4096;
 /// How long an output's thread sleeps at most.
 const PATIENCE: Duration = Duration::from_millis(200);

@@ -19,7 +19,7 @@ impl Lines {
         Self { name: name.to_owned(), say, complained: false }
     }
 
-    /// What a line says; `None` for a blank one. The first that is not understood is reported; all are counted.
+    /// The content of a line; `None` for a blank one. The first that is not understood is reported; all are counted.
     pub(super) fn take(&mut self, line: &[u8], arrived: Instant) -> Option<Input> {
         // What is no text is no frame, either: the replacement characters see to that.
         match parse_line(&String::from_utf8_lossy(line)) {

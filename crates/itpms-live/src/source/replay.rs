@@ -32,7 +32,6 @@ pub struct Pulses {
 }
 
 impl Pulses {
-    /// Opens the table.
     pub fn open(path: &Path) -> Result<Self, DataError> {
         Ok(Self { reader: PulseReader::open(path)?, span_s: None, within: 0 })
     }
@@ -46,7 +45,7 @@ impl Pulses {
         Ok(pulse.map(Input::Pulse))
     }
 
-    /// What is to be reported in the end.
+    /// Reported at the end.
     fn warnings(&self) -> Vec<String> {
         let none = self.span_s.filter(|_| self.within == 0).map(|[first_s, last_s]| {
             format!("no pulse lies between {first_s} and {last_s} s, the times of the log; expected both by one clock")
@@ -121,7 +120,7 @@ pub fn start_frames(
     })
 }
 
-/// What there is to say of a log that has been replayed, or could not be to its end.
+/// The remark on a log that has been replayed, or could not be to its end.
 fn end(
     result: Result<(), DataError>,
     (path, warnings): (&Path, &[String]),

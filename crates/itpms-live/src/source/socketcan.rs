@@ -116,7 +116,7 @@ fn may_go(input: &Input) -> bool {
     matches!(input, Input::Frame { .. })
 }
 
-/// What tells a frame's time.
+/// The source of a frame's time.
 struct BusClock {
     time: BusTime,
     began: Instant,

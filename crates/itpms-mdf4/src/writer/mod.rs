@@ -34,7 +34,6 @@ pub struct Mdf4Writer {
     file: AtomicFile,
     compression: Compression,
     groups: Vec<Group>,
-    /// Bytes written.
     end: u64,
     start_ns: u64,
     /// Memory for turning and compressing a block.
@@ -46,9 +45,7 @@ pub struct Mdf4Writer {
 struct Group {
     spec: GroupSpec,
     places: Places,
-    /// Bytes of a record.
     record: usize,
-    /// Its invalidation bits.
     invalid: Vec<u8>,
     count: u64,
     /// Samples that are not written yet.

@@ -71,7 +71,6 @@ pub enum RoadRepetition {
     Detect,
     /// Known to repeat so often.
     Every(RoadPeriod),
-    /// Never looked for.
     Never,
 }
 

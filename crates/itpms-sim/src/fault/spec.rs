@@ -57,17 +57,28 @@ pub enum FaultKind {
     /// Repeats the value it had when the fault began.
     Stuck,
     /// Loses samples, each by itself.
-    Dropout { share: f64 },
+    Dropout {
+        share: f64,
+    },
     /// Adds single values far off, up or down, at random times.
-    Spikes { per_s: f64, size_m_s2: f64 },
+    Spikes {
+        per_s: f64,
+        size_m_s2: f64,
+    },
     /// Reads so many times what it should.
-    Gain { factor: f64 },
-    /// Adds white noise.
-    Noise { rms_m_s2: f64 },
-    /// Adds a constant.
-    Bias { offset_m_s2: f64 },
+    Gain {
+        factor: f64,
+    },
+    Noise {
+        rms_m_s2: f64,
+    },
+    Bias {
+        offset_m_s2: f64,
+    },
     /// Carries another sensor's values, and that one its own.
-    Swap { with: SensorName },
+    Swap {
+        with: SensorName,
+    },
 }
 
 /// A fault: a `[[fault]]` table.

@@ -21,5 +21,4 @@ pub use quarter::{Plant, PlantState, StepInput};
 pub(crate) use suspension::Strut;
 pub(crate) use tire::Tire;
 
-/// Standard gravity in m/s².
 pub(crate) const GRAVITY_M_S2: f64 = 9.806_65;

@@ -74,7 +74,6 @@ pub enum Surface {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct RoadSpec {
-    /// Its shape before obstacles.
     pub surface: Surface,
     /// Length in m over which the tire averages the road (moving average centred under the axle); 0: a point follower.
     pub contact_length_m: f64,

@@ -4,7 +4,6 @@
 
 use std::collections::VecDeque;
 
-/// A signal's recent past.
 #[derive(Debug, Clone)]
 pub(crate) struct History {
     /// Oldest first.

@@ -1,6 +1,6 @@
 //! What a simulation hands out: rows of a log with the truth beside them.
 
-use itpms_core::model::{Corner, CornerSample, Sample};
+use itpms_core::model::{CarSample, CornerSample};
 
 use crate::wheel_speeds::WheelSpeedRow;
 
@@ -36,16 +36,14 @@ pub struct CornerRow {
 }
 
 impl SimRow {
-    /// What the estimator of one corner sees; `None` where the scenario has no such corner.
-    pub fn sample(&self, corner: Corner) -> Option<Sample<f64, CornerSample<f64>>> {
-        let row = self.corners[corner.index()].as_ref()?;
-        Some(Sample { time_s: self.time_s, speed_m_s: self.speed_m_s, corners: row.sample() })
-    }
-
-    /// Input of the estimator of the whole car.
-    pub fn car_sample(&self) -> Sample<f64, [Option<CornerSample<f64>>; 4]> {
-        let corners = self.corners.map(|row| row.map(|r| r.sample()));
-        Sample { time_s: self.time_s, speed_m_s: self.speed_m_s, corners }
+    /// What the car's estimator sees of it.
+    pub fn car_sample(&self) -> CarSample<f64> {
+        CarSample {
+            time_s: self.time_s,
+            speed_m_s: self.speed_m_s,
+            corners: self.corners.map(|row| row.map(|r| r.sample())),
+            wheel_speeds: self.wheel_speeds.map(|row| row.sample(self.time_s)),
+        }
     }
 }
 

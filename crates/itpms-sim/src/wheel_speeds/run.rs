@@ -2,6 +2,7 @@
 //!
 //! Called by the simulation, row by row. Time goes from message to message; a row sees the last one that came.
 
+use itpms_core::model::WheelSpeedSample;
 use rand::RngExt;
 use rand_pcg::Pcg64;
 
@@ -52,6 +53,20 @@ pub struct WheelSpeedRow {
     pub pressure_kpa: [f64; 4],
     /// `ln` of the true rolling radii over the assumed one.
     pub ln_radius: [f64; 4],
+}
+
+impl WheelSpeedRow {
+    /// What a monitor sees of it.
+    pub fn sample(&self, time_s: f64) -> WheelSpeedSample<f64> {
+        WheelSpeedSample {
+            time_s,
+            wheel_speed_m_s: self.wheel_speed_m_s,
+            yaw_rate_rad_s: self.yaw_rate_rad_s,
+            accel_x_m_s2: self.accel_x_m_s2,
+            accel_y_m_s2: self.accel_y_m_s2,
+            brake: self.brake.is_finite().then_some(self.brake > 0.5),
+        }
+    }
 }
 
 /// How the wheels roll at an instant, each of it over what it is of an unloaded car straight on, at the placard's pressure.

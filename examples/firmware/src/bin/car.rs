@@ -10,11 +10,15 @@ use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
 use itpms_core::model::{CarConfig, Corner, CornerConfig, QuarterCar};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
+use itpms_core::torsion::NoWheelSpeeds;
 use itpms_core::warning::{Change, MonitorReport};
 use itpms_firmware::drive::{DRIVE, RATE_HZ, SAMPLES, sample};
 use itpms_firmware::memory::{self, Sizes};
 use itpms_firmware::{Counter, instructions};
 use panic_semihosting as _;
+
+/// Without the code for wheel speeds, as in a program that has none; its memory has room for them.
+type Car = MonitoredCar<f32, NoWheelSpeeds>;
 
 /// When the button is pressed, and for how long the car then learns.
 const CALIBRATION_S: [f64; 2] = [4.0, 5.0];
@@ -33,7 +37,7 @@ fn config() -> Option<MonitorConfig<f32>> {
 
 /// Builds the car where it lies; gives the stack that took.
 #[inline(never)]
-fn build(car: &mut MonitoredCar<f32>, counter: &mut Counter) -> Option<usize> {
+fn build(car: &mut Car, counter: &mut Counter) -> Option<usize> {
     let config = config()?;
     memory::paint_stack();
     let mut built = Ok(());
@@ -59,11 +63,7 @@ struct Taken {
 
 /// Takes all samples of the drive. `before`: memory for the report before the last one; on the stack it would count as the car's.
 #[inline(never)]
-fn drive(
-    car: &mut MonitoredCar<f32>,
-    before: &mut Option<MonitorReport<f32>>,
-    counter: &mut Counter,
-) -> Option<Taken> {
+fn drive(car: &mut Car, before: &mut Option<MonitorReport<f32>>, counter: &mut Counter) -> Option<Taken> {
     let mut all = Taken { least: u32::MAX, ..Taken::default() };
     remember(before, car);
     memory::paint_stack();
@@ -97,11 +97,7 @@ fn drive(
     Some(all)
 }
 
-fn run(
-    car: &mut MonitoredCar<f32>,
-    before: &mut Option<MonitorReport<f32>>,
-    counter: &mut Counter,
-) -> Option<()> {
+fn run(car: &mut Car, before: &mut Option<MonitorReport<f32>>, counter: &mut Counter) -> Option<()> {
     let to_build = build(car, counter)?;
     let taken = drive(car, before, counter)?;
     print_pressures(car, SAMPLES as f64 / RATE_HZ);
@@ -114,7 +110,7 @@ fn run(
     hprintln!("instructions_least {}", instructions(f64::from(taken.least)));
     hprintln!("stack_to_build_bytes {}", to_build);
     hprintln!("stack_to_run_bytes {}", taken.stack);
-    hprintln!("car_bytes {}", size_of::<MonitoredCar<f32>>());
+    hprintln!("car_bytes {}", size_of::<Car>());
     hprintln!("flash_bytes {}", sizes.text + sizes.rodata + sizes.data - DRIVE.len());
     hprintln!("text_bytes {}", sizes.text);
     hprintln!("ram_bytes {}", sizes.data + sizes.bss);
@@ -131,17 +127,17 @@ fn run(
 }
 
 #[inline(never)]
-fn remember(before: &mut Option<MonitorReport<f32>>, car: &MonitoredCar<f32>) {
+fn remember(before: &mut Option<MonitorReport<f32>>, car: &Car) {
     *before = Some(car.report().clone());
 }
 
 #[inline(never)]
-fn has_changed(car: &MonitoredCar<f32>, before: &Option<MonitorReport<f32>>) -> bool {
+fn has_changed(car: &Car, before: &Option<MonitorReport<f32>>) -> bool {
     before.as_ref().is_some_and(|before| car.report().changes_since(before).next().is_some())
 }
 
 #[inline(never)]
-fn print_changes(car: &MonitoredCar<f32>, before: &Option<MonitorReport<f32>>, time_s: f64) {
+fn print_changes(car: &Car, before: &Option<MonitorReport<f32>>, time_s: f64) {
     let Some(before) = before else { return };
     for change in car.report().changes_since(before) {
         match change {
@@ -152,7 +148,7 @@ fn print_changes(car: &MonitoredCar<f32>, before: &Option<MonitorReport<f32>>, t
 }
 
 #[inline(never)]
-fn print_pressures(car: &MonitoredCar<f32>, time_s: f64) {
+fn print_pressures(car: &Car, time_s: f64) {
     let wheels = car.report().wheels;
     for (corner, wheel) in Corner::ALL.into_iter().zip(&wheels) {
         let Some(wheel) = wheel else { continue };
@@ -170,7 +166,7 @@ fn print_pressures(car: &MonitoredCar<f32>, time_s: f64) {
 #[entry]
 fn main() -> ! {
     // Zeros until it is configured, so it lies in `.bss`.
-    static mut CAR: MonitoredCar<f32> = MonitoredCar::unconfigured();
+    static mut CAR: Car = Car::unconfigured_with(NoWheelSpeeds);
     static mut BEFORE: Option<MonitorReport<f32>> = None;
     let done = cortex_m::Peripherals::take()
         .and_then(|peripherals| run(CAR, BEFORE, &mut Counter::new(peripherals.SYST)));

@@ -7,10 +7,10 @@ use core::hint::black_box;
 
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
-use itpms_core::model::{CornerSample, QuarterCar};
-use itpms_paper::{AekfUi, AekfUiLean, FilterConfig, LeanRecord, StepRecord, StepStatus};
 use itpms_core::Real;
+use itpms_core::model::{CornerSample, QuarterCar};
 use itpms_firmware::{Counter, instructions};
+use itpms_paper::{AekfUi, AekfUiLean, FilterConfig, LeanRecord, StepRecord, StepStatus};
 use panic_semihosting as _;
 
 const STEPS: u32 = 300;

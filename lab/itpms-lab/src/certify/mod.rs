@@ -32,15 +32,12 @@ mod test_case;
 mod tests;
 mod watched;
 
-use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use itpms_core::model::{CalibrationError, ParameterError};
-use itpms_sim::error::ScenarioError;
 use rayon::prelude::*;
 use serde::Serialize;
-use thiserror::Error;
 
+use crate::runner::{Progress, StudyError, pool, refused};
 use crate::sensors::Sensors;
 
 pub use outcome::{FalseAlert, Outcome, Phase, TracePoint, Verdict};
@@ -49,10 +46,6 @@ pub use procedure::{Extent, Procedure};
 pub use rules::Rule;
 pub use table::list;
 pub use test_case::{Failure, Test};
-
-/// Stack of a thread in bytes: an estimator of a whole car is a value of some hundred kilobytes, and is handed about by
-/// value while it is set up.
-const STACK_BYTES: usize = 32 << 20;
 
 #[derive(Debug, Clone)]
 pub struct Request {
@@ -94,40 +87,21 @@ pub struct Certificate {
     pub outcomes: Vec<Outcome>,
 }
 
-#[derive(Debug, Error)]
-pub enum CertifyError {
-    #[error("no test's name contains {found:?}, expected a part of one of: {known}")]
-    NoSuchTest { found: String, known: String },
-    #[error("stopped")]
-    Stopped,
-    #[error(transparent)]
-    Scenario(#[from] ScenarioError),
-    #[error(transparent)]
-    Parameter(#[from] ParameterError),
-    #[error(transparent)]
-    Reference(#[from] CalibrationError),
-    #[error("cannot start threads: {0}")]
-    Threads(#[from] rayon::ThreadPoolBuildError),
-}
-
-/// Called now and then with how many simulated seconds of how many are driven; [`ControlFlow::Break`] ends it.
-pub type Progress<'a> = &'a (dyn Fn(u64, u64) -> ControlFlow<()> + Sync);
-
 /// The tests of a request, in order. Errors: none has such a name.
-pub fn procedures(request: &Request) -> Result<Vec<Procedure>, CertifyError> {
+pub fn procedures(request: &Request) -> Result<Vec<Procedure>, StudyError> {
     let all = Procedure::all(request.extent, request.sensors);
     let Some(part) = &request.only else { return Ok(all) };
     let chosen: Vec<Procedure> = all.iter().filter(|p| p.name().contains(part.as_str())).copied().collect();
     if chosen.is_empty() {
         let known = all.iter().map(Procedure::name).collect::<Vec<_>>().join(", ");
-        return Err(CertifyError::NoSuchTest { found: part.clone(), known });
+        return refused(format!("no test's name contains {part:?}, expected a part of one of: {known}"));
     }
     Ok(chosen)
 }
 
 /// Drives the tests on all processors. The same request gives the same result, however many there are.
 /// Errors: no such test, a stop, or a scenario that cannot be driven.
-pub fn certify(request: &Request, progress: Progress<'_>) -> Result<Certificate, CertifyError> {
+pub fn certify(request: &Request, progress: Progress<'_>) -> Result<Certificate, StudyError> {
     let mut runs = vec![];
     for procedure in procedures(request)? {
         for again in 0..u64::from(request.repeats.max(1)) {
@@ -144,12 +118,7 @@ pub fn certify(request: &Request, progress: Progress<'_>) -> Result<Certificate,
     }
     let total_s = runs.iter().map(|(_, course, _)| course.longest_s() as u64).sum();
     let odometer = Odometer { done_s: AtomicU64::new(0), total_s, stopped: AtomicBool::new(false), progress };
-    // As many as the caller's pool, which has smaller stacks.
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(rayon::current_num_threads())
-        .stack_size(STACK_BYTES)
-        .build()?;
-    let outcomes: Result<Vec<Outcome>, CertifyError> = pool.install(|| {
+    let outcomes: Result<Vec<Outcome>, StudyError> = pool()?.install(|| {
         let one = |(procedure, course, seed): &(Procedure, course::Course, u64)| {
             drive::drive(procedure, course, *seed, (request.sensors, request.loads), &odometer)
         };
@@ -182,11 +151,11 @@ struct Odometer<'a> {
 }
 
 impl Odometer<'_> {
-    fn advance(&self, seconds: u64) -> Result<(), CertifyError> {
+    fn advance(&self, seconds: u64) -> Result<(), StudyError> {
         let done_s = self.done_s.fetch_add(seconds, Ordering::Relaxed) + seconds;
         if (self.progress)(done_s.min(self.total_s), self.total_s).is_break() {
             self.stopped.store(true, Ordering::Relaxed);
         }
-        if self.stopped.load(Ordering::Relaxed) { Err(CertifyError::Stopped) } else { Ok(()) }
+        if self.stopped.load(Ordering::Relaxed) { Err(StudyError::Stopped) } else { Ok(()) }
     }
 }

@@ -11,7 +11,6 @@ itpms_core::labelled! {
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
     #[serde(rename_all = "kebab-case")]
     pub enum Rule {
-        /// UN Regulation No. 141.
         UnR141 = "UN R141",
         /// FMVSS 138, 49 CFR 571.138.
         Fmvss138 = "FMVSS 138",
@@ -76,7 +75,6 @@ impl Rule {
         (self == Self::UnR141 && test == Test::LowAll).then_some(1800.0)
     }
 
-    /// The monitor's settings.
     pub fn limits(self) -> Limits<f64> {
         match self {
             Self::UnR141 => Regulation::UnR141,

@@ -3,22 +3,23 @@
 //! Called by `drive`, which holds what it says against what was done to the car.
 
 use itpms_core::model::{CarConfig, CarEstimate, CarSample, Corner, CornerSample, ParameterError, Wheels};
-use itpms_core::monitor::{MonitorConfig, MonitoredCar};
+use itpms_core::monitor::MonitorConfig;
 use itpms_core::warning::MonitorReport;
 use itpms_core::wheel_speed::{LoadUncertainty, WheelSpeedSample};
 use itpms_sim::scenario::Scenario;
 use itpms_sim::simulation::SimRow;
 
+use super::StatedLoads;
 use super::course::Course;
 use super::outcome::TracePoint;
 use super::procedure::Procedure;
 use super::telltale::{Lamp, lit, lit_by_alerts};
-use super::{CertifyError, StatedLoads};
-use crate::sensors::{Pulses, Sensors, wheel_speed_config, wheel_speed_sample};
+use crate::runner::StudyError;
+use crate::sensors::{PulsedCar, Pulses, Sensors, wheel_speed_config};
 
 /// A car and what was estimated last, where it has accelerometers.
 pub(super) struct Watched {
-    car: Box<MonitoredCar<f64>>,
+    car: Box<PulsedCar>,
     pulses: Option<Pulses>,
     estimate: Option<CarEstimate<f64>>,
 }
@@ -29,7 +30,7 @@ impl Watched {
         course: &Course,
         loads: StatedLoads,
         sensors: Sensors,
-    ) -> Result<Self, CertifyError> {
+    ) -> Result<Self, StudyError> {
         let scenario = &course.scenario;
         let load = match loads {
             StatedLoads::Constant => LoadUncertainty::constant(),
@@ -42,22 +43,19 @@ impl Watched {
         }
         let limits = procedure.rule.limits();
         let config = MonitorConfig { limits, wheel_speeds, ..MonitorConfig::new(&config) };
-        let mut car = Box::new(MonitoredCar::unconfigured());
+        let mut car = Box::new(PulsedCar::unconfigured_with(None));
         car.configure(&config, scenario.rate_hz)?;
         let reads_pulses = sensors == Sensors::Pulses && wheel_speeds.is_some();
-        let pulses = reads_pulses.then(|| Pulses::new(scenario)).transpose()?;
+        let pulses = reads_pulses.then(|| Pulses::read_by(&mut car, scenario)).transpose()?;
         Ok(Self { car, pulses, estimate: None })
     }
 
     pub(super) fn begin_calibration(&mut self, seconds: f64) -> Result<(), ParameterError> {
-        if let Some(pulses) = &mut self.pulses {
-            pulses.torsion.begin_calibration();
-        }
         self.car.begin_calibration(seconds)
     }
 
     /// A drive of the same car begins.
-    pub(super) fn roll(&mut self, scenario: &Scenario, seed: u64) -> Result<(), CertifyError> {
+    pub(super) fn roll(&mut self, scenario: &Scenario, seed: u64) -> Result<(), StudyError> {
         if let Some(pulses) = &mut self.pulses {
             let car_seed = scenario.wheel_speeds.and_then(|wheels| wheels.car_seed).unwrap_or(seed);
             pulses.roll(scenario, car_seed, seed)?;
@@ -67,25 +65,23 @@ impl Watched {
 
     /// A row of a drive that began `offset_s` after the first one.
     pub(super) fn take(&mut self, row: &SimRow, offset_s: f64) {
-        if self.car.wheels().is_none() {
-            let sample = row.car_sample();
-            self.estimate = Some(self.car.update(&CarSample { time_s: offset_s + sample.time_s, ..sample }));
-            return;
+        if let Some(pulses) = &mut self.pulses {
+            pulses.until(row.time_s, offset_s, &mut self.car);
         }
-        let Some((sample, _)) = wheel_speed_sample(row) else { return };
-        let sample = WheelSpeedSample { time_s: offset_s + sample.time_s, ..sample };
-        let pulses = self.pulses.as_mut().map(|pulses| pulses.until(row.time_s, offset_s));
-        self.car.update_wheel_speeds(&sample, pulses);
+        let mut sample = row.car_sample();
+        sample.time_s += offset_s;
+        if let Some(message) = &mut sample.wheel_speeds {
+            message.time_s += offset_s;
+        }
+        self.update(&sample);
     }
 
-    /// A sample of a parked car: what its accelerometers read, and wheels that stand.
+    /// A sample of a parked car: what its accelerometers read, where it has some, and wheels that stand.
     pub(super) fn stand(&mut self, time_s: f64, readings: [[f64; 2]; 4]) {
-        if self.car.wheels().is_none() {
-            let corners = readings
-                .map(|[body, wheel]| Some(CornerSample { body_accel_m_s2: body, wheel_accel_m_s2: wheel }));
-            self.estimate = Some(self.car.update(&CarSample { time_s, speed_m_s: 0.0, corners }));
-        }
-        let sample = WheelSpeedSample {
+        let reading =
+            |[body, wheel]: [f64; 2]| CornerSample { body_accel_m_s2: body, wheel_accel_m_s2: wheel };
+        let measures = self.car.wheels().is_none();
+        let wheels = WheelSpeedSample {
             time_s,
             wheel_speed_m_s: [0.0; 4],
             yaw_rate_rad_s: 0.0,
@@ -93,7 +89,17 @@ impl Watched {
             accel_y_m_s2: 0.0,
             brake: Some(true),
         };
-        self.car.update_wheel_speeds(&sample, None);
+        self.update(&CarSample {
+            time_s,
+            speed_m_s: 0.0,
+            corners: readings.map(|of| measures.then(|| reading(of))),
+            wheel_speeds: Some(wheels),
+        });
+    }
+
+    fn update(&mut self, sample: &CarSample<f64>) {
+        let estimate = self.car.update(sample);
+        self.estimate = self.car.wheels().is_none().then_some(estimate);
     }
 
     pub(super) fn report(&self) -> &MonitorReport<f64> {

@@ -2,8 +2,9 @@
 
 use itpms_console::{Failure, Folder, Interrupt, Screen, threads};
 use itpms_data::out::AtomicFile;
-use itpms_lab::certify::{Certificate, CertifyError, Extent, Request, certify, list, procedures};
+use itpms_lab::certify::{Certificate, Extent, Request, certify, list, procedures};
 
+use super::{driven, failure, json};
 use crate::args::CertifyArgs;
 
 pub(crate) fn run(args: &CertifyArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
@@ -17,23 +18,15 @@ pub(crate) fn run(args: &CertifyArgs, screen: &Screen, interrupt: &Interrupt) ->
         loads: args.loads,
         repeats: args.repeats,
     };
-    let tests = procedures(&request).map_err(failure)?;
+    let tests = procedures(&request).map_err(|error| failure(error, Failure::Interrupted))?;
     if args.list {
         screen.print_lines(list(&tests).trim_end());
         return Ok(());
     }
     let page = args.report.as_ref().map(|path| AtomicFile::create(path)).transpose()?;
     let folder = args.out.as_deref().map(Folder::open).transpose()?;
-    let progress = screen.progress("driving");
-    let look = |done: u64, total: u64| {
-        progress.set(done as f64 / total as f64);
-        interrupt.flow()
-    };
-    let result = certify(&request, &look);
-    drop(progress);
-    let certificate = result.map_err(failure)?;
-    let json = serde_json::to_string_pretty(&certificate)
-        .map_err(|error| Failure::Usage(format!("the result is no JSON: {error}")))?;
+    let certificate = driven(screen, interrupt, |look| certify(&request, look))?;
+    let json = json(&certificate)?;
     if let Some(folder) = &folder {
         folder.fill(files(&certificate, &json), screen)?;
     }
@@ -55,12 +48,4 @@ fn files(certificate: &Certificate, json: &str) -> Vec<(String, String)> {
     files.extend(certificate.figures().iter().map(|figure| (format!("{}.svg", figure.name()), figure.svg())));
     files.extend(certificate.outcomes.iter().map(|outcome| (format!("{}.csv", outcome.name), outcome.csv())));
     files
-}
-
-fn failure(error: CertifyError) -> Failure {
-    match error {
-        CertifyError::Stopped => Failure::Interrupted,
-        CertifyError::Scenario(scenario) => Failure::Scenario(scenario),
-        other => Failure::Usage(other.to_string()),
-    }
 }

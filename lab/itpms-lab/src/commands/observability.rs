@@ -3,8 +3,10 @@
 use itpms_console::{Failure, Folder, Interrupt, Screen, threads};
 use itpms_core::model::Corner;
 use itpms_data::Vehicle;
-use itpms_lab::observability::{Observability, StudyError, Subject, study};
+use itpms_lab::observability::{Observability, Subject, study};
+use itpms_lab::runner::StudyError;
 
+use super::json;
 use crate::args::ObservabilityArgs;
 
 pub(crate) fn run(args: &ObservabilityArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
@@ -15,10 +17,9 @@ pub(crate) fn run(args: &ObservabilityArgs, screen: &Screen, interrupt: &Interru
     let look = |_| interrupt.flow();
     let result = study(&subject, &look).map_err(|error| match error {
         StudyError::Stopped => Failure::Interrupted,
-        other => Failure::Usage(format!("{}: {other}", args.vehicle.display())),
+        StudyError::Refused(why) => Failure::Usage(format!("{}: {why}", args.vehicle.display())),
     })?;
-    let json = serde_json::to_string_pretty(&result)
-        .map_err(|error| Failure::Usage(format!("the study is no JSON: {error}")))?;
+    let json = json(&result)?;
     if let Some(folder) = &folder {
         write(folder, &result, &json, screen)?;
     }

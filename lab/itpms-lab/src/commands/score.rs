@@ -4,8 +4,9 @@ use std::time::Instant;
 
 use itpms_console::{Failure, Interrupt, Screen, threads};
 use itpms_lab::score::row::Verdict;
-use itpms_lab::score::{Part, Request, ScoreError, score};
+use itpms_lab::score::{Part, Request, score};
 
+use super::{driven, json};
 use crate::args::ScoreArgs;
 
 /// Drives per row of `--quick`, and cars of the row `own`.
@@ -27,20 +28,9 @@ pub(crate) fn run(args: &ScoreArgs, screen: &Screen, interrupt: &Interrupt) -> R
         wheel_speeds: args.wheel_speeds,
     };
     let began = Instant::now();
-    let progress = screen.progress("driving");
-    let look = |done: u64, total: u64| {
-        progress.set(done as f64 / total as f64);
-        interrupt.flow()
-    };
-    let result = score(&request, &look);
-    drop(progress);
-    let score = result.map_err(|error| match error {
-        ScoreError::Stopped => Failure::Interrupted,
-        other => Failure::Usage(other.to_string()),
-    })?;
+    let score = driven(screen, interrupt, |look| score(&request, look))?;
     if args.json {
-        let json = serde_json::to_string_pretty(&score);
-        screen.print_lines(json.map_err(|error| Failure::Usage(format!("the score is no JSON: {error}")))?);
+        screen.print_lines(json(&score)?);
     } else {
         screen.print_lines(score.table().trim_end());
     }

@@ -17,16 +17,13 @@ mod kinds;
 mod outcome;
 mod table;
 
-use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use itpms_core::model::ParameterError;
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
-use itpms_sim::error::ScenarioError;
 use rayon::prelude::*;
 use serde::Serialize;
-use thiserror::Error;
 
+use crate::runner::{Progress, StudyError, pool, refused};
 use crate::score::stats::percentile;
 pub use clean::Clean;
 use clean::{Watch, sum};
@@ -35,12 +32,6 @@ pub use kinds::{Kind, kinds};
 use outcome::Outcome;
 pub use outcome::TireWarnings;
 
-/// Called at the start and after every malfunction with how many of how many are done; [`ControlFlow::Break`] ends the study.
-pub type Progress<'a> = &'a (dyn Fn(u64, u64) -> ControlFlow<()> + Sync);
-
-/// Stack of a thread in bytes: an estimator under its monitor is a large value, copied while it is set up.
-const STACK_BYTES: usize = 32 << 20;
-
 #[derive(Debug, Clone, PartialEq)]
 pub struct Request {
     pub drives: usize,
@@ -48,22 +39,6 @@ pub struct Request {
     pub first_seed: u64,
     /// Only malfunctions whose names contain this.
     pub only: Option<String>,
-}
-
-#[derive(Debug, Error)]
-pub enum MalfunctionError {
-    #[error("0 drives, expected at least one")]
-    Nothing,
-    #[error("no malfunction is called `{found}`, expected a part of one of: {}", known.join("; "))]
-    Unknown { found: String, known: Vec<&'static str> },
-    #[error("stopped")]
-    Stopped,
-    #[error(transparent)]
-    Scenario(#[from] ScenarioError),
-    #[error(transparent)]
-    Parameter(#[from] ParameterError),
-    #[error("threads cannot be started: {0}")]
-    Threads(#[from] rayon::ThreadPoolBuildError),
 }
 
 /// Seconds of driving after the end of a malfunction in which all should be well again.
@@ -139,16 +114,17 @@ struct OneDrive {
     clean: Clean,
 }
 
-pub fn study(request: &Request, progress: Progress<'_>) -> Result<Study, MalfunctionError> {
+pub fn study(request: &Request, progress: Progress<'_>) -> Result<Study, StudyError> {
     if request.drives == 0 {
-        return Err(MalfunctionError::Nothing);
+        return refused("0 drives, expected at least one");
     }
     let mut wanted = kinds();
     let known: Vec<&'static str> = wanted.iter().map(|kind| kind.name).collect();
     if let Some(only) = &request.only {
         wanted.retain(|kind| kind.name.contains(only.as_str()));
         if wanted.is_empty() {
-            return Err(MalfunctionError::Unknown { found: only.clone(), known });
+            let known = known.join("; ");
+            return refused(format!("no malfunction is called `{only}`, expected a part of one of: {known}"));
         }
     }
     let total = ((wanted.len() + 1) * request.drives) as u64;
@@ -157,21 +133,16 @@ pub fn study(request: &Request, progress: Progress<'_>) -> Result<Study, Malfunc
         let now = done.fetch_add(1, Ordering::Relaxed) + 1;
         if stopped.load(Ordering::Relaxed) || progress(now, total).is_break() {
             stopped.store(true, Ordering::Relaxed);
-            return Err(MalfunctionError::Stopped);
+            return Err(StudyError::Stopped);
         }
         Ok(())
     };
     if progress(0, total).is_break() {
-        return Err(MalfunctionError::Stopped);
+        return Err(StudyError::Stopped);
     }
-    // As many as the caller's pool, which has smaller stacks.
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(rayon::current_num_threads())
-        .stack_size(STACK_BYTES)
-        .build()?;
     let seeds: Vec<u64> = (0..request.drives as u64).map(|i| request.first_seed.wrapping_add(i)).collect();
-    let drives: Vec<OneDrive> =
-        pool.install(|| seeds.par_iter().map(|&seed| one(seed, &wanted, &count)).collect::<Result<_, _>>())?;
+    let all = || seeds.par_iter().map(|&seed| one(seed, &wanted, &count)).collect::<Result<_, _>>();
+    let drives: Vec<OneDrive> = pool()?.install(all)?;
     let rows = wanted.iter().enumerate().map(|(i, kind)| {
         let outcomes: Vec<&Outcome> = drives.iter().map(|drive| &drive.outcomes[i]).collect();
         row(kind, &outcomes)
@@ -189,8 +160,8 @@ pub fn study(request: &Request, progress: Progress<'_>) -> Result<Study, Malfunc
 fn one(
     seed: u64,
     kinds: &[Kind],
-    count: &(dyn Fn() -> Result<(), MalfunctionError> + Sync),
-) -> Result<OneDrive, MalfunctionError> {
+    count: &(dyn Fn() -> Result<(), StudyError> + Sync),
+) -> Result<OneDrive, StudyError> {
     let drive = Recorded::of(seed)?;
     let mut car = monitored(&drive)?;
     let mut until_then = None;
@@ -216,7 +187,7 @@ fn one(
 }
 
 /// A malfunction that is the road's, on a drive of its own.
-fn over_glass(kind: &Kind, seed: u64) -> Result<Outcome, MalfunctionError> {
+fn over_glass(kind: &Kind, seed: u64) -> Result<Outcome, StudyError> {
     let drive = Recorded::over_glass(seed)?;
     let mut car = monitored(&drive)?;
     for sample in &drive.rows[..drive.begins] {
@@ -225,7 +196,7 @@ fn over_glass(kind: &Kind, seed: u64) -> Result<Outcome, MalfunctionError> {
     Ok(outcome::run(kind, &drive, car, seed))
 }
 
-fn monitored(drive: &Recorded) -> Result<Box<MonitoredCar<f64>>, MalfunctionError> {
+fn monitored(drive: &Recorded) -> Result<Box<MonitoredCar<f64>>, StudyError> {
     Ok(Box::new(MonitoredCar::new(&MonitorConfig::new(&drive.car), drive.rate_hz)?))
 }
 

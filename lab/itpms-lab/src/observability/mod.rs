@@ -32,12 +32,10 @@ pub use twin::{Twin, Twins};
 
 use std::ops::ControlFlow;
 
-use itpms_core::model::ParameterError;
 use rayon::prelude::*;
 use serde::Serialize;
-use thiserror::Error;
 
-use itpms_analysis::bound::BoundError;
+use crate::runner::StudyError;
 use sources::{Circumstances, SourceBound};
 
 /// The least sd over time for one set of sources.
@@ -144,16 +142,6 @@ pub struct Conditions {
 }
 
 /// No study.
-#[derive(Debug, Clone, Copy, PartialEq, Error)]
-pub enum StudyError {
-    #[error(transparent)]
-    Bound(#[from] BoundError),
-    #[error(transparent)]
-    Parameter(#[from] ParameterError),
-    #[error("stopped")]
-    Stopped,
-}
-
 /// The whole study of one corner: some seconds. `look` is called now and then with the share done and may stop it.
 pub fn study(
     subject: &Subject,

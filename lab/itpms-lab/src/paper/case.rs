@@ -7,7 +7,8 @@ use itpms_sim::scenario::{CornerSpec, Scenario};
 use itpms_sim::sensor::SensorSpec;
 
 use super::contestant::{Contestant, Tuning};
-use super::{CORNER, PaperError, Request};
+use super::{CORNER, Request};
+use crate::runner::{StudyError, refused};
 
 /// Errors count from here on, in s: the standard scenarios' definition of their RMSE.
 pub(super) const JUDGED_FROM_S: f64 = 3.0;
@@ -22,7 +23,7 @@ pub(super) struct Case {
 
 impl Case {
     /// One of Sec. 4 by its built-in name.
-    pub(super) fn simulation(name: &str, request: &Request) -> Result<Self, PaperError> {
+    pub(super) fn simulation(name: &str, request: &Request) -> Result<Self, StudyError> {
         let mut scenario = Scenario::builtin(name)?;
         scenario.rate_hz = request.rate_hz;
         scenario.sensor = SensorSpec { noise_m_s2: request.noise_m_s2, ..scenario.sensor };
@@ -33,7 +34,7 @@ impl Case {
     }
 
     /// One of Sec. 5: the four after a reset of `reset_s`, and the default without.
-    pub(super) fn bench(name: &str, reset_s: f64, request: &Request) -> Result<Self, PaperError> {
+    pub(super) fn bench(name: &str, reset_s: f64, request: &Request) -> Result<Self, StudyError> {
         let mut scenario = Scenario::builtin(name)?;
         scenario.rate_hz = request.bench_rate_hz;
         if let Surface::Bench(road) = &mut scenario.road.surface {
@@ -47,7 +48,7 @@ impl Case {
     }
 
     /// The true sprung mass in kg, while the estimators are given `stated_kg`.
-    pub(super) fn with_sprung_mass(self, true_kg: f64, stated_kg: f64) -> Result<Self, PaperError> {
+    pub(super) fn with_sprung_mass(self, true_kg: f64, stated_kg: f64) -> Result<Self, StudyError> {
         self.changed(|corner| {
             corner.sprung_mass_kg = stated_kg;
             corner.truth.sprung_mass_factor = true_kg / stated_kg;
@@ -55,7 +56,7 @@ impl Case {
     }
 
     /// Variance in (m/s²)² of the unsprung accelerometer's noise.
-    pub(super) fn with_wheel_noise_variance(self, variance: f64) -> Result<Self, PaperError> {
+    pub(super) fn with_wheel_noise_variance(self, variance: f64) -> Result<Self, StudyError> {
         let usual = self.scenario.sensor;
         self.changed(|corner| {
             let sensor = corner.wheel_sensor.unwrap_or(usual);
@@ -63,10 +64,13 @@ impl Case {
         })
     }
 
-    fn changed(mut self, change: impl FnOnce(&mut CornerSpec)) -> Result<Self, PaperError> {
+    fn changed(mut self, change: impl FnOnce(&mut CornerSpec)) -> Result<Self, StudyError> {
         match self.scenario.corner.get_mut(CORNER) {
             Some(corner) => change(corner),
-            None => return Err(PaperError::NoCorner(self.scenario.name)),
+            None => {
+                let name = self.scenario.name;
+                return refused(format!("scenario {name} has no front left corner, expected one"));
+            }
         }
         Ok(self)
     }

@@ -5,9 +5,10 @@
 use itpms_core::model::CornerSample;
 use itpms_sim::simulation::Simulation;
 
+use super::CORNER;
 use super::case::{Case, JUDGED_FROM_S};
 use super::contestant::{Runner, Word};
-use super::{CORNER, PaperError};
+use crate::runner::StudyError;
 use crate::score::stats::ErrorSum;
 
 /// Points of a drawn history per second.
@@ -111,7 +112,7 @@ impl Seat {
     }
 }
 
-pub(super) fn drive(case: &Case, seed: u64, keep: Keep) -> Result<Drive, PaperError> {
+pub(super) fn drive(case: &Case, seed: u64, keep: Keep) -> Result<Drive, StudyError> {
     let corner = case.scenario.corner_config(CORNER)?;
     let rate_hz = case.scenario.rate_hz;
     let mut seats = Vec::with_capacity(case.contestants.len());

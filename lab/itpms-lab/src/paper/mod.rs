@@ -26,7 +26,6 @@ mod contestant;
 mod data;
 mod drive;
 mod drop;
-mod error;
 mod histories;
 mod mass;
 mod noise;
@@ -47,16 +46,13 @@ use itpms_core::model::Corner;
 use itpms_sim::scenario::Scenario;
 
 pub use data::Data;
-pub use error::PaperError;
 pub use section::{Section, Table};
 
+use crate::runner::{Progress, StudyError, refused};
 use section::Part;
 
 /// The corner that the paper's scenarios drive.
 const CORNER: Corner = Corner::FrontLeft;
-
-/// Called after every drive with how many of how many are done; a break ends the study.
-pub type Progress<'a> = plan::Callback<'a>;
 
 /// Open points of the paper, and the number of drives.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -106,9 +102,9 @@ pub struct Study {
 }
 
 /// Drives everything and lays it out. The progress counts drives; what follows them takes a few seconds.
-pub fn reproduce(request: &Request, progress: Progress<'_>) -> Result<Study, PaperError> {
+pub fn reproduce(request: &Request, progress: Progress<'_>) -> Result<Study, StudyError> {
     if request.seeds == 0 {
-        return Err(PaperError::NoSeeds);
+        return refused("0 seeds, expected at least one");
     }
     let outcomes = plan::run(request, progress)?;
     let speed_m_s = Scenario::builtin("paper-drop")?.speed.profile_m_s()?.value(0.0);
@@ -148,10 +144,10 @@ impl Study {
     }
 
     /// The page, each figure as SVG, the data of each figure and table as CSV and JSON. Errors: JSON that cannot be written.
-    pub fn files(&self) -> Result<Vec<File>, PaperError> {
+    pub fn files(&self) -> Result<Vec<File>, StudyError> {
         let file = |name: String, content: String| File { name, content };
         let mut files = vec![file("index.html".to_owned(), page::page(&self.sections, &self.request))];
-        let mut write = |data: &Data| -> Result<(), PaperError> {
+        let mut write = |data: &Data| -> Result<(), StudyError> {
             files.push(file(format!("{}.csv", data.name), data.csv()));
             files.push(file(format!("{}.json", data.name), data.json()?));
             Ok(())

@@ -2,15 +2,11 @@
 //!
 //! Called once by [`super::reproduce`].
 
-use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-
-use rayon::prelude::*;
-
 use super::case::Case;
-use super::drive::{Drive, Keep, drive};
+use super::drive::{Keep, drive};
 use super::outcome::Outcome;
-use super::{PaperError, Progress, Request, published::TABLE_3, published::TABLE_4, published::TABLE_5};
+use super::{Progress, Request, published::TABLE_3, published::TABLE_4, published::TABLE_5};
+use crate::runner::{Runner, StudyError};
 
 /// Reset drives in s: with `bench-drop` the loss comes at 38 s, with the other two at 5 s.
 pub(super) const RESET_LONG_S: f64 = 20.0;
@@ -34,7 +30,7 @@ pub(super) struct Outcomes {
     pub(super) bench_noise: [Outcome; 3],
 }
 
-pub(super) fn run(request: &Request, progress: Progress<'_>) -> Result<Outcomes, PaperError> {
+pub(super) fn run(request: &Request, progress: Progress<'_>) -> Result<Outcomes, StudyError> {
     let simulated = |name: &str| Case::simulation(name, request);
     let bench = |name: &str, reset_s: f64| Case::bench(name, reset_s, request);
     let mut cases = vec![
@@ -55,7 +51,7 @@ pub(super) fn run(request: &Request, progress: Progress<'_>) -> Result<Outcomes,
         cases.push(bench("bench-drop", RESET_LONG_S)?.with_wheel_noise_variance(row.setting)?);
     }
     let mut outcomes = drive_all(&cases, request, progress)?.into_iter();
-    let mut next = || outcomes.next().ok_or(PaperError::NoSeeds);
+    let mut next = || outcomes.next().ok_or_else(|| StudyError::Refused("0 seeds".to_owned()));
     let (drop, deep, recover) = (next()?, next()?, next()?);
     let (bench_drop, bench_recover, bench_slow) = (next()?, next()?, next()?);
     let mass = [next()?, next()?, next()?];
@@ -65,25 +61,11 @@ pub(super) fn run(request: &Request, progress: Progress<'_>) -> Result<Outcomes,
     Ok(Outcomes { drop, deep, recover, mass, bench_drop, bench_recover, bench_slow, bench_mass, bench_noise })
 }
 
-fn drive_all(cases: &[Case], request: &Request, progress: Progress<'_>) -> Result<Vec<Outcome>, PaperError> {
-    let turns: Vec<(&Case, usize)> =
-        cases.iter().flat_map(|case| (0..request.seeds).map(move |turn| (case, turn))).collect();
-    let (total, done, stopped) = (turns.len() as u64, AtomicU64::new(0), AtomicBool::new(false));
-    let once = |(case, turn): (&Case, usize)| {
-        if stopped.load(Ordering::Relaxed) {
-            return Err(PaperError::Stopped);
-        }
-        let keep = if turn == 0 { Keep::Histories } else { Keep::Errors };
-        let result = drive(case, request.first_seed.wrapping_add(turn as u64), keep)?;
-        if progress(done.fetch_add(1, Ordering::Relaxed) + 1, total).is_break() {
-            stopped.store(true, Ordering::Relaxed);
-            return Err(PaperError::Stopped);
-        }
-        Ok(result)
-    };
-    let mut drives = turns.into_par_iter().map(once).collect::<Result<Vec<Drive>, _>>()?.into_iter();
-    Ok(cases.iter().map(|case| Outcome::of(case, drives.by_ref().take(request.seeds).collect())).collect())
+fn drive_all(cases: &[Case], request: &Request, progress: Progress<'_>) -> Result<Vec<Outcome>, StudyError> {
+    let cases: Vec<(&Case, usize)> = cases.iter().map(|case| (case, request.seeds)).collect();
+    let runner = Runner::new(request.first_seed, (cases.len() * request.seeds) as u64, progress);
+    let drives = runner.run(&cases, |case, turn| {
+        drive(case, turn.seed, if turn.index == 0 { Keep::Histories } else { Keep::Errors })
+    })?;
+    Ok(cases.iter().zip(drives).map(|((case, _), drives)| Outcome::of(case, drives)).collect())
 }
-
-/// Called after every drive with how many of how many are done; [`ControlFlow::Break`] ends the study.
-pub(super) type Callback<'a> = &'a (dyn Fn(u64, u64) -> ControlFlow<()> + Sync);

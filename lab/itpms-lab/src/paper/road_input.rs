@@ -10,7 +10,8 @@ use super::data::Data;
 use super::outcome::Outcome;
 use super::published::SLOPE;
 use super::section::{Section, number};
-use super::{CORNER, PaperError, Request};
+use super::{CORNER, Request};
+use crate::runner::StudyError;
 use crate::score::stats::Spread;
 use itpms_analysis::plot::{Axis, Figure, Ink, Panel, Stroke};
 use itpms_analysis::spectrum::{Psd, RoadFit, Welch, fit_power_law};
@@ -28,7 +29,7 @@ struct Spectrum {
     fit: RoadFit,
 }
 
-fn spectrum(road_m: &[f64], spacing_m: f64) -> Result<Option<Spectrum>, PaperError> {
+fn spectrum(road_m: &[f64], spacing_m: f64) -> Result<Option<Spectrum>, StudyError> {
     let half = (0.5 * SEGMENT_M / spacing_m) as usize;
     let mut welch = Welch::new(2 * half, spacing_m)?;
     road_m.iter().for_each(|&height| welch.push(height));
@@ -37,7 +38,7 @@ fn spectrum(road_m: &[f64], spacing_m: f64) -> Result<Option<Spectrum>, PaperErr
     Ok(Some(Spectrum { psd, fit }))
 }
 
-fn slopes(request: &Request) -> Result<Vec<f64>, PaperError> {
+fn slopes(request: &Request) -> Result<Vec<f64>, StudyError> {
     let case = Case::simulation("paper-drop", request)?;
     let one = |turn: usize| {
         let seed = request.first_seed.wrapping_add(turn as u64);
@@ -58,7 +59,7 @@ pub(super) fn section(
     request: &Request,
     drop: &Outcome,
     speed_m_s: f64,
-) -> Result<(Section, Spread), PaperError> {
+) -> Result<(Section, Spread), StudyError> {
     let spacing_m = speed_m_s / drop.rate_hz;
     let slopes = Spread::of(slopes(request)?);
     let found = spectrum(&drop.truth.road_m, spacing_m)?;

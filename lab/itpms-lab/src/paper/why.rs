@@ -5,20 +5,16 @@
 use std::ops::ControlFlow;
 
 use super::data::Data;
-use super::error::PaperError;
 use super::section::{Section, Table, number};
-use crate::observability::{Car, Observability, Situation, Sources, StudyError, Subject, Varied, study};
+use crate::observability::{Car, Observability, Situation, Sources, Subject, Varied, study};
+use crate::runner::StudyError;
 
 /// When the bounds are printed, in s.
 const TOLD_S: [f64; 3] = [2.0, 8.0, 40.0];
 
 /// The section; needs no drive. Errors: none for the paper's car.
-pub(super) fn section() -> Result<Section, PaperError> {
-    let found = study(&Subject::paper(), &|_| ControlFlow::Continue(())).map_err(|error| match error {
-        StudyError::Parameter(error) => PaperError::Parameter(error),
-        StudyError::Bound(error) => PaperError::Bound(error),
-        StudyError::Stopped => PaperError::Stopped,
-    })?;
+pub(super) fn section() -> Result<Section, StudyError> {
+    let found = study(&Subject::paper(), &|_| ControlFlow::Continue(()))?;
     let mut figures = found.figures().into_iter();
     let mut section = Section::new("why", "Why: what two accelerations can tell, and what they cannot")
         .text(found.proof_words())

@@ -8,11 +8,11 @@
 
 use itpms_paper::EstimatorKind;
 
-use super::ScoreError;
 use super::case::{Case, START_SD_KPA};
 use super::row::{Cell, Column, Goal, Row};
-use super::runner::{Runner, Turn};
 use super::stats::Mean;
+use crate::runner::StudyError;
+use crate::runner::{Runner, Turn};
 
 const PRESSURES_KPA: [f64; 3] = [241.3, 190.0, 140.0];
 const TIMES_S: [f64; 2] = [16.0, 39.0];
@@ -46,18 +46,18 @@ struct Constant {
 }
 
 impl Plan {
-    pub(super) fn new(kind: EstimatorKind, drives: usize) -> Result<Self, ScoreError> {
+    pub(super) fn new(kind: EstimatorKind, drives: usize) -> Result<Self, StudyError> {
         let constant = |(place, pressure_kpa): (usize, f64)| {
             let started = |start_kpa| {
                 let mut case = Case::paper("paper-drop", kind)?.with_pressure(pressure_kpa, start_kpa)?;
                 case.scenario.duration_s = TIMES_S[1];
-                Ok::<_, ScoreError>(case)
+                Ok::<_, StudyError>(case)
             };
             let starts = [started(pressure_kpa + START_SD_KPA)?, started(pressure_kpa - START_SD_KPA)?];
             Ok((Constant { pressure_kpa, seed_shift: (place as u64) << 32, starts }, drives))
         };
         Ok(Self {
-            cases: PRESSURES_KPA.into_iter().enumerate().map(constant).collect::<Result<_, ScoreError>>()?,
+            cases: PRESSURES_KPA.into_iter().enumerate().map(constant).collect::<Result<_, StudyError>>()?,
         })
     }
 
@@ -65,7 +65,7 @@ impl Plan {
         self.cases.iter().map(|(_, drives)| *drives as u64).sum()
     }
 
-    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, ScoreError> {
+    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, StudyError> {
         let errors = runner.run(&self.cases, errors_kpa)?;
         let mut rows = vec![];
         // Square error over bound of every drive, at each of the times.
@@ -107,7 +107,7 @@ fn together(ratios: &[Vec<f64>; 2]) -> Vec<Cell> {
 
 impl Constant {
     /// At [`TIMES_S`].
-    fn bounds_kpa(&self) -> Result<[f64; 2], ScoreError> {
+    fn bounds_kpa(&self) -> Result<[f64; 2], StudyError> {
         let bound = self.starts[0].bound()?;
         Ok(TIMES_S.map(|t| match &bound {
             Some(bound) => bound.sd_with_prior_kpa(t, self.pressure_kpa, START_SD_KPA),
@@ -117,7 +117,7 @@ impl Constant {
 }
 
 /// Of the last estimate not later than each of [`TIMES_S`].
-fn errors_kpa(constant: &Constant, turn: Turn) -> Result<[f64; 2], ScoreError> {
+fn errors_kpa(constant: &Constant, turn: Turn) -> Result<[f64; 2], StudyError> {
     let mut errors = [f64::NAN; 2];
     let seed = turn.seed.wrapping_add(constant.seed_shift);
     constant.starts[turn.index % 2].drive(seed, |row, truth, estimate| {

@@ -21,25 +21,15 @@ mod drive;
 mod own;
 mod record;
 pub mod row;
-mod runner;
 pub mod stats;
 mod table;
 mod track;
 
-use itpms_core::model::ParameterError;
 use itpms_paper::EstimatorKind;
-use itpms_road::RecorderMemoryError;
-use itpms_sim::error::ScenarioError;
 use serde::Serialize;
-use thiserror::Error;
 
-use itpms_analysis::bound::BoundError;
-use itpms_analysis::roughness::SpacingError;
-use itpms_analysis::spectrum::WelchError;
+use crate::runner::{Progress, Runner, StudyError, refused};
 use row::Row;
-use runner::Runner;
-
-pub use runner::Progress;
 
 itpms_core::labelled! {
     /// What can be asked for by itself, in the order of the table: cars with four wheels from `Drive` on, from `Ablation` on not in the usual one.
@@ -192,58 +182,22 @@ fn labels<S: serde::Serializer>(kinds: &[EstimatorKind], serializer: S) -> Resul
     serializer.collect_seq(kinds.iter().map(|kind| kind.label()))
 }
 
-#[derive(Debug, Error)]
-pub enum ScoreError {
-    #[error("0 seeds or no estimator, expected at least one of each")]
-    Nothing,
-    #[error("{part} is scored for one estimator at a time; several are compared in {}", paper_labels())]
-    OneEstimator { part: &'static str },
-    #[error("{part} is scored for {} alone: the paper's filters know one wheel", EstimatorKind::default().label())]
-    DefaultEstimator { part: &'static str },
-    #[error(
-        "no four-wheel row that was asked for has a name with `{only}` in it, such as `car, 80 km/h, reset`"
-    )]
-    NoRow { only: String },
-    #[error("stopped")]
-    Stopped,
-    #[error("no threads to compute with: {0}")]
-    Threads(#[from] rayon::ThreadPoolBuildError),
-    #[error(transparent)]
-    Scenario(#[from] ScenarioError),
-    #[error(transparent)]
-    Parameter(#[from] ParameterError),
-    #[error(transparent)]
-    File(#[from] itpms_data::vehicle::typical::TypicalCarError),
-    #[error(transparent)]
-    Learn(#[from] itpms_analysis::learn::LearnError),
-    #[error(transparent)]
-    Calibration(#[from] itpms_core::model::CalibrationError),
-    #[error(transparent)]
-    Bound(#[from] BoundError),
-    #[error(transparent)]
-    Memory(#[from] RecorderMemoryError),
-    #[error(transparent)]
-    Welch(#[from] WelchError),
-    #[error(transparent)]
-    Spacing(#[from] SpacingError),
-}
-
-fn paper_labels() -> String {
-    Part::PAPER.map(Part::label).join(", ")
-}
-
 /// Computes a score on all processors.
-pub fn score(request: &Request, progress: Progress<'_>) -> Result<Score, ScoreError> {
+pub fn score(request: &Request, progress: Progress<'_>) -> Result<Score, StudyError> {
     let (Some(&kind), true) = (request.estimators.first(), request.seeds > 0) else {
-        return Err(ScoreError::Nothing);
+        return refused("0 seeds or no estimator, expected at least one of each");
     };
     let several = request.estimators.len() > 1;
     if let Some(part) = request.part.filter(|part| several && !Part::PAPER.contains(part)) {
-        return Err(ScoreError::OneEstimator { part: part.label() });
+        let (part, papers) = (part.label(), Part::PAPER.map(Part::label).join(", "));
+        return refused(format!(
+            "{part} is scored for one estimator at a time; several are compared in {papers}"
+        ));
     }
     let is_default = kind == EstimatorKind::default();
     if let Some(part) = request.part.filter(|part| !is_default && part.is_of_cars()) {
-        return Err(ScoreError::DefaultEstimator { part: part.label() });
+        let (part, default) = (part.label(), EstimatorKind::default().label());
+        return refused(format!("{part} is scored for {default} alone: the paper's filters know one wheel"));
     }
     let wanted = |part: Part| match request.part {
         Some(only) => part == only,
@@ -261,7 +215,9 @@ pub fn score(request: &Request, progress: Progress<'_>) -> Result<Score, ScoreEr
         false => own::Plan::default(),
     };
     if let Some(only) = request.only.as_ref().filter(|_| cars.drives() + own.drives() == 0) {
-        return Err(ScoreError::NoRow { only: only.clone() });
+        return refused(format!(
+            "no four-wheel row that was asked for has a name with `{only}` in it, such as `car, 80 km/h, reset`"
+        ));
     }
 
     let total = tracks.drives() + constant.drives() + record.drives() + cars.drives() + own.drives();
@@ -293,9 +249,9 @@ mod tests {
     fn requests_that_make_no_sense_are_refused() {
         let go = |_, _| ControlFlow::Continue(());
         let nothing = Request { seeds: 0, ..Request::default() };
-        assert!(matches!(score(&nothing, &go), Err(ScoreError::Nothing)));
+        assert!(score(&nothing, &go).unwrap_err().to_string().starts_with("0 seeds"));
         let unknown = Request { part: Some(Part::Drive), only: Some("zzz".to_owned()), ..Request::default() };
-        assert!(matches!(score(&unknown, &go), Err(ScoreError::NoRow { .. })));
+        assert!(score(&unknown, &go).unwrap_err().to_string().starts_with("no four-wheel row"));
         let several = Request {
             estimators: EstimatorKind::ALL.to_vec(),
             part: Some(Part::Road),

@@ -9,11 +9,11 @@ use itpms_road::{RoadConfig, RoadRecorder, RoadRow, Segment, window_for};
 use itpms_sim::road::RoadClass;
 use itpms_sim::time_profile::Speed;
 
-use super::ScoreError;
 use super::case::Case;
 use super::row::{Column, Goal, Row};
-use super::runner::{Runner, Turn};
 use super::stats::Spread;
+use crate::runner::StudyError;
+use crate::runner::{Runner, Turn};
 use itpms_analysis::roughness::{Enveloping, iri_m_per_km};
 use itpms_analysis::spectrum::Welch;
 
@@ -44,7 +44,7 @@ pub(super) struct Plan {
 }
 
 impl Plan {
-    pub(super) fn new(kind: EstimatorKind, drives: usize) -> Result<Self, ScoreError> {
+    pub(super) fn new(kind: EstimatorKind, drives: usize) -> Result<Self, StudyError> {
         let case = |km_h: f64| {
             let mut case = Case::paper("paper-drop", kind)?.with_road(RoadClass::B, 2.14);
             if let Some(corner) = &mut case.scenario.corner.fl {
@@ -54,14 +54,14 @@ impl Plan {
             case.scenario.speed = Speed::ConstantKmH(km_h);
             Ok((case.named(format!("{km_h} km/h")), drives))
         };
-        Ok(Self { cases: SPEEDS_KM_H.into_iter().map(case).collect::<Result<_, ScoreError>>()? })
+        Ok(Self { cases: SPEEDS_KM_H.into_iter().map(case).collect::<Result<_, StudyError>>()? })
     }
 
     pub(super) fn drives(&self) -> u64 {
         self.cases.iter().map(|(_, drives)| *drives as u64).sum()
     }
 
-    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, ScoreError> {
+    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, StudyError> {
         const ERROR: Column = Column::new("error_median_percent", "error %", 2);
         const ERROR_P90: Column = Column::new("error_p90_percent", "p90", 2);
         const IRI: Column = Column::new("iri_error_abs_median_percent", "|IRI error| %", 2);
@@ -82,7 +82,7 @@ impl Plan {
     }
 }
 
-fn fidelity(case: &Case, turn: Turn) -> Result<Fidelity, ScoreError> {
+fn fidelity(case: &Case, turn: Turn) -> Result<Fidelity, StudyError> {
     let (record, truth) = record(case, turn)?;
     let rate = case.scenario.rate_hz;
     let margin = (MARGIN_S * rate) as usize;
@@ -95,7 +95,7 @@ fn fidelity(case: &Case, turn: Turn) -> Result<Fidelity, ScoreError> {
 }
 
 /// Recorded and true heights in m, one each per sample of the log.
-fn record(case: &Case, turn: Turn) -> Result<(Vec<f64>, Vec<f64>), ScoreError> {
+fn record(case: &Case, turn: Turn) -> Result<(Vec<f64>, Vec<f64>), StudyError> {
     let corner = case.corner()?;
     let noise = case.scenario.sensor.noise_m_s2;
     let config = RoadConfig::new(corner.quarter_car, corner.initial_stiffness_n_per_m(), noise)?;
@@ -122,18 +122,18 @@ fn record(case: &Case, turn: Turn) -> Result<(Vec<f64>, Vec<f64>), ScoreError> {
 }
 
 /// Two profiles in m, both `spacing_m` apart.
-fn compare(record: &[f64], truth: &[f64], spacing_m: f64) -> Result<Fidelity, ScoreError> {
+fn compare(record: &[f64], truth: &[f64], spacing_m: f64) -> Result<Fidelity, StudyError> {
     let difference = record.iter().zip(truth).map(|(r, t)| r - t);
     let error = band_rms(difference, spacing_m)? / band_rms(truth.iter().copied(), spacing_m)?;
     let iri = |profile: &[f64]| {
         let iri = iri_m_per_km(profile, spacing_m, Enveloping::MovingAverage)?;
-        Ok::<f64, ScoreError>(iri.unwrap_or(f64::NAN))
+        Ok::<f64, StudyError>(iri.unwrap_or(f64::NAN))
     };
     Ok(Fidelity { error: 100.0 * error, iri: 100.0 * (iri(record)? / iri(truth)? - 1.0) })
 }
 
 /// Rms in m of what lies within the band.
-fn band_rms(heights_m: impl Iterator<Item = f64>, spacing_m: f64) -> Result<f64, ScoreError> {
+fn band_rms(heights_m: impl Iterator<Item = f64>, spacing_m: f64) -> Result<f64, StudyError> {
     let half = (0.5 * SEGMENT_M / spacing_m) as usize;
     let mut welch = Welch::new(2 * half, spacing_m)?;
     heights_m.for_each(|height| welch.push(height));

@@ -71,10 +71,8 @@ impl ErrorSum {
 /// Median and the 10th and 90th percentile of a figure over drives.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Spread {
-    /// 10th percentile.
     pub p10: f64,
     pub median: f64,
-    /// 90th percentile.
     pub p90: f64,
 }
 

@@ -5,11 +5,12 @@
 use itpms_paper::EstimatorKind;
 use itpms_sim::road::RoadClass;
 
+use super::Part;
 use super::case::Case;
 use super::row::{Cell, Column, Goal, Row};
-use super::runner::{Runner, Turn};
 use super::stats::{ErrorSum, Mean, Spread};
-use super::{Part, ScoreError};
+use crate::runner::StudyError;
+use crate::runner::{Runner, Turn};
 
 /// Share of time within the 95 % interval.
 const COVERAGE: Goal = Goal::Between(0.93, 0.98);
@@ -46,7 +47,7 @@ struct Track {
     change: ErrorSum,
 }
 
-fn track(case: &Case, turn: Turn) -> Result<Track, ScoreError> {
+fn track(case: &Case, turn: Turn) -> Result<Track, StudyError> {
     let mut track = Track::default();
     case.drive(turn.seed, |row, truth, estimate| {
         let (error, sd) = (estimate.pressure_kpa - truth.pressure_kpa, estimate.pressure_sd_kpa);
@@ -78,7 +79,7 @@ struct Summary {
 }
 
 impl Summary {
-    fn of(case: &Case, tracks: &[Track]) -> Result<Self, ScoreError> {
+    fn of(case: &Case, tracks: &[Track]) -> Result<Self, StudyError> {
         let mean = |figure: &dyn Fn(&Track) -> f64| Mean::of(&tracks.iter().map(figure).collect::<Vec<_>>());
         Ok(Self {
             name: case.name.clone(),
@@ -132,7 +133,7 @@ impl Plan {
         wanted: impl Fn(Part) -> bool,
         kinds: &[EstimatorKind],
         drives: usize,
-    ) -> Result<Self, ScoreError> {
+    ) -> Result<Self, StudyError> {
         let coverage = wanted(Part::Coverage);
         let mut plan =
             Self { paper: vec![], mass: vec![], grid: vec![], bench: vec![], coverage, cases: vec![] };
@@ -188,7 +189,7 @@ impl Plan {
         self.cases.iter().map(|(_, drives)| *drives as u64).sum()
     }
 
-    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, ScoreError> {
+    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, StudyError> {
         let tracks = runner.run(&self.cases, track)?;
         let all = self.cases.iter().zip(&tracks).map(|((case, _), tracks)| Summary::of(case, tracks));
         let all = all.collect::<Result<Vec<_>, _>>()?;
@@ -203,7 +204,7 @@ impl Plan {
     }
 }
 
-fn grid(kind: EstimatorKind) -> Result<Vec<Case>, ScoreError> {
+fn grid(kind: EstimatorKind) -> Result<Vec<Case>, StudyError> {
     let mut cases = vec![];
     for slope in SLOPES {
         for class in CLASSES {

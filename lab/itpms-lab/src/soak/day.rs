@@ -17,10 +17,11 @@ use itpms_sim::time_profile::Pressure;
 use itpms_sim::wheel_speeds::{Condition, Day, YawFault};
 use serde::{Deserialize, Serialize};
 
+use super::Plan;
 use super::hour::{ASK_ROWS, DayHour, Hour, LossHour, Said, WheelHour, YawHour, scenario};
 use super::rolling::Watch;
-use super::{Plan, SoakError};
-use crate::sensors::{wheel_speed_config, wheel_speed_sample};
+use crate::runner::StudyError;
+use crate::sensors::wheel_speed_config;
 
 /// Length in s of the calibration's drive, all of which counts unless a plan says otherwise, and how many are driven until one taught something.
 const CALIBRATE_S: f64 = 900.0;
@@ -67,7 +68,7 @@ pub(super) fn drive(
     days: &Days,
     seed: u64,
     flow: &dyn Fn() -> ControlFlow<()>,
-) -> Result<Hour, SoakError> {
+) -> Result<Hour, StudyError> {
     let begun = Instant::now();
     let mut kept =
         Kept { losing: Wheels::NONE, from_s: 0.0, said: vec![], found_s: None, exact: false, wrong: false };
@@ -96,7 +97,7 @@ pub(super) fn drive(
     }
     let day = Day { car_seed: seed, seed, condition: days.condition, calibrates: false };
     let mut later = composed(plan, days, &day)?;
-    let Some(spec) = later.wheel_speeds else { return Err(SoakError::Stopped) };
+    let Some(spec) = later.wheel_speeds else { return Err(StudyError::Stopped) };
     let loss = days.loses.map(|share| (share, losing(seed)));
     if let Some((share, (_, wheels, parked))) = loss {
         kept.from_s = if parked { 0.0 } else { LOSES_AT_S };
@@ -148,7 +149,7 @@ pub(super) fn drive(
     })
 }
 
-fn monitor(scenario: &Scenario) -> Result<Box<MonitoredWheels<f64>>, SoakError> {
+fn monitor(scenario: &Scenario) -> Result<Box<MonitoredWheels<f64>>, StudyError> {
     let mut wheels = Box::new(MonitoredWheels::unconfigured());
     if let Some(config) = wheel_speed_config(scenario, LoadUncertainty::unknown()) {
         wheels.configure(&config)?;
@@ -157,7 +158,7 @@ fn monitor(scenario: &Scenario) -> Result<Box<MonitoredWheels<f64>>, SoakError> 
 }
 
 /// The drive of a day, with every point written out.
-fn composed(plan: &Plan, days: &Days, day: &Day) -> Result<Scenario, SoakError> {
+fn composed(plan: &Plan, days: &Days, day: &Day) -> Result<Scenario, StudyError> {
     let mut scenario = scenario(plan)?;
     let Some(mut journey) = scenario.journey.take() else { return Ok(scenario) };
     // Bodies and tires are the car's, not the day's.
@@ -186,7 +187,7 @@ fn lose(
     share: f64,
     from_s: f64,
     takes_s: f64,
-) -> Result<(), SoakError> {
+) -> Result<(), StudyError> {
     let steps = (scenario.duration_s / STEP_S).ceil() as u32;
     for corner in wheels.iter() {
         let Some(spec) = scenario.corner.get_mut(corner) else { continue };
@@ -222,17 +223,17 @@ impl Kept {
         watch: &mut Watch,
         begins_s: f64,
         flow: &dyn Fn() -> ControlFlow<()>,
-    ) -> Result<(u64, f64), SoakError> {
+    ) -> Result<(u64, f64), StudyError> {
         let (mut rows, mut km) = (0, 0.0);
         let mut before: Option<Alert<f64>> = None;
         for row in Simulation::new(scenario, seed)? {
             if rows % ASK_ROWS == 0 && flow().is_break() {
-                return Err(SoakError::Stopped);
+                return Err(StudyError::Stopped);
             }
             rows += 1;
             km = 1e-3 * row.distance_m;
-            let Some((sample, truth)) = wheel_speed_sample(&row) else { continue };
-            wheels.update(&sample);
+            let Some(truth) = &row.wheel_speeds else { continue };
+            wheels.update(&truth.sample(row.time_s));
             let now = wheels.alert();
             if let Some(alert) = now.filter(|alert| !before.is_some_and(|before| is_same(&before, alert))) {
                 self.judge(begins_s + row.time_s, &alert);

@@ -13,7 +13,8 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 
-use super::{Car, Plan, SoakError};
+use super::{Car, Plan};
+use crate::runner::StudyError;
 
 /// The monitor's report where nothing can be known; no false warning.
 pub(super) const NO_INFORMATION: &str = "no-information";
@@ -141,7 +142,7 @@ impl Hour {
     }
 }
 
-pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) -> Result<Hour, SoakError> {
+pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) -> Result<Hour, StudyError> {
     let begun = Instant::now();
     let scenario = scenario(plan)?;
     let mut car = monitored(&scenario)?;
@@ -161,7 +162,7 @@ pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) 
     let (mut rows, mut km) = (0, 0.0);
     for row in Simulation::new(&driven(&scenario, plan.car, seed)?, seed)? {
         if rows % ASK_ROWS == 0 && flow().is_break() {
-            return Err(SoakError::Stopped);
+            return Err(StudyError::Stopped);
         }
         rows += 1;
         let mut sample = row.car_sample();
@@ -189,7 +190,7 @@ pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) 
 }
 
 /// The drive, before its seed composes it.
-pub(super) fn scenario(plan: &Plan) -> Result<Scenario, SoakError> {
+pub(super) fn scenario(plan: &Plan) -> Result<Scenario, StudyError> {
     let mut scenario = Scenario::builtin("drive-normal")?;
     scenario.rate_hz = plan.rate_hz;
     scenario.duration_s = plan.drive_s;
@@ -201,7 +202,7 @@ pub(super) fn scenario(plan: &Plan) -> Result<Scenario, SoakError> {
 }
 
 /// The same as its seed composes it, on the wheels of this car.
-fn driven(scenario: &Scenario, car: Car, seed: u64) -> Result<Scenario, SoakError> {
+fn driven(scenario: &Scenario, car: Car, seed: u64) -> Result<Scenario, StudyError> {
     let mut driven = scenario.composed(seed)?;
     if car == Car::Quarters {
         driven.car = None;
@@ -216,7 +217,7 @@ fn driven(scenario: &Scenario, car: Car, seed: u64) -> Result<Scenario, SoakErro
 }
 
 /// The estimator and the monitor as they are shipped, given what the vehicle file says; the roads' heights are not read.
-fn monitored(scenario: &Scenario) -> Result<Box<MonitoredCar<f64>>, SoakError> {
+fn monitored(scenario: &Scenario) -> Result<Box<MonitoredCar<f64>>, StudyError> {
     let mut config = CarConfig { corners: [None; 4], wheelbase_m: Some(scenario.wheelbase_m) };
     for (corner, _) in scenario.corner.iter() {
         config.corners[corner.index()] = Some(scenario.corner_config(corner)?);
@@ -226,7 +227,7 @@ fn monitored(scenario: &Scenario) -> Result<Box<MonitoredCar<f64>>, SoakError> {
 }
 
 /// Pressures in kPa below which a wheel is warned of.
-fn limits(scenario: &Scenario) -> Result<[f64; 4], SoakError> {
+fn limits(scenario: &Scenario) -> Result<[f64; 4], StudyError> {
     let share = Limits::<f64>::from(itpms_core::warning::Regulation::default()).low_share;
     let mut limits = [f64::NAN; 4];
     for (corner, _) in scenario.corner.iter() {

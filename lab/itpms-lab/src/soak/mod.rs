@@ -23,19 +23,13 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread;
 
-use itpms_core::model::ParameterError;
-use itpms_sim::error::ScenarioError;
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
+use crate::runner::{STACK_BYTES, StudyError, refused};
 use crate::sensors::Sensors;
 pub use day::Days;
 pub use hour::{Hour, RadiusHour, Said, WheelHour};
 pub use summary::Summary;
-
-/// Stack of a thread in bytes: the estimator of a whole car is a value of some hundred kilobytes, and is handed about by
-/// value while it is set up.
-const STACK_BYTES: usize = 32 << 20;
 
 itpms_core::labelled! {
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -82,18 +76,6 @@ impl Default for Plan {
     }
 }
 
-#[derive(Debug, Error)]
-pub enum SoakError {
-    #[error("stopped")]
-    Stopped,
-    #[error("no threads to compute with: {0}")]
-    Threads(#[from] std::io::Error),
-    #[error(transparent)]
-    Scenario(#[from] ScenarioError),
-    #[error(transparent)]
-    Parameter(#[from] ParameterError),
-}
-
 /// Drives these seeds, `jobs` at a time. Each drive is handed to `done` when it is complete, in whatever order;
 /// `flow` is asked every few seconds of driving, and by both [`ControlFlow::Break`] ends the whole.
 pub fn soak(
@@ -102,13 +84,13 @@ pub fn soak(
     jobs: usize,
     done: &mut (dyn FnMut(Hour) -> ControlFlow<()> + Send),
     flow: &(dyn Fn() -> ControlFlow<()> + Sync),
-) -> Result<(), SoakError> {
+) -> Result<(), StudyError> {
     let (next, stopped) = (AtomicUsize::new(0), AtomicBool::new(false));
     let done = Mutex::new(done);
     let stop = || {
         if stopped.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { flow() }
     };
-    let work = || -> Result<(), SoakError> {
+    let work = || -> Result<(), StudyError> {
         while let Some(&seed) = seeds.get(next.fetch_add(1, Ordering::Relaxed)) {
             let hour = match &plan.days {
                 Some(days) => day::drive(plan, days, seed, &stop),
@@ -123,16 +105,17 @@ pub fn soak(
             let mut done = done.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
             if done(hour).is_break() {
                 stopped.store(true, Ordering::Relaxed);
-                return Err(SoakError::Stopped);
+                return Err(StudyError::Stopped);
             }
         }
         Ok(())
     };
-    let results: Vec<Result<(), SoakError>> = thread::scope(|scope| {
+    let results: Vec<Result<(), StudyError>> = thread::scope(|scope| {
         let spawn = || thread::Builder::new().stack_size(STACK_BYTES).spawn_scoped(scope, work);
         let handles: Vec<_> = (0..jobs.clamp(1, seeds.len().max(1))).map(|_| spawn()).collect();
-        let join = |handle: std::io::Result<thread::ScopedJoinHandle<'_, Result<(), SoakError>>>| {
-            handle?.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+        let join = |handle: std::io::Result<thread::ScopedJoinHandle<'_, Result<(), StudyError>>>| {
+            let handle = handle.or_else(|error| refused(format!("threads cannot be started: {error}")))?;
+            handle.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
         };
         handles.into_iter().map(join).collect()
     });
@@ -141,7 +124,9 @@ pub fn soak(
     for result in results {
         match (&outcome, &result) {
             (Ok(()), Err(_)) => outcome = result,
-            (Err(SoakError::Stopped), Err(error)) if !matches!(error, SoakError::Stopped) => outcome = result,
+            (Err(StudyError::Stopped), Err(error)) if !matches!(error, StudyError::Stopped) => {
+                outcome = result
+            }
             _ => {}
         }
     }
@@ -219,7 +204,7 @@ mod tests {
         assert!(with < 0.7 * without, "{without} {with}");
         let nothing = Plan { calibrate_s: Some(0.0), ..short() };
         let refused = soak(&nothing, &[1], 1, &mut |_| go(), &go);
-        assert!(matches!(refused, Err(SoakError::Parameter(error)) if error.name == "calibrate_s"));
+        assert!(matches!(refused, Err(StudyError::Refused(why)) if why.contains("calibrate_s")));
     }
 
     #[test]
@@ -230,11 +215,12 @@ mod tests {
             ControlFlow::Break(())
         };
         let stopped = soak(&short(), &[1, 2, 3, 4, 5, 6], 2, &mut done, &go);
-        assert!(matches!(stopped, Err(SoakError::Stopped)));
+        assert!(matches!(stopped, Err(StudyError::Stopped)));
         assert!(count <= 2);
         let never = soak(&short(), &[1], 1, &mut |_| go(), &|| ControlFlow::Break(()));
-        assert!(matches!(never, Err(SoakError::Stopped)));
+        assert!(matches!(never, Err(StudyError::Stopped)));
         let slow = Plan { rate_hz: 1.0, ..short() };
-        assert!(matches!(soak(&slow, &[1, 2], 2, &mut |_| go(), &go), Err(SoakError::Scenario(_))));
+        let refused = soak(&slow, &[1, 2], 2, &mut |_| go(), &go).unwrap_err().to_string();
+        assert!(refused.contains("rate_hz"), "{refused}");
     }
 }

@@ -4,7 +4,8 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use itpms_core::monitor::MonitoredWheels;
+use itpms_core::model::CarConfig;
+use itpms_core::monitor::MonitorConfig;
 use itpms_core::warning::MonitorReport;
 use itpms_core::wheel_speed::{LoadUncertainty, RadiusReport, RadiusState, WheelRadius};
 use itpms_sim::scenario::Scenario;
@@ -12,48 +13,50 @@ use itpms_sim::simulation::Simulation;
 use itpms_sim::wheel_speeds::{DrivenWheels, WheelSpeedSpec};
 
 use super::hour::{ASK_ROWS, HALF_95, Hour, RadiusHour, WheelHour, note, scenario};
-use super::{Car, Plan, SoakError};
-use crate::sensors::{Pulses, Sensors, wheel_speed_config, wheel_speed_sample};
+use super::{Car, Plan};
+use crate::runner::StudyError;
+use crate::sensors::{PulsedCar, Pulses, Sensors, wheel_speed_config};
 
 /// Length in s of the calibration at the beginning of a drive that does not say otherwise.
 const CALIBRATE_S: f64 = 600.0;
 /// By how many K its tires warm up at 90 km/h.
 const WARMS_BY_K: f64 = 20.0;
 
-pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) -> Result<Hour, SoakError> {
+pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) -> Result<Hour, StudyError> {
     let begun = Instant::now();
     let scenario = rolling(plan, seed)?;
-    let mut wheels = Box::new(MonitoredWheels::unconfigured());
-    if let Some(config) = wheel_speed_config(&scenario, LoadUncertainty::unknown()) {
-        wheels.configure(&config)?;
-    }
-    let calibrate_s = plan.calibrate_s.unwrap_or(CALIBRATE_S);
-    wheels.begin_calibration(calibrate_s)?;
+    let config = CarConfig { corners: [None; 4], wheelbase_m: None };
+    let wheel_speeds = wheel_speed_config(&scenario, LoadUncertainty::unknown());
+    let mut car = Box::new(PulsedCar::unconfigured_with(None));
+    car.configure(&MonitorConfig { wheel_speeds, ..MonitorConfig::new(&config) }, scenario.rate_hz)?;
     let mut pulses = match plan.sensors {
-        Sensors::Pulses => Some(Pulses::new(&scenario)?),
+        Sensors::Pulses => Some(Pulses::read_by(&mut car, &scenario)?),
         Sensors::Accelerations | Sensors::WheelSpeeds => None,
     };
     if let Some(pulses) = &mut pulses {
         pulses.roll(&scenario, seed, seed)?;
-        pulses.torsion.begin_calibration();
     }
+    let calibrate_s = plan.calibrate_s.unwrap_or(CALIBRATE_S);
+    car.begin_calibration(calibrate_s)?;
     let mut watch = Watch::new(calibrate_s);
     let mut said = vec![];
-    let (mut before, mut report) = (MonitorReport::empty(), MonitorReport::empty());
+    let mut before = MonitorReport::empty();
     let (mut rows, mut km) = (0, 0.0);
     for row in Simulation::new(&scenario, seed)? {
         if rows % ASK_ROWS == 0 && flow().is_break() {
-            return Err(SoakError::Stopped);
+            return Err(StudyError::Stopped);
         }
         rows += 1;
         km = 1e-3 * row.distance_m;
-        let Some((sample, truth)) = wheel_speed_sample(&row) else { continue };
-        let passed = pulses.as_mut().map(|pulses| pulses.until(row.time_s, 0.0));
-        wheels.update_with_pulses(&sample, passed);
-        wheels.write_report_into(&mut report);
-        note(row.time_s, &before, &report, &mut said);
-        before = report;
-        watch.push(row.time_s, 1.0 / scenario.rate_hz, wheels.radii(), &truth.ln_radius);
+        if let Some(pulses) = &mut pulses {
+            pulses.until(row.time_s, 0.0, &mut car);
+        }
+        car.update(&row.car_sample());
+        note(row.time_s, &before, car.report(), &mut said);
+        before = *car.report();
+        if let Some((wheels, truth)) = car.wheels().zip(row.wheel_speeds.as_ref()) {
+            watch.push(row.time_s, 1.0 / scenario.rate_hz, wheels.radii(), &truth.ln_radius);
+        }
     }
     Ok(Hour {
         seed,
@@ -68,7 +71,7 @@ pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) 
 }
 
 /// The drive; every seed has another car and bus: driven axle, period, steps, and signals beside the speeds.
-fn rolling(plan: &Plan, seed: u64) -> Result<Scenario, SoakError> {
+fn rolling(plan: &Plan, seed: u64) -> Result<Scenario, StudyError> {
     let mut scenario = scenario(plan)?;
     if let Some(journey) = &mut scenario.journey {
         journey.warms_by_k = WARMS_BY_K;

@@ -13,7 +13,6 @@ use super::hour::NO_INFORMATION;
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Summary {
     pub drives: usize,
-    /// Hours driven, stops included.
     pub hours: f64,
     pub km: f64,
     pub drive_wall_h: f64,

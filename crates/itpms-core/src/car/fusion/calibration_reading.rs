@@ -4,7 +4,6 @@ use crate::memory::Blank;
 use crate::model::Corner;
 use crate::real::Real;
 
-/// Running sums of each corner's pseudo-measurements.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct CalibrationReading<T> {

@@ -17,7 +17,6 @@ use crate::real::Real;
 const UNIT_S: f64 = 0.001;
 const FAST_HZ: f64 = 450.0;
 const FAST_UNIT_S: f64 = 0.001_95;
-/// A piece of a frame's work.
 #[derive(Clone, Copy)]
 enum Unit {
     /// A part of the belief's prediction to the frame.

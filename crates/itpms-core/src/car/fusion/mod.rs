@@ -137,7 +137,6 @@ impl<T: Real> Fusion<T> {
         }
     }
 
-    /// Restores the older checkpoint.
     fn restore(&mut self) {
         if let Some(time_s) = self.belief.restore() {
             self.inter_axle.pairs.iter_mut().for_each(|pair| pair.restore(time_s));
@@ -179,7 +178,6 @@ impl<T: Real> Fusion<T> {
         self.single_wheel[corner] = estimate;
     }
 
-    /// When tires may gain air.
     pub(super) fn set_inflation(&mut self, inflation: Inflation) {
         self.belief.set_inflation(inflation);
     }
@@ -205,15 +203,12 @@ impl<T: Real> Fusion<T> {
         self.belief.set_calibrating(active);
     }
 
-    /// The result of the last calibration.
     pub(super) fn calibration(&self) -> Option<VehicleCalibration<T>> {
         self.belief.calibration().copied()
     }
 
     /// Begins with what an earlier calibration taught.
-    ///
-    /// # Errors
-    /// A calibration of other corners or other placard pressures.
+    /// Errors: a calibration of other corners or other placard pressures.
     pub(super) fn load_calibration(
         &mut self,
         calibration: &VehicleCalibration<T>,

@@ -21,14 +21,13 @@ const BELIEVED: f64 = 0.5;
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::car) struct SingleWheelEstimate<T> {
-    /// Probability that its pressure is changing; no number where nobody looks for that.
+    /// Probability that its pressure is changing; NaN where it is not estimated.
     pub(in crate::car) changing: T,
     pub(in crate::car) stiffness_n_per_m: T,
     pub(in crate::car) sd_n_per_m: T,
 }
 
 impl<T: Real> SingleWheelEstimate<T> {
-    /// A corner that finds nothing.
     pub(in crate::car) fn silent() -> Self {
         Self { changing: T::zero(), stiffness_n_per_m: T::zero(), sd_n_per_m: T::zero() }
     }

@@ -23,9 +23,6 @@ const MOST_HOP: f64 = 1.0;
 /// Log of a gain that is wrong; and that is fine again.
 const WRONG: f64 = 0.14;
 const FINE: f64 = 0.11;
-/// Share of the averages' blocks from which a gain may be thought of, and the log of both gains of a side.
-const FIRST_SEEN: f64 = 0.2;
-const SIDE_WRONG: f64 = 0.2;
 /// Share of the most that a gain was off, below which it is fine again; and the most from which on that is enough, whatever its
 /// hop does: averages of so much take long to be forgotten.
 const LESS: f64 = 0.4;
@@ -115,17 +112,19 @@ impl<T: Real> WheelGainBalance<T> {
         }
     }
 
-    /// An average of few blocks is off by more: by the root of their number. `own`, `of_side`: logs of the corner's gain and of those of its side, as
-    /// far as the averages are filled.
+    /// Gains are doubted earlier than they are reported, and those of both wheels of a side, too, which differ from the others by twice as much. An
+    /// average of few blocks is off by more: by the root of their number. `own`, `of_side`: logs of the corner's gain and of those of its side, as far
+    /// as the averages are filled.
     fn note_pending(&mut self, i: Corner, time_s: f64, flat: bool, own: T, of_side: T) {
-        let seen = flat && self.filled >= T::lit(FIRST_SEEN);
-        let limit = |limit: f64| {
-            T::lit(limit) * self.filled * (T::lit(FILLED) / self.filled).sqrt().max(T::one())
-        };
+        if !(flat && self.filled >= T::lit(0.5 * FILLED)) {
+            return;
+        }
+        let few = (T::lit(FILLED) / self.filled).sqrt().max(T::one());
+        let deviation = own.max(T::lit(0.5) * of_side) / (self.filled * few);
         let since_s = &mut self.pending_since_s[i];
-        if seen && (own > limit(FINE) || of_side > limit(SIDE_WRONG)) {
+        if deviation > T::lit(FINE) {
             *since_s = if since_s.is_nan() { time_s } else { *since_s };
-        } else if seen && own < limit(0.5 * FINE) && of_side < limit(0.5 * SIDE_WRONG) && !self.words[i].debouncer.is_active() {
+        } else if deviation < T::lit(0.5 * FINE) && !self.words[i].debouncer.is_active() {
             *since_s = f64::NAN;
         }
     }
@@ -216,6 +215,26 @@ mod tests {
         assert!(named == sensor && (0.75..0.9).contains(&gain), "{named:?} {gain}");
         drive.on(40.0, [0.0; 4], [0.0; 4]);
         assert_eq!(drive.active(), None);
+    }
+
+    /// As soon as a fifth of the average is filled, or a quarter for both wheels of a side, which nothing reports.
+    #[test]
+    fn a_gain_is_doubted_long_before_it_is_reported() {
+        let (gain, side) = (1.25_f64.ln(), 0.75_f64.ln());
+        for slow in [front_right(gain), [0.0, side, 0.0, side], [side, 0.0, side, 0.0]] {
+            let mut drive = Drive::new();
+            assert_eq!(drive.on(2.0, slow, [0.0; 4]), None);
+            assert!(!drive.gains.is_pending_fault(Corner::FrontRight));
+            assert_eq!(drive.on(1.0, slow, [0.0; 4]), None);
+            assert!(drive.gains.is_pending_fault(Corner::FrontRight));
+            assert_eq!(drive.on(120.0, slow, [0.0; 4]), None);
+            // From 0.22 to less than 0.055 in 10 s times ln 4.
+            assert_eq!(drive.on(16.0, [0.0; 4], [0.0; 4]), None);
+            assert!(!drive.gains.is_pending_fault(Corner::FrontRight));
+        }
+        let mut drive = Drive::new();
+        drive.on(60.0, front_right(gain), front_right(gain));
+        assert_eq!(drive.gains.faults().next().map(|fault| fault.since_s), Some(2.5));
     }
 
     #[test]

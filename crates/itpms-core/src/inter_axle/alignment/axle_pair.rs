@@ -68,7 +68,6 @@ pub(crate) struct PairingContext<'a, T: Real> {
     pub(crate) state: &'a State<T>,
 }
 
-/// See the [module](self).
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct AxlePair<T: Real> {
@@ -329,7 +328,6 @@ impl<T: Real> AxlePair<T> {
         self.frf_correction.response_error()
     }
 
-    /// Incoherence near wheel hop.
     pub(crate) fn incoherence(&self) -> T {
         self.coherence.near_wheel_hop()
     }

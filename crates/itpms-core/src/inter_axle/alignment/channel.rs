@@ -23,15 +23,12 @@ const LEAST_RATE_HZ: f64 = 200.0;
 /// Place of the relative velocity among them.
 pub(crate) const RELATIVE: usize = 3;
 
-/// A thinned set of signals.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Entry<T> {
-    /// Time in s.
     pub(crate) time_s: f64,
     /// Where the car was; `None` while the speed is unknown.
     pub(crate) way: Option<Way>,
-    /// Speed in m/s.
     pub(crate) speed_m_s: T,
     pub(crate) signals: [T; KEPT],
     /// True if a sensor was at its limit since the last entry.
@@ -42,7 +39,6 @@ pub(crate) struct Entry<T> {
     pub(crate) after_gap: bool,
 }
 
-/// See the [module](self).
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Channel {
@@ -69,7 +65,6 @@ impl Channel {
         }
     }
 
-    /// Time between entries in s.
     pub(crate) fn period_s(&self) -> f64 {
         self.grid_period_s * f64::from(self.every)
     }
@@ -107,7 +102,6 @@ impl Channel {
     }
 }
 
-/// Grid steps per entry.
 fn every(rate_hz: f64) -> u32 {
     ((rate_hz / LEAST_RATE_HZ + 1e-9) as u32).max(1)
 }

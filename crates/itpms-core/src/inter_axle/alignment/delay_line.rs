@@ -9,7 +9,6 @@ use crate::real::Real;
 
 /// Entries kept: a second at 250 Hz.
 const LENGTH: usize = 256;
-/// Points of the interpolation.
 const POINTS: usize = 6;
 
 /// A ring of the newest entries.
@@ -26,7 +25,6 @@ pub(crate) struct DelayLine<T: Real> {
     /// Place of the newest entry, and how many there are.
     newest: usize,
     filled: usize,
-    /// Entries in a second.
     rate_hz: T,
 }
 

@@ -6,7 +6,6 @@ use nalgebra::SVector;
 use crate::memory::Blank;
 use crate::real::Real;
 
-/// Shifts tried.
 pub(crate) const SHIFTS: usize = 25;
 /// How far at first, in each direction, as a share of the delay: what a vehicle file and a speed are off. And later on: another
 /// source of the speed, or other wheels.
@@ -14,7 +13,6 @@ pub(crate) const AT_FIRST: f64 = 0.03;
 pub(crate) const LATER: f64 = 0.12;
 /// And that many seconds more.
 const SECONDS: f64 = 0.005;
-/// Seconds of driving to look at.
 const LOOK_S: f64 = 1.5;
 /// Correlation that has to be reached.
 const ENOUGH: f64 = 0.6;
@@ -64,7 +62,6 @@ impl<T: Real> DelaySearch<T> {
         }
     }
 
-    /// Begins to look from here on.
     pub(crate) fn restart(&mut self) {
         if self.used.is_some() {
             *self = Self::new(self.reach);

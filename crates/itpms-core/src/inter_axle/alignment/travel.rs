@@ -9,7 +9,6 @@ use crate::real::Real;
 /// Time in s over which the speed is averaged.
 const SPEED_S: f64 = 1.5;
 
-/// See the [module](self).
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Travel<T> {

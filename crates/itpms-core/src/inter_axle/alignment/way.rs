@@ -14,7 +14,6 @@ impl Blank for Way {
 }
 
 impl Way {
-    /// Parts of a meter.
     const PER_M: f64 = (1 << 23) as f64;
 
     /// The place so many meters further on, less than 256.

@@ -25,7 +25,6 @@ pub(crate) type FrfRatios<T> = [[Complex<T>; BOTH]; BINS];
 /// Products of the common road with the signals of both axles, averaged.
 type Products<T> = Spectra<T, BINS, BOTH>;
 
-/// Running averages of one side.
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct FrfCorrection<T: Real> {

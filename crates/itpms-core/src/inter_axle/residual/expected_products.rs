@@ -5,7 +5,6 @@ use crate::belief::measurement::{BINS, Gram, Products, pack_lower};
 use crate::memory::Blank;
 use crate::real::Real;
 
-/// See the [module](self).
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct ExpectedProducts<T: Real> {
@@ -27,12 +26,10 @@ impl<T: Real> ExpectedProducts<T> {
         (self.due, self.missing) = (0, BINS);
     }
 
-    /// How many bins are not known.
     pub(crate) fn missing(&self) -> usize {
         self.missing
     }
 
-    /// Computes the bin that is due.
     pub(crate) fn advance(&mut self, compute: impl Fn(usize) -> Gram<T>) {
         if let Some(of_bin) = self.of_bin.get_mut(self.due) {
             *of_bin = pack_lower(&compute(self.due));
@@ -41,7 +38,6 @@ impl<T: Real> ExpectedProducts<T> {
         self.due = (self.due + 1) % BINS;
     }
 
-    /// Those of all bins.
     pub(crate) fn of_all_bins(&self) -> &[Products<T>; BINS] {
         &self.of_bin
     }

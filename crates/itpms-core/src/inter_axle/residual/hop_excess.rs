@@ -12,7 +12,6 @@ use crate::real::Real;
 const MEMORY_S: f64 = 10.0;
 const ENOUGH_S: f64 = 40.0;
 
-/// Running mean of the logarithm.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct HopExcess<T> {

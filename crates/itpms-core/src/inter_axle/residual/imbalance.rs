@@ -27,7 +27,6 @@ const LOST: f64 = 2.5;
 /// Width of the notch, as a share of the frequency: two tires' rates differ by a hundredth.
 const WIDTH: f64 = 0.06;
 
-/// See the [module](self).
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Imbalance<T: Real> {

@@ -38,7 +38,6 @@ impl<T: Real> Instrument<T> {
         }
     }
 
-    /// The road starts anew.
     pub(crate) fn restart(&mut self) {
         self.state = SVector::zeros();
         self.last_road = T::zero();

@@ -42,11 +42,10 @@ pub(crate) struct Wheel<T> {
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct AxleFrame<T: Real> {
-    /// Spectra of the front's and the rear's signals, then of what both would be on the common road.
+    /// Spectra of the front's and the rear's signals, then of both reduced to the common road.
     pub(crate) frame: Frame<T>,
     /// Time in s of its middle at the rear wheel.
     pub(crate) middle_s: f64,
-    /// Seconds from front to rear.
     pub(crate) delay_s: T,
     /// What wheelbase and skew were taken to be in aligning them.
     pub(crate) used_wheelbase: T,
@@ -251,7 +250,7 @@ impl<'a, T: Real> UnitRoad<'a, T> {
             };
             // As a frame sees it: its turns are those of the middle of a bin.
             let slope = slopes(&[seen(0), seen(1)], self.gain, bin_hz(bin), self.delay_s);
-            // Real and imaginary part, times the root of what the bin sees of the frequency.
+            // Real and imaginary part, times the root of the bin's weight at this frequency.
             let root = weight.sqrt();
             for part in [slope.map(|of| of.re * root), slope.map(|of| of.im * root)] {
                 for column in 0..SIDE_SIZE {

@@ -34,7 +34,6 @@ const PARTING_S: f64 = 0.3;
 const LASTING_S: f64 = 20.0;
 pub(crate) const MOST_LASTING: f64 = 0.2;
 
-/// Running averages of one side.
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Coherence<T: Real> {
@@ -65,7 +64,6 @@ impl<T: Real> Coherence<T> {
         *self = Self::new();
     }
 
-    /// Incoherence in every bin.
     pub(crate) fn incoherence(&self) -> SVector<T, BINS> {
         self.incoherence
     }
@@ -157,7 +155,6 @@ impl<T: Real> Coherence<T> {
         within(self.near_wheel_hop(), DOUBTED)
     }
 
-    /// How fast the belief fades.
     pub(crate) fn fading(&self) -> T {
         fading(self.near_wheel_hop())
     }
@@ -167,7 +164,6 @@ impl<T: Real> Coherence<T> {
         self.lasting
     }
 
-    /// Incoherence near wheel hop.
     pub(crate) fn near_wheel_hop(&self) -> T {
         let [low, high] = NEAR_HOP_BINS;
         T::lit(0.5) * (self.incoherence[low] + self.incoherence[high])

@@ -26,7 +26,6 @@ fn same() -> FrfRatios<f64> {
     [[ONE; BOTH]; BINS]
 }
 
-/// Adds frames with weights.
 fn sum<'a>(parts: impl Iterator<Item = (f64, &'a AxleFrame<f64>)>) -> AxleFrame<f64> {
     let mut total: Option<AxleFrame<f64>> = None;
     for (weight, part) in parts {

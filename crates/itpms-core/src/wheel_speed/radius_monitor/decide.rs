@@ -150,7 +150,6 @@ impl<T: Real> RadiusMonitor<T> {
     }
 }
 
-/// The wheels that torque hides.
 fn hidden<T: Real>(block: &Block<T>) -> Wheels {
     Corner::ALL.into_iter().filter(|corner| block.hidden[corner.axle()]).collect()
 }

@@ -43,7 +43,6 @@ impl McapLog {
         written.map_err(|error| DataError::new(&self.target, FileProblem::Write(error)))
     }
 
-    /// Adds something else.
     pub(super) fn add<T>(
         &mut self,
         add: impl FnOnce(&mut McapWriter<AtomicFile>) -> io::Result<T>,

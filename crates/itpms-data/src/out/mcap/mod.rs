@@ -42,7 +42,6 @@ pub struct Topic {
 }
 
 impl<W: Write> McapWriter<W> {
-    /// Starts the file.
     pub fn new(target: W) -> io::Result<Self> {
         let options = WriteOptions::new()
             .library(concat!("itpms ", env!("CARGO_PKG_VERSION")))

@@ -51,9 +51,7 @@ pub struct TypicalCar {
     pub mass_kg: f64,
     /// Share of the mass that rests on the front axle, 0.3 to 0.75.
     pub front_share: f64,
-    /// Size of the tires.
     pub tire: FrontRear<TireSize>,
-    /// Kind of car.
     pub class: CarClass,
     /// Pressures on the placard in kPa gauge.
     pub placard_kpa: FrontRear<f64>,
@@ -68,7 +66,6 @@ pub struct TypicalCar {
 pub struct AxleWheels {
     /// Distances in m between the front and between the rear wheels; typical unless given.
     pub track_m: [Option<f64>; 2],
-    /// Which wheels are driven.
     pub driven: Driven,
     /// Whether a driven axle's wheels are coupled.
     pub limited_slip: bool,

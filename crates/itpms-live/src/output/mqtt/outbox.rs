@@ -1,4 +1,4 @@
-//! What waits for the broker: messages in their order until they are acknowledged, and the newest estimate.
+//! The broker's queue: messages in their order until they are acknowledged, and the newest estimate.
 //!
 //! Filled by the output's thread, emptied by the link. Knows nothing of sockets.
 

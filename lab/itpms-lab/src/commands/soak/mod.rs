@@ -12,9 +12,10 @@ use std::time::{Duration, Instant};
 use itpms_console::{Failure, Interrupt, Screen, threads};
 use itpms_data::out::AtomicFile;
 use itpms_lab::sensors::Sensors;
-use itpms_lab::soak::{Days, Hour, Plan, SoakError, Summary, soak};
+use itpms_lab::soak::{Days, Hour, Plan, Summary, soak};
 
 use self::record::Record;
+use super::{failure, json};
 use crate::args::SoakArgs;
 
 /// Seconds between two lines about the progress where there is no terminal for a bar.
@@ -39,11 +40,7 @@ pub(crate) fn run(args: &SoakArgs, screen: &Screen, interrupt: &Interrupt) -> Re
     let todo: Vec<u64> = seeds.clone().filter(|seed| !record.hours().contains_key(seed)).collect();
     let jobs = threads::at_a_time(args.jobs);
     let drive = |seeds: &[u64], done: &mut (dyn FnMut(Hour) -> ControlFlow<()> + Send)| {
-        soak(&plan, seeds, jobs, done, &|| interrupt.flow()).map_err(|error| match error {
-            SoakError::Stopped => Failure::Paused,
-            SoakError::Scenario(scenario) => Failure::Scenario(scenario),
-            other => Failure::Usage(other.to_string()),
-        })
+        soak(&plan, seeds, jobs, done, &|| interrupt.flow()).map_err(|error| failure(error, Failure::Paused))
     };
 
     if !todo.is_empty() {
@@ -107,8 +104,7 @@ fn drives(args: &SoakArgs) -> Result<u64, Failure> {
 }
 
 fn finish(args: &SoakArgs, summary: &Summary, hours: &Path, screen: &Screen) -> Result<(), Failure> {
-    let json = serde_json::to_string_pretty(summary);
-    let json = json.map_err(|error| Failure::Usage(format!("the sums are no JSON: {error}")))?;
+    let json = json(summary)?;
     let mut file = AtomicFile::create(&args.out.join("summary.json"))?;
     file.append(format!("{json}\n").as_bytes())?;
     file.commit()?;

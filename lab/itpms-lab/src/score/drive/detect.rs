@@ -8,12 +8,11 @@ use itpms_sim::time_profile::{Pressure, Speed};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-use super::super::ScoreError;
 use super::super::row::{Column, Goal, Row};
-use super::super::runner::{Runner, Turn};
 use super::super::stats::percentile;
 use super::{Drive, Plant, Setup};
-use crate::sensors::take_row;
+use crate::runner::StudyError;
+use crate::runner::{Runner, Turn};
 use itpms_sim::simulation::Simulation;
 
 /// Pressures in kPa, before and after.
@@ -105,7 +104,7 @@ impl Plan {
         self.cases.iter().map(|(_, drives)| *drives as u64).sum()
     }
 
-    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, ScoreError> {
+    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, StudyError> {
         let found = runner.run(&self.cases, |(loss, setup), turn| drive(loss, setup, turn))?;
         let mut rows = vec![];
         for (((loss, setup), _), found) in self.cases.iter().zip(&found) {
@@ -168,7 +167,7 @@ fn row(name: String, loss: &Loss, found: &[Found]) -> Row {
 }
 
 /// The drive of a turn: wheels, classes and cars in turn, speeds and times at random.
-fn composed(loss: &Loss, turn: Turn) -> Result<(Drive, Found, f64), ScoreError> {
+fn composed(loss: &Loss, turn: Turn) -> Result<(Drive, Found, f64), StudyError> {
     let mut random = Pcg64::seed_from_u64(turn.seed);
     let mut between = |[low, high]: [f64; 2]| low + (high - low) * random.random::<f64>();
     let (km_h, takes_s) = (between(SPEED_KM_H), between(loss.takes_s));
@@ -196,12 +195,12 @@ fn composed(loss: &Loss, turn: Turn) -> Result<(Drive, Found, f64), ScoreError> 
     Ok((drive, found, loss.begins_s + takes_s))
 }
 
-fn drive(loss: &Loss, setup: &Setup, turn: Turn) -> Result<Found, ScoreError> {
+fn drive(loss: &Loss, setup: &Setup, turn: Turn) -> Result<Found, StudyError> {
     let (drive, mut found, complete_s) = composed(loss, turn)?;
     let drive = drive.with_setups(&[*setup]);
     let Some(mut car) = drive.cars(&drive.scenario)?.pop() else { return Ok(found) };
     for row in Simulation::new(&drive.scenario, turn.seed)? {
-        take_row(&mut car, &row, &row.car_sample());
+        car.update(&row.car_sample());
         for alert in car.report().alerts() {
             found.early |= row.time_s < loss.begins_s;
             if alert.cause.is_low() {

@@ -7,8 +7,8 @@ use itpms_core::model::Corner;
 use itpms_sim::scenario::CornerSpec;
 use itpms_sim::sensor::SensorSpec;
 
-use super::super::ScoreError;
 use super::{Drive, Plant, Setup};
+use crate::runner::StudyError;
 
 const SPEEDS_KM_H: [f64; 2] = [80.0, 20.0];
 /// A car's way through bends: points [s, m/s²], to the left and to the right, before, in and after the drop.
@@ -86,7 +86,7 @@ const ALONE: [Disturbance; 31] = [
 const TOGETHER: Disturbance = Disturbance { name: "all together", change: together };
 
 /// The disturbed punctures under the whole car; all together under both cars.
-pub(super) fn drives() -> Result<Vec<(Drive, Option<f64>)>, ScoreError> {
+pub(super) fn drives() -> Result<Vec<(Drive, Option<f64>)>, StudyError> {
     let mut drives = vec![];
     for km_h in SPEEDS_KM_H {
         for disturbance in &ALONE {

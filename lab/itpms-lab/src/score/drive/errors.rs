@@ -5,10 +5,11 @@
 use itpms_core::model::Corner;
 
 use super::super::row::{Cell, Column, Goal, Row};
-use super::super::runner::{Runner, Turn};
 use super::super::stats::{ErrorSum, Mean, Spread};
-use super::super::{ScoreError, track};
+use super::super::track;
 use super::{Drive, limit};
+use crate::runner::StudyError;
+use crate::runner::{Runner, Turn};
 
 /// Share of time within the 95 % interval.
 const COVERAGE: Goal = Goal::Between(0.93, 0.98);
@@ -43,7 +44,7 @@ struct Wheel {
 
 type Errors = Vec<[Wheel; 4]>;
 
-fn errors(drive: &Drive, turn: Turn) -> Result<Errors, ScoreError> {
+fn errors(drive: &Drive, turn: Turn) -> Result<Errors, StudyError> {
     let mut errors = vec![[Wheel::default(); 4]; drive.setups.len()];
     drive.drive(turn.seed, |setup, row, estimate| {
         for (i, wheel) in errors[setup].iter_mut().enumerate() {
@@ -98,7 +99,7 @@ impl Plan {
         self.cases.iter().map(|(_, drives)| *drives as u64).sum()
     }
 
-    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, ScoreError> {
+    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, StudyError> {
         let found = runner.run(&self.cases, errors)?;
         let mut rows = vec![];
         for ((entry, (drive, drives)), found) in self.entries.iter().zip(&self.cases).zip(&found) {

@@ -7,11 +7,11 @@ use itpms_core::warning::MonitorReport;
 use itpms_sim::simulation::{SimRow, Simulation};
 use itpms_sim::time_profile::Pressure;
 
-use super::super::ScoreError;
 use super::super::row::{Cell, Column, Goal, Row};
-use super::super::runner::{Runner, Turn};
 use super::super::stats::{ErrorSum, percentile};
 use super::learned_car::{DrawnCar, PLACARD_KPA, Subject, estimator};
+use crate::runner::StudyError;
+use crate::runner::{Runner, Turn};
 use itpms_analysis::learn::{LearnedCorner, Parameter};
 
 /// Cars per seed asked for: 200 of forty.
@@ -85,7 +85,7 @@ impl Plan {
         self.subjects.iter().map(|(_, cars)| *cars as u64).sum()
     }
 
-    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, ScoreError> {
+    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, StudyError> {
         let found = runner.run(&self.subjects, car)?;
         let mut rows = vec![];
         for ((subject, _), found) in self.subjects.iter().zip(&found) {
@@ -107,7 +107,7 @@ impl Plan {
     }
 }
 
-fn car(subject: &Subject, turn: Turn) -> Result<Found, ScoreError> {
+fn car(subject: &Subject, turn: Turn) -> Result<Found, StudyError> {
     let car = DrawnCar::draw(subject, turn.index, turn.seed)?;
     let (learned, calibration) = car.learn(subject)?;
     let corners = || {
@@ -146,7 +146,7 @@ fn car(subject: &Subject, turn: Turn) -> Result<Found, ScoreError> {
 type Given<'a> = (&'a CarConfig<f64>, Option<&'a VehicleCalibration<f64>>);
 
 /// A later drive on which one tire after the other, from car to car, loses a fifth; estimated by all at once.
-fn later(car: &DrawnCar, turn: Turn, given: &[Option<Given<'_>>]) -> Result<Vec<Option<Later>>, ScoreError> {
+fn later(car: &DrawnCar, turn: Turn, given: &[Option<Given<'_>>]) -> Result<Vec<Option<Later>>, StudyError> {
     let [begins_s, takes_s, wait_s] = LOSS_S;
     let struck = Corner::ALL[turn.index % 4];
     let (mut scenario, seed) = car.later(turn.index + turn.index / 4, begins_s + takes_s + wait_s);

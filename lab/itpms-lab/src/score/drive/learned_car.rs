@@ -15,8 +15,8 @@ use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 
-use super::super::ScoreError;
 use super::{Drive, Plant};
+use crate::runner::StudyError;
 use itpms_analysis::learn::{DriveReading, Learned, Listener, PASSES, learn};
 
 pub(super) const RATE_HZ: f64 = 200.0;
@@ -100,7 +100,7 @@ impl Source {
 }
 
 impl DrawnCar {
-    pub(super) fn draw(subject: &Subject, index: usize, seed: u64) -> Result<Self, ScoreError> {
+    pub(super) fn draw(subject: &Subject, index: usize, seed: u64) -> Result<Self, StudyError> {
         let mut drive = Drive::puncture(Plant::Car, KM_H[0])?
             .each_corner(|_, spec| spec.pressure = Pressure::ConstantKpa(PLACARD_KPA));
         drive.scenario.rate_hz = RATE_HZ;
@@ -162,7 +162,7 @@ impl DrawnCar {
     pub(super) fn learn(
         &self,
         subject: &Subject,
-    ) -> Result<(Learned, Option<VehicleCalibration<f64>>), ScoreError> {
+    ) -> Result<(Learned, Option<VehicleCalibration<f64>>), StudyError> {
         let drives: Vec<([f64; 4], Vec<_>)> = subject
             .pressures_kpa
             .iter()
@@ -179,7 +179,7 @@ impl DrawnCar {
                 let rows = Simulation::new(&scenario, seed)?.map(|row| row.car_sample()).collect();
                 Ok(([kpa; 4], rows))
             })
-            .collect::<Result<_, ScoreError>>()?;
+            .collect::<Result<_, StudyError>>()?;
         let mut config = self.file;
         let mut learned = None;
         for _ in 0..PASSES {
@@ -232,7 +232,7 @@ fn road(index: usize) -> RoadSpec {
 }
 
 /// An estimator of this car under its monitor, at [`RATE_HZ`].
-pub(super) fn estimator(config: &CarConfig<f64>) -> Result<Box<MonitoredCar<f64>>, ScoreError> {
+pub(super) fn estimator(config: &CarConfig<f64>) -> Result<Box<MonitoredCar<f64>>, StudyError> {
     let mut car = Box::new(MonitoredCar::unconfigured());
     car.configure(&MonitorConfig::new(config), RATE_HZ)?;
     Ok(car)

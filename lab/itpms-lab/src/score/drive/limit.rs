@@ -6,9 +6,9 @@ use itpms_core::model::Corner;
 use itpms_sim::plant::Deviations;
 use itpms_sim::road::{Iso8608, Surface};
 
-use super::super::ScoreError;
 use super::super::case::{bound_setting, bound_times_s, invalid};
 use super::{Drive, Setup};
+use crate::runner::StudyError;
 use itpms_analysis::bound::SideBound;
 use itpms_sim::road::coherence;
 
@@ -16,7 +16,7 @@ use itpms_sim::road::coherence;
 const START_SD_KPA: f64 = 36.0;
 
 /// Rms in kPa of the bound's sd over the time that is judged, by corner; NaN where there is none.
-pub(super) fn rms_kpa(drive: &Drive, setup: &Setup) -> Result<[f64; 4], ScoreError> {
+pub(super) fn rms_kpa(drive: &Drive, setup: &Setup) -> Result<[f64; 4], StudyError> {
     let mut rms = [f64::NAN; 4];
     let Some(road) = road(drive) else { return Ok(rms) };
     let scenario = &drive.scenario;

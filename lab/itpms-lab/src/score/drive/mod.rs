@@ -34,11 +34,12 @@ use itpms_sim::sensor::SensorSpec;
 use itpms_sim::simulation::{SimRow, Simulation};
 use itpms_sim::time_profile::Speed;
 
+use super::Part;
 use super::row::Row;
-use super::runner::Runner;
 use super::stats::Window;
-use super::{Part, ScoreError};
-use crate::sensors::{equipped, take_row, wheel_speeds_beside};
+use crate::runner::Runner;
+use crate::runner::StudyError;
+use crate::sensors::{equipped, wheel_speeds_beside};
 
 /// Length in s of the reset that a row's `reset` stands for.
 const RESET_S: f64 = 10.0;
@@ -95,7 +96,7 @@ struct Drive {
 
 impl Drive {
     /// `drive-puncture` under one of the two cars.
-    fn puncture(plant: Plant, km_h: f64) -> Result<Self, ScoreError> {
+    fn puncture(plant: Plant, km_h: f64) -> Result<Self, StudyError> {
         let mut scenario = Scenario::builtin("drive-puncture")?;
         scenario.speed = Speed::ConstantKmH(km_h);
         if plant == Plant::Quarters {
@@ -166,7 +167,7 @@ impl Drive {
         (!self.setups.is_empty()).then_some(self)
     }
 
-    fn file_config(&self) -> Result<CarConfig<f64>, ScoreError> {
+    fn file_config(&self) -> Result<CarConfig<f64>, StudyError> {
         let mut config = CarConfig { corners: [None; 4], wheelbase_m: Some(self.wheelbase_m) };
         for (corner, _) in self.scenario.corner.iter() {
             config.corners[corner.index()] = Some(self.scenario.corner_config(corner)?);
@@ -183,7 +184,7 @@ impl Drive {
     }
 
     /// An estimator for each setup, under its monitor as everywhere else: what is suspect is kept from it.
-    fn cars(&self, scenario: &Scenario) -> Result<Vec<Box<MonitoredCar<f64>>>, ScoreError> {
+    fn cars(&self, scenario: &Scenario) -> Result<Vec<Box<MonitoredCar<f64>>>, StudyError> {
         let config = self.file_config()?;
         let set_up = |setup: &Setup| {
             let options = EstimatorOptions { sources: setup.sources, ..EstimatorOptions::default() };
@@ -202,14 +203,14 @@ impl Drive {
         &self,
         seed: u64,
         mut look: impl FnMut(usize, &SimRow, &CarEstimate<f64>),
-    ) -> Result<(), ScoreError> {
+    ) -> Result<(), StudyError> {
         let scenario = self.simulated(seed);
         let mut cars = self.cars(&scenario)?;
         for row in Simulation::new(&scenario, seed)? {
             let mut sample = row.car_sample();
             sample.speed_m_s *= self.speed_factor;
             for (number, car) in cars.iter_mut().enumerate() {
-                look(number, &row, &take_row(car, &row, &sample));
+                look(number, &row, &car.update(&sample));
             }
         }
         Ok(())
@@ -232,7 +233,7 @@ impl Plan {
         seeds: usize,
         only: Option<&str>,
         wheel_speeds: bool,
-    ) -> Result<Self, ScoreError> {
+    ) -> Result<Self, StudyError> {
         let mut errors = errors::Plan::default();
         if wanted(Part::Drive) {
             let beside = |(drive, goal): (Drive, _)| (Drive { wheel_speeds, ..drive }, goal);
@@ -272,7 +273,7 @@ impl Plan {
             + self.several.drives()
     }
 
-    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, ScoreError> {
+    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, StudyError> {
         let mut rows = self.errors.rows(runner)?;
         rows.extend(self.detection.rows(runner)?);
         rows.extend(self.real.rows(runner)?);
@@ -284,8 +285,8 @@ impl Plan {
 
 #[cfg(test)]
 mod tests {
-    use super::super::runner::STACK_BYTES;
     use super::*;
+    use crate::runner::STACK_BYTES;
 
     #[test]
     fn rows_are_chosen_by_their_names() {

@@ -10,13 +10,12 @@ use itpms_sim::road::{RoadClass, RoadSpec};
 use itpms_sim::simulation::{SimRow, Simulation};
 use itpms_sim::time_profile::Pressure;
 
-use super::super::ScoreError;
 use super::super::row::{Cell, Column, Row};
-use super::super::runner::{Runner, Turn};
 use super::super::stats::{ErrorSum, percentile};
 use super::real_list::{Deviation, LIST};
 use super::{Drive, Plant, Setup};
-use crate::sensors::take_row;
+use crate::runner::StudyError;
+use crate::runner::{Runner, Turn};
 
 const KM_H: f64 = 80.0;
 const RATE_HZ: f64 = 200.0;
@@ -86,7 +85,7 @@ impl Plan {
         self.levels.iter().chain(&self.losses).map(|(_, drives)| *drives as u64).sum()
     }
 
-    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, ScoreError> {
+    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, StudyError> {
         let levels = runner.run(&self.levels, levels)?;
         let losses = runner.run(&self.losses, loss)?;
         let mut rows = vec![];
@@ -110,7 +109,7 @@ impl Plan {
 }
 
 /// The deviating car on the road of a turn, its pressures as the placard says but for a tire that is flat from the start.
-fn composed(subject: &Subject, turn: Turn, setups: &[Setup]) -> Result<Drive, ScoreError> {
+fn composed(subject: &Subject, turn: Turn, setups: &[Setup]) -> Result<Drive, StudyError> {
     let mut drive = Drive::puncture(Plant::Car, KM_H)?.with_setups(setups);
     let class = CLASSES[turn.index % CLASSES.len()];
     // Deviations are those of a car that is known as most are.
@@ -123,7 +122,7 @@ fn composed(subject: &Subject, turn: Turn, setups: &[Setup]) -> Result<Drive, Sc
     Ok((subject.deviation.change)(drive, turn.seed))
 }
 
-fn levels(subject: &Subject, turn: Turn) -> Result<Vec<Level>, ScoreError> {
+fn levels(subject: &Subject, turn: Turn) -> Result<Vec<Level>, StudyError> {
     // No one calibrates on a flat tire.
     let setups: &[Setup] = if subject.deviation.flat.is_some() { &[UNKNOWN] } else { &[UNKNOWN, CALIBRATED] };
     let drive = composed(subject, turn, setups)?;
@@ -134,7 +133,7 @@ fn levels(subject: &Subject, turn: Turn) -> Result<Vec<Level>, ScoreError> {
     for row in Simulation::new(&scenario, turn.seed)? {
         let sample = row.car_sample();
         for ((car, level), before) in cars.iter_mut().zip(&mut found).zip(&mut before) {
-            level.push(&row, &take_row(car, &row, &sample));
+            level.push(&row, &car.update(&sample));
             for change in car.report().changes_since(before) {
                 if let Change::Begun(alert) = change {
                     level.hear(&alert, subject.deviation.flat);
@@ -173,7 +172,7 @@ impl Level {
 
 /// A drive of its own for every tire that loses air, after a calibration; where one is flat from the start, that drive
 /// without a calibration.
-fn loss(subject: &Subject, turn: Turn) -> Result<Found, ScoreError> {
+fn loss(subject: &Subject, turn: Turn) -> Result<Found, StudyError> {
     let flat = subject.deviation.flat;
     let struck = flat.unwrap_or(Corner::ALL[turn.index % 4]);
     // Tires and classes in turn: twelve drives have them all.
@@ -190,7 +189,7 @@ fn loss(subject: &Subject, turn: Turn) -> Result<Found, ScoreError> {
     let scenario = drive.simulated(turn.seed);
     let Some(mut car) = drive.cars(&scenario)?.pop() else { return Ok(found) };
     for row in Simulation::new(&scenario, turn.seed)? {
-        take_row(&mut car, &row, &row.car_sample());
+        car.update(&row.car_sample());
         for alert in car.report().alerts().filter(|alert| alert.cause.is_low()) {
             found.early |= flat.is_none() && row.time_s < begins_s;
             if alert.wheels.contains(struck) && row.time_s >= begins_s.min(complete_s) {
@@ -266,8 +265,8 @@ fn loss_cells(found: &[Found]) -> Vec<Cell> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::runner::STACK_BYTES;
     use super::*;
+    use crate::runner::STACK_BYTES;
 
     fn subject(name: &str) -> Subject {
         let deviation = LIST.iter().find(|deviation| deviation.name == name).unwrap();

@@ -9,18 +9,17 @@ use itpms_sim::scenario::{Scenario, ToleranceSpec};
 use itpms_sim::simulation::{SimRow, Simulation};
 use itpms_sim::time_profile::{Pressure, Speed};
 
-use super::super::ScoreError;
 use super::super::row::{Column, Goal, Row};
-use super::super::runner::{Runner, Turn};
 use super::super::stats::{ErrorSum, percentile};
 use super::learned_car::estimator;
+use crate::runner::StudyError;
+use crate::runner::{Runner, Turn};
 
 /// A fifth is lost from here on, in so many s; a quarter is missing from the start.
 const BEGINS_S: f64 = 300.0;
 const TAKES_S: f64 = 10.0;
 const LEFT: f64 = 0.8;
 const LEFT_BEFORE: f64 = 0.75;
-/// Seconds driven after that.
 const WAIT_S: f64 = 110.0;
 /// Calibrations in s: in the drive, and on another day, whose seeds are so far away.
 const CALIBRATION_S: f64 = 120.0;
@@ -169,14 +168,14 @@ impl Plan {
         self.cases.iter().map(|(_, drives)| *drives as u64).sum()
     }
 
-    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, ScoreError> {
+    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, StudyError> {
         let found = runner.run(&self.cases, drive)?;
         Ok(self.cases.iter().zip(&found).map(|((case, _), found)| row(*case, found)).collect())
     }
 }
 
 /// The car of a seed on the journey of another; the car of its file.
-fn car(turn: Turn) -> Result<(Scenario, CarConfig<f64>), ScoreError> {
+fn car(turn: Turn) -> Result<(Scenario, CarConfig<f64>), StudyError> {
     let mut scenario = Scenario::builtin("drive-normal")?;
     let mut file = CarConfig { corners: [None; 4], wheelbase_m: Some(scenario.wheelbase_m) };
     for (corner, _) in scenario.corner.iter() {
@@ -194,7 +193,7 @@ fn calibrated_before(
     scenario: &Scenario,
     file: &CarConfig<f64>,
     seed: u64,
-) -> Result<Option<VehicleCalibration<f64>>, ScoreError> {
+) -> Result<Option<VehicleCalibration<f64>>, StudyError> {
     let scenario = Scenario { duration_s: OTHER_DAY_S, ..scenario.clone() };
     let mut car = estimator(file)?;
     car.begin_calibration(OTHER_DAY_S)?;
@@ -205,7 +204,7 @@ fn calibrated_before(
     Ok(car.estimator().calibration().filter(|learned| learned.check().is_ok()))
 }
 
-fn drive(case: &Case, turn: Turn) -> Result<Found, ScoreError> {
+fn drive(case: &Case, turn: Turn) -> Result<Found, StudyError> {
     let (mut scenario, file) = car(turn)?;
     let mut car = estimator(&file)?;
     match case.known {

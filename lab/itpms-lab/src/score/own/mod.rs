@@ -19,10 +19,10 @@ mod seen;
 use self::day::{CHANGES, Change};
 use self::path::{Owned, Way};
 use self::seen::{Seen, Wheel};
-use super::ScoreError;
 use super::row::{Cell, Column, Goal, Row};
-use super::runner::{Runner, Turn};
 use super::stats::percentile;
+use crate::runner::StudyError;
+use crate::runner::{Runner, Turn};
 
 /// Share of a true 95 % interval, over a hundred cars.
 const HONEST: Goal = Goal::Between(0.92, 0.98);
@@ -60,7 +60,7 @@ impl Plan {
         self.subjects.iter().map(|(_, cars)| *cars as u64).sum()
     }
 
-    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, ScoreError> {
+    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, StudyError> {
         let found = runner.run(&self.subjects, car)?;
         let mut rows = vec![];
         for ((subject, _), found) in self.subjects.iter().zip(&found) {
@@ -77,7 +77,7 @@ impl Plan {
     }
 }
 
-fn car(subject: &Subject, turn: Turn) -> Result<Found, ScoreError> {
+fn car(subject: &Subject, turn: Turn) -> Result<Found, StudyError> {
     let mut taught = subject.ways.clone();
     if !subject.changes.is_empty() {
         taught.push(Way::LearnedAndReference);

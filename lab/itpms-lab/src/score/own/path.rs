@@ -11,11 +11,11 @@ use itpms_sim::scenario::Scenario;
 use itpms_sim::simulation::{SimRow, Simulation};
 use itpms_sim::time_profile::Pressure;
 
-use super::super::ScoreError;
 use super::car::OwnCar;
 use super::day::{Change, Day, RATE_HZ, SAME};
 use super::seen::{LOSS_S, Seen};
-use crate::sensors::{equipped, take_row};
+use crate::runner::StudyError;
+use crate::sensors::equipped;
 use itpms_analysis::learn::{Listener, PASSES, WheelbaseListener, learn};
 
 /// Ten minutes at placard pressures, and a later day, in s.
@@ -66,7 +66,7 @@ impl Owned {
         seed: u64,
         ways: &[Way],
         wheel_speeds: bool,
-    ) -> Result<Self, ScoreError> {
+    ) -> Result<Self, StudyError> {
         let car = OwnCar::draw(index, seed)?;
         let [mut first, mut later] = Day::two(index, seed, DAYS_S);
         if wheel_speeds {
@@ -96,7 +96,7 @@ impl Owned {
         }
     }
 
-    fn estimator(&self, way: Way, scenario: &Scenario) -> Result<Box<MonitoredCar<f64>>, ScoreError> {
+    fn estimator(&self, way: Way, scenario: &Scenario) -> Result<Box<MonitoredCar<f64>>, StudyError> {
         let taught = if way == Way::FileAndReference { &self.file } else { &self.learned };
         let mut estimator = equipped(&MonitorConfig::new(&taught.config), scenario)?;
         if let Some(calibration) = taught.calibration.as_ref().filter(|_| way != Way::Learned) {
@@ -110,13 +110,13 @@ impl Owned {
     }
 
     /// The later day with nothing changed, by every way: without a loss and with one, which are the same drive until it begins.
-    pub(super) fn later(&self, ways: &[Way]) -> Result<Vec<[Seen; 2]>, ScoreError> {
+    pub(super) fn later(&self, ways: &[Way]) -> Result<Vec<[Seen; 2]>, StudyError> {
         let struck = Corner::ALL[self.index % 4];
         let kpa = self.car.placard_kpa;
         let loss = Pressure::ramp(kpa, LEFT * kpa, LOSS_S[0], LOSS_S[1]);
         let simulation = |lost| {
             let (scenario, seed) = self.later.scenario(&self.car, &SAME, lost)?;
-            Ok::<_, ScoreError>(Simulation::new(&scenario, seed)?)
+            Ok::<_, StudyError>(Simulation::new(&scenario, seed)?)
         };
         let mut estimators = vec![];
         let (scenario, _) = self.later.scenario(&self.car, &SAME, None)?;
@@ -137,7 +137,7 @@ impl Owned {
     }
 
     /// A later day of a car that has changed, no tire losing air, with what was learned and the reference.
-    pub(super) fn changed(&self, change: &Change) -> Result<Seen, ScoreError> {
+    pub(super) fn changed(&self, change: &Change) -> Result<Seen, StudyError> {
         let (scenario, seed) = self.later.scenario(&self.car, change, None)?;
         let (mut car, mut seen) = (self.estimator(Way::LearnedAndReference, &scenario)?, Seen::sound());
         for row in Simulation::new(&scenario, seed)? {
@@ -148,14 +148,14 @@ impl Owned {
 }
 
 fn take(car: &mut MonitoredCar<f64>, row: &SimRow, seen: &mut [&mut Seen]) {
-    let estimate = take_row(car, row, &row.car_sample());
+    let estimate = car.update(&row.car_sample());
     for seen in seen {
         seen.take(row, &estimate, car.report());
     }
 }
 
 /// The car of the file as the drive shows it, its wheelbase first.
-fn learned(car: &OwnCar, rows: &[SimRow]) -> Result<CarConfig<f64>, ScoreError> {
+fn learned(car: &OwnCar, rows: &[SimRow]) -> Result<CarConfig<f64>, StudyError> {
     let mut file = car.file.car_config(&Corner::ALL);
     let mut listener = WheelbaseListener::new(&file, RATE_HZ);
     rows.iter().for_each(|row| listener.take(&row.car_sample()));
@@ -175,11 +175,11 @@ impl Taught {
     }
 
     /// By a calibration that lasts as long as the drive, and a reference that is stored and read again; one that is refused is none.
-    fn calibrate(&mut self, file: &Vehicle, rows: &[SimRow], scenario: &Scenario) -> Result<(), ScoreError> {
+    fn calibrate(&mut self, file: &Vehicle, rows: &[SimRow], scenario: &Scenario) -> Result<(), StudyError> {
         let mut car = equipped(&MonitorConfig::new(&self.config), scenario)?;
         car.begin_calibration(DAYS_S[0])?;
         for row in rows {
-            take_row(&mut car, row, &row.car_sample());
+            car.update(&row.car_sample());
         }
         car.end_calibration();
         self.wheels = car.wheels().and_then(|wheels| wheels.calibration().copied());

@@ -1,30 +1,64 @@
-//! Many drives on all processors, in an order that does not depend on how many there are.
+//! Many drives on all processors, in an order that does not depend on how many there are, and why a study ends before its time.
 //!
-//! Called by the parts of the score. Knows nothing of what a drive is.
+//! Called by the studies. Knows nothing of what a drive is.
 
+use std::fmt;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use rayon::prelude::*;
 
-use super::ScoreError;
-
 /// Stack of a thread in bytes: an estimator of a whole car is a value of some hundred kilobytes, and is handed about by
 /// value while it is set up.
-pub(super) const STACK_BYTES: usize = 32 << 20;
+pub(crate) const STACK_BYTES: usize = 32 << 20;
 
-/// Called after every drive with how many of how many are done; [`ControlFlow::Break`] ends the score.
+/// Called now and then with how many drives, or simulated seconds, of how many are done; [`ControlFlow::Break`] ends the study.
 pub type Progress<'a> = &'a (dyn Fn(u64, u64) -> ControlFlow<()> + Sync);
 
+/// Why there is no result.
+#[derive(Debug)]
+pub enum StudyError {
+    /// The caller wanted no more.
+    Stopped,
+    /// The request, or something in a scenario, cannot be used: a sentence.
+    Refused(String),
+}
+
+impl<E: std::error::Error> From<E> for StudyError {
+    fn from(error: E) -> Self {
+        Self::Refused(error.to_string())
+    }
+}
+
+impl fmt::Display for StudyError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Stopped => "stopped",
+            Self::Refused(why) => why,
+        })
+    }
+}
+
+pub(crate) fn refused<T>(why: impl Into<String>) -> Result<T, StudyError> {
+    Err(StudyError::Refused(why.into()))
+}
+
+/// As many threads as the caller's pool has, which has smaller stacks.
+pub(crate) fn pool() -> Result<rayon::ThreadPool, StudyError> {
+    let threads = rayon::ThreadPoolBuilder::new().num_threads(rayon::current_num_threads());
+    let pool = threads.stack_size(STACK_BYTES).build();
+    pool.or_else(|error| refused(format!("threads cannot be started: {error}")))
+}
+
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Turn {
+pub(crate) struct Turn {
     /// From 0.
-    pub(super) index: usize,
-    pub(super) seed: u64,
+    pub(crate) index: usize,
+    pub(crate) seed: u64,
 }
 
 /// Hands out drives and counts them.
-pub(super) struct Runner<'a> {
+pub(crate) struct Runner<'a> {
     first_seed: u64,
     total: u64,
     done: AtomicU64,
@@ -34,25 +68,20 @@ pub(super) struct Runner<'a> {
 
 impl<'a> Runner<'a> {
     /// For `total` drives in all.
-    pub(super) fn new(first_seed: u64, total: u64, progress: Progress<'a>) -> Self {
+    pub(crate) fn new(first_seed: u64, total: u64, progress: Progress<'a>) -> Self {
         Self { first_seed, total, done: AtomicU64::new(0), stopped: AtomicBool::new(false), progress }
     }
 
     /// `drive` for so many turns of every case; results by case, then by turn.
-    pub(super) fn run<C: Sync, T: Send>(
+    pub(crate) fn run<C: Sync, T: Send>(
         &self,
         cases: &[(C, usize)],
-        drive: impl Fn(&C, Turn) -> Result<T, ScoreError> + Sync,
-    ) -> Result<Vec<Vec<T>>, ScoreError> {
+        drive: impl Fn(&C, Turn) -> Result<T, StudyError> + Sync,
+    ) -> Result<Vec<Vec<T>>, StudyError> {
         let turns: Vec<(&C, usize)> =
             cases.iter().flat_map(|(case, drives)| (0..*drives).map(move |index| (case, index))).collect();
-        // As many as the caller's pool, which has smaller stacks.
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(rayon::current_num_threads())
-            .stack_size(STACK_BYTES)
-            .build()?;
         let flat = || turns.into_par_iter().map(|(case, index)| self.once(case, index, &drive)).collect();
-        let results: Result<Vec<T>, ScoreError> = pool.install(flat);
+        let results: Result<Vec<T>, StudyError> = pool()?.install(flat);
         let mut results = results?.into_iter();
         Ok(cases.iter().map(|(_, drives)| results.by_ref().take(*drives).collect()).collect())
     }
@@ -61,16 +90,16 @@ impl<'a> Runner<'a> {
         &self,
         case: &C,
         index: usize,
-        drive: impl Fn(&C, Turn) -> Result<T, ScoreError>,
-    ) -> Result<T, ScoreError> {
+        drive: impl Fn(&C, Turn) -> Result<T, StudyError>,
+    ) -> Result<T, StudyError> {
         if self.stopped.load(Ordering::Relaxed) {
-            return Err(ScoreError::Stopped);
+            return Err(StudyError::Stopped);
         }
         let result = drive(case, Turn { index, seed: self.first_seed.wrapping_add(index as u64) })?;
         let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
         if (self.progress)(done, self.total).is_break() {
             self.stopped.store(true, Ordering::Relaxed);
-            return Err(ScoreError::Stopped);
+            return Err(StudyError::Stopped);
         }
         Ok(result)
     }
@@ -93,7 +122,7 @@ mod tests {
         let runner = Runner::new(0, 1000, &|_, _| ControlFlow::Break(()));
         let driven = AtomicU64::new(0);
         let result = runner.run(&[((), 1000)], |(), _| Ok(driven.fetch_add(1, Ordering::Relaxed)));
-        assert!(matches!(result, Err(ScoreError::Stopped)));
+        assert!(matches!(result, Err(StudyError::Stopped)));
         assert!(driven.load(Ordering::Relaxed) < 1000);
     }
 }
