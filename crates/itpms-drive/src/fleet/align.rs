@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 
 use super::record::RoadPiece;
-use super::road_map::{PER_DEGREE_M, PIECE_M, SIDE_M, place_of};
+use super::squares::{PER_DEGREE_M, PIECE_M, SIDE_M, place_of};
 
 /// Pieces from knot to knot: 100 m.
 const KNOT: usize = 40;

@@ -15,7 +15,7 @@
 //! | `tables` | `fleet.csv`, `fleet.parquet`, `failed.csv` |
 //! | [`standing`] | how each car stands after its last drive |
 //! | [`wheels`] | what a drive showed of each wheel |
-//! | [`road_map`], `align` | roughness in squares of 20 m, with a factor for each car; how far off each drive's positions are |
+//! | [`road_map`], `align`, `squares` | roughness in squares of 20 m, with a factor for each car; how far off each drive's positions are; where the squares lie |
 //! | `page`, `names`, `histogram` | `index.html` |
 //!
 //! Calibration drives come first, because they need no others; what each taught of its car is stored, and every later
@@ -37,6 +37,7 @@ mod one;
 mod page;
 pub mod record;
 pub mod road_map;
+mod squares;
 pub mod standing;
 mod tables;
 pub mod wheels;
