@@ -55,7 +55,7 @@ pub enum SurveyError {
 /// Why a segment has no number.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum TooLittle {
-    #[error("too little road: {known_m:.0} of {segment_m:.0} m")]
+    #[error("too little road: {known_m:.0} of {segment_m} m")]
     Road { known_m: f64, segment_m: f64 },
     #[error("waves of {shortest_m:.2} to {longest_m:.1} m only: Gd(n0) needs 10 m")]
     Waves { shortest_m: f64, longest_m: f64 },
