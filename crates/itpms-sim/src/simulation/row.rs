@@ -12,7 +12,7 @@ pub struct SimRow {
     pub speed_m_s: f64,
     /// Distance in m since 0 s, of the front axle.
     pub distance_m: f64,
-    /// By [`Corner::index`]; `None` where the scenario has no such corner.
+    /// By [`Corner::index`](itpms_core::model::Corner::index); `None` where the scenario has no such corner.
     pub corners: [Option<CornerRow>; 4],
     /// What the bus has sent of the wheels by now; `None` where the scenario has no wheel speeds.
     pub wheel_speeds: Option<WheelSpeedRow>,
