@@ -289,7 +289,7 @@ typedef uint32_t itpms_cold_state;
 #endif // __cplusplus
 
 /*
- How far the parameters of a car are to be trusted: standard deviations of what has none of its own.
+ How far the parameters of a car are to be trusted: standard deviations of parameters without one of their own.
  */
 enum itpms_confidence
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -971,7 +971,7 @@ typedef struct {
    */
   itpms_real change_sd_kpa;
   /*
-   Standard deviation in kPa of what it differs by from the other tire of its axle.
+   Standard deviation in kPa of its difference from the axle's other tire.
    */
   itpms_real axle_difference_sd_kpa;
   /*

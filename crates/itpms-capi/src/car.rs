@@ -120,7 +120,7 @@ impl Kept for Car {
 
     // Part by part: as a whole it would cross the stack.
     #[allow(unsafe_code)]
-    #[inline(never)] // Its copies of what is blank leave the stack before the car is configured.
+    #[inline(never)] // Its blank copies leave the stack before the car is configured.
     unsafe fn blank(place: *mut Self) {
         // SAFETY: the caller's promise; every field is written, and none is read before.
         unsafe {

@@ -2,7 +2,7 @@
 
 use crate::{ITPMS_API_VERSION, itpms_real};
 
-/// How far the parameters of a car are to be trusted: standard deviations of what has none of its own.
+/// How far the parameters of a car are to be trusted: standard deviations of parameters without one of their own.
 #[repr(u32)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum itpms_confidence {

@@ -128,7 +128,7 @@ pub struct itpms_wheel {
     pub pressure_sd_kpa: itpms_real,
     /// Standard deviation in kPa of a change within minutes.
     pub change_sd_kpa: itpms_real,
-    /// Standard deviation in kPa of what it differs by from the other tire of its axle.
+    /// Standard deviation in kPa of its difference from the axle's other tire.
     pub axle_difference_sd_kpa: itpms_real,
     /// What the tire has lost in this drive in kPa; NaN as long as that is not counted, and where it was low before that.
     pub lost_kpa: itpms_real,

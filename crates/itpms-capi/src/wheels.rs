@@ -45,7 +45,7 @@ impl Kept for Wheels {
     const MARK: u32 = u32::from_le_bytes(*b"IPTW");
 
     #[allow(unsafe_code)]
-    #[inline(never)] // Its copies of what is blank leave the stack before it is configured.
+    #[inline(never)] // Its blank copies leave the stack before it is configured.
     unsafe fn blank(place: *mut Self) {
         // SAFETY: the caller's promise; every field is written, and none is read before.
         unsafe {

@@ -106,7 +106,7 @@
 //! | [`car`] | the estimator of a car: puts the above in order |
 //! | `cold_pressure` | how warm the tires are, and what they would have cold |
 //! | [`diagnosis`] | what is wrong with a sensor |
-//! | [`warning`] | when to warn of what |
+//! | [`warning`] | warnings, and when they are raised |
 //! | [`monitor`] | a car's estimator under its monitor |
 //! | [`wheel_speed`] | radius analysis: which tires differ from the others, from four wheel speeds alone |
 //! | [`torsion`] | torsional analysis: by how much a tire's pressure has changed, from the tooth pulses of its wheel alone |
@@ -116,7 +116,7 @@
 //!
 //! | feature | what it adds |
 //! |---|---|
-//! | `serde` | saving and restoring of a running estimator and of what a calibration taught, by the same version |
+//! | `serde` | saving and restoring of a running estimator and of calibrations, by the same version |
 #![no_std]
 #![forbid(unsafe_code)]
 #![allow(clippy::op_ref)] // A matrix that is multiplied by value is copied on the stack first.

@@ -59,7 +59,7 @@ pub fn check(vehicle: &Vehicle, log: &mut LogReader, watch: Watch<'_>) -> Result
     })
 }
 
-type Heard = (Vec<CrossSpectra>, [Option<Fit>; 4], Alerts, Option<SuspensionVerdict>);
+type Checked = (Vec<CrossSpectra>, [Option<Fit>; 4], Alerts, Option<SuspensionVerdict>);
 
 /// The spectra of all rows, corner by corner, and what an estimator that is given no more than the file says at their end of how body and
 /// wheel go together, in the order of [`Corner::ALL`], and what its monitor reports. `axis` takes the rows, too.
@@ -69,7 +69,7 @@ fn listen(
     corners: &[Corner],
     axis: &mut TimeAxis,
     watch: Watch<'_>,
-) -> Result<Heard, DriveError> {
+) -> Result<Checked, DriveError> {
     let survey = *log.survey();
     let mut drive =
         Drive::new(&Settings::default(), vehicle, corners, WheelSpeedUse::None, survey.estimator_rate_hz())?;

@@ -136,7 +136,7 @@ fn named(error: LearnError, drives: &[KnownDrive]) -> DriveError {
     }
 }
 
-/// The drives with the pressures that the tires' own sensors have where none are given, and what is to be said of them.
+/// The drives with the pressures that the tires' own sensors have where none are given, and remarks on them.
 pub(crate) fn by_sensors(
     file: &Vehicle,
     drives: &[KnownDrive],

@@ -18,7 +18,7 @@ const APART: f64 = 0.1;
 const STRAY: f64 = 0.1;
 /// Ratio of two tires' shares of their placard pressures from which on they contradict each other.
 const UNLIKE: f64 = 1.2;
-/// Steps of the readings that are told apart, per kPa.
+/// Steps of the readings that are distinguished, per kPa.
 const PER_KPA: f64 = 10.0;
 
 pub struct SentPressures {

@@ -38,7 +38,7 @@ pub(crate) struct WheelSpeeds {
     alone: bool,
     track_rear_m: f64,
     turns: Turns,
-    /// When the stored calibration was learned, in s since 1970, before the first row has told how old it is.
+    /// When the stored calibration was learned, in s since 1970, before the first row gives its age.
     learned_unix_s: Option<f64>,
     /// From where the rows' times count, in s since 1970, and the last one's.
     began_unix_s: f64,

@@ -1,6 +1,6 @@
 //! A bounded queue between two threads, with both answers to "what if it is full": wait, or lose the oldest and count it.
 //!
-//! Between a source and the estimating thread, and between that and every output. Knows nothing of what it carries.
+//! Between a source and the estimating thread, and between that and every output. Knows nothing of its items.
 
 use std::collections::VecDeque;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};

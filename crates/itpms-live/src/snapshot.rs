@@ -99,9 +99,9 @@ pub struct Wheel {
     /// Gauge pressure in kPa; means something only while valid.
     pub pressure_kpa: f64,
     pub pressure_sd_kpa: f64,
-    /// Standard deviation in kPa of what it has changed by within minutes: without what the vehicle file leaves open.
+    /// Standard deviation in kPa of its change within minutes: without what the vehicle file leaves open.
     pub change_sd_kpa: f64,
-    /// Standard deviation in kPa of what it differs by from the axle's other tire; `null` without one.
+    /// Standard deviation in kPa of its difference from the axle's other tire; `null` without one.
     pub axle_difference_sd_kpa: Option<f64>,
     /// What was lost in this drive in kPa, and its standard deviation; `null` while that is not counted, and where the tire was low
     /// before that. By wheel speeds alone: against the other tires since the calibration.

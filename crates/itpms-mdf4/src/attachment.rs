@@ -1,6 +1,6 @@
 //! Files inside a file (AT blocks): a description of the bus beside its frames.
 //!
-//! Called by whoever has frames without a description; knows nothing of what is attached.
+//! Called by whoever has frames without a description; knows no attachment's contents.
 
 use std::collections::HashSet;
 

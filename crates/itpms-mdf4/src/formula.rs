@@ -109,7 +109,7 @@ impl Formula {
     }
 }
 
-/// What is left of the text, and the steps of what was read.
+/// The rest of the text, and the steps read so far.
 struct Parser<'a> {
     rest: &'a str,
     steps: Vec<Step>,

@@ -166,7 +166,7 @@ impl Records {
         self.lost
     }
 
-    /// Share of the file in front of what was read last.
+    /// Share of the file in front of the last read.
     pub(super) fn depth(&self) -> f64 {
         self.stream.depth()
     }

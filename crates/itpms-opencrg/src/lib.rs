@@ -148,7 +148,7 @@ impl CrgRoad {
             exact
         };
         let height = |row| self.surface.height_m(row, right, share, v_m);
-        // Numbers near the limits of what a float holds are no heights either.
+        // Numbers near a float's limits are no heights either.
         Ok((0..self.rows()).map(height).map(|z| if z.is_finite() { z } else { f64::NAN }).collect())
     }
 }

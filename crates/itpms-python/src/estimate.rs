@@ -118,7 +118,7 @@ fn run(
     result.map_err(|error| errors::drive(py, &error))
 }
 
-/// Length in m of a segment of a road's map, as the command has it unless told.
+/// Length in m of a segment of a road's map, the command's default.
 const SEGMENT_M: f64 = 100.0;
 
 fn map_json(road: &SurveyedRoad) -> String {
@@ -238,7 +238,7 @@ impl Estimated {
         self.map.clone()
     }
 
-    /// What the monitor reported and took back: a JSON list of what `itpms estimate --events` writes.
+    /// What the monitor reported and took back: a JSON list of the events that `itpms estimate --events` writes.
     fn transitions(&self) -> String {
         Value::Array(self.kept.transitions.clone()).to_string()
     }
@@ -248,7 +248,7 @@ impl Estimated {
         self.figures.to_string()
     }
 
-    /// A JSON list of what a fleet's table has of each wheel.
+    /// A JSON list with a fleet table's columns of each wheel.
     fn wheels(&self) -> String {
         json!(wheels(&self.done, &self.kept.begun)).to_string()
     }

@@ -6,7 +6,7 @@
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 
-/// What the random numbers are for. The values are part of what a seed means: do not renumber.
+/// What the random numbers are for. The values are part of a seed's meaning: do not renumber.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Purpose {
     /// Fourier coefficients of a road.

@@ -51,7 +51,7 @@ const AIR_KPA: f64 = 101.3;
 const WARM_K: f64 = 293.15;
 const ZERO_K: f64 = 273.15;
 
-/// The mean of what one wheel sent in a bin.
+/// The mean of one wheel's readings in a bin.
 #[derive(Debug, Clone, Copy, Default)]
 struct Mean {
     sum_kpa: f64,
@@ -75,7 +75,7 @@ struct Wheel {
     placard_kpa: f64,
     mean: Mean,
     last_c: f64,
-    /// Bounds of what it sent, and its smallest step.
+    /// Bounds of its readings, and their smallest step.
     step_kpa: f64,
     last_kpa: f64,
     readings: Vec<Reading>,
@@ -194,7 +194,7 @@ impl SensorWatch {
         }
     }
 
-    /// The median of what the other wheels changed by until a time; nothing where fewer than two are known.
+    /// The median of the other wheels' changes until a time; nothing where fewer than two are known.
     fn others(&self, place: usize, time_s: f64, change: Change<'_>) -> f64 {
         let changed = |wheel: &Wheel| {
             let after = wheel.readings.partition_point(|reading| reading.time_s <= time_s + 3.0 * BIN_S);

@@ -1,4 +1,4 @@
-//! Dampers and load of a drive: its rows to the spectra that these are read from, and what is said of them in the end.
+//! Dampers and load of a drive: its rows to the spectra that these are read from, and the verdict in the end.
 
 use itpms_core::model::Corner;
 use itpms_data::reference::SuspensionReference;

@@ -29,17 +29,17 @@ impl Found {
         out
     }
 
-    /// What is to be said of body and wheel together, once for all corners of which it is the same.
+    /// Sentences on body and wheel together, each once with all corners it holds for.
     fn pairs(&self) -> Vec<String> {
-        let mut said: Vec<(String, String)> = Vec::new();
+        let mut sentences: Vec<(String, String)> = Vec::new();
         for corner in &self.corners {
             let Some(text) = corner.pair() else { continue };
-            match said.iter_mut().find(|(_, before)| *before == text) {
+            match sentences.iter_mut().find(|(_, before)| *before == text) {
                 Some((labels, _)) => *labels = format!("{labels} {}", corner.label),
-                None => said.push((corner.label.to_owned(), text)),
+                None => sentences.push((corner.label.to_owned(), text)),
             }
         }
-        said.into_iter().map(|(labels, text)| format!("{labels}: {text}")).collect()
+        sentences.into_iter().map(|(labels, text)| format!("{labels}: {text}")).collect()
     }
 
     fn gravity(&self) -> Option<String> {

@@ -30,9 +30,9 @@ pub struct Reading {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grounds {
     pub level: Level,
-    /// Sd in kPa of what the pressure has changed by within minutes.
+    /// Sd in kPa of the pressure's change within minutes.
     pub change_sd_kpa: f64,
-    /// Sd in kPa of what it differs by from the other tire's of its axle.
+    /// Sd in kPa of its difference from the axle's other tire.
     pub axle_difference_sd_kpa: Option<f64>,
 }
 

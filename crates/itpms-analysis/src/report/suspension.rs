@@ -1,5 +1,5 @@
 //! Dampers and load on the page: a card for each damper where it sits, what an axle's two are to each other, and what the axles carry; one
-//! quiet line with the reason where nothing can be said.
+//! quiet line with the reason where nothing is known.
 //!
 //! Called by the page's writer.
 
@@ -18,7 +18,7 @@ use crate::suspension::{
 /// The section; empty where a car has fewer than four corners.
 pub(super) fn section(data: &ReportData) -> String {
     let Some(verdict) = &data.suspension else {
-        // Of a car with all its wheels it is said why; of a test bed nothing.
+        // A car with all its wheels shows the reason; a test bed nothing.
         let all = data.corners.len() > 1 && data.corners.len() + data.not_estimated.len() == 4;
         return if all {
             quiet("not looked at: it takes the accelerations of all four corners.")

@@ -1,4 +1,4 @@
-//! The page's title, of what every wheel's curves show.
+//! The page's title, from every wheel's curves.
 
 use super::words::{Status, corner_name, lower, reading, sentence};
 use super::{CornerReport, ReportData, wheels};

@@ -1,4 +1,4 @@
-//! What a drive says of dampers and load, all that may be said of it.
+//! A drive's verdict on dampers and load.
 
 use itpms_data::reference::SuspensionReference;
 
@@ -9,7 +9,7 @@ use super::load::Load;
 use super::reading::SuspensionReading;
 use super::spectra::SuspensionSpectra;
 
-/// What the vehicle file says of what may be judged.
+/// What may be judged, by the vehicle file.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 pub struct Terms {
     /// The dampers do what a controller tells them.

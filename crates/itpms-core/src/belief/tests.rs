@@ -1,4 +1,4 @@
-//! The belief against textbook formulas: Kalman filter, information filter, exact enumeration of what may have happened.
+//! The belief against textbook formulas: Kalman filter, information filter, exact enumeration of all histories.
 
 extern crate std;
 

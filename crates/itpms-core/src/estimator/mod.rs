@@ -70,7 +70,7 @@ impl<T: Real> Estimator<T> {
         self.corner.begin_calibration(seconds)
     }
 
-    /// Takes the stiffness that another source follows from the next sample on, in the place of what the corner's own frames show,
+    /// Takes the stiffness that another source follows from the next sample on, in place of the corner's own frames,
     /// until `None` is given.
     pub fn follow(&mut self, stiffness: Option<OutsideStiffness<T>>) {
         self.corner.follow(stiffness);
@@ -99,7 +99,7 @@ impl<T: Real> Estimator<T> {
         self.corner.conclude(at.now_s, with_pulses.as_ref(), &AxleFit::unknown()).at(time_s)
     }
 
-    /// Takes a piece of what the tooth pulses of its wheel show, calibrated at the placard pressure
+    /// Takes a piece of its wheel's torsional analysis, calibrated at the placard pressure
     /// ([`TorsionWheel::push`](crate::torsion::TorsionWheel::push) gives it, of pulses up to the last sample's time). Pieces tell by how much the
     /// accelerations read too much, as far as the vehicle file leaves that open; what moves fast is left to the accelerations.
     ///

@@ -25,7 +25,7 @@ pub(super) struct Reading<T> {
 }
 
 impl<T: Real> Reading<T> {
-    /// Of what the Bayes filter believes.
+    /// By the Bayes filter's belief.
     pub(super) fn of(config: &CornerConfig<T>, belief: &Belief<T>) -> Self {
         Self {
             stiffness_n_per_m: config.tire.stiffness_n_per_m(belief.pressure_kpa),

@@ -251,7 +251,7 @@ impl<T: Real> Monitor<T> {
             self.decide(steadied(estimate, time_s), step_s.min(MISSING_S));
         }
         self.doubt(estimate);
-        // Without a valid time the age of what was learned is unknown.
+        // Without a valid time the age of an estimate is unknown.
         let latest_s = at.latest_s;
         for i in Corner::ALL {
             let of_both = (&mut estimate.corners[i], &mut self.report.wheels[i]);

@@ -201,8 +201,7 @@ impl<T: Real, S: WheelSensors<T>> MonitoredCar<T, S> {
         self.begin_calibration_at(seconds, &[T::one(); 4])
     }
 
-    /// The same at pressures that are known otherwise, each so much of what it should be. Accelerations are calibrated at placard
-    /// pressures alone.
+    /// The same where each tire has this share of its placard pressure, which only wheel speeds and pulses are calibrated at.
     ///
     /// # Errors
     /// As for [`begin_calibration`](Self::begin_calibration).
@@ -237,7 +236,7 @@ impl<T: Real, S: WheelSensors<T>> MonitoredCar<T, S> {
         }
     }
 
-    /// Takes the stiffness of a corner's tire that another source follows from the next sample on, in the place of what the corner's
+    /// Takes the stiffness of a corner's tire that another source follows from the next sample on, in place of what the corner's
     /// own frames show, until `None` is given.
     pub fn follow(&mut self, corner: Corner, stiffness: Option<OutsideStiffness<T>>) {
         self.estimator.follow(corner, stiffness);

@@ -83,7 +83,7 @@ impl<T: Real> MonitoredWheels<T> {
         self.begin_calibration_at(seconds, &[T::one(); 4])
     }
 
-    /// The same at pressures that are known otherwise: each is so much of what it should be.
+    /// The same where each tire has this share of its reference pressure.
     ///
     /// # Errors
     /// As for [`begin_calibration`](Self::begin_calibration).

@@ -94,7 +94,7 @@ impl<T: Real> CarTorsion<T> {
         self.begin_calibration_at(&[T::one(); 4]);
     }
 
-    /// The pressures are known from here on: each is so much of what it should be (0.2 to 5; anything else counts as 1).
+    /// The pressures are known from here on: each is this share of its reference (0.2 to 5; anything else counts as 1).
     pub fn begin_calibration_at(&mut self, pressure_share: &[T; 4]) {
         let above = self.above_kpa.iter_mut().zip(&self.reference_kpa).zip(pressure_share);
         for ((above, reference_kpa), share) in above {

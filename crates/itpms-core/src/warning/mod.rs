@@ -1,4 +1,4 @@
-//! When to warn of what: limits, pressures against them, and what is reported.
+//! Warnings: limits, pressures against them, and the report.
 
 mod alert;
 pub(crate) mod all_low;

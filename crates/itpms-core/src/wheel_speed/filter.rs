@@ -1,4 +1,4 @@
-//! Six hypotheses of what happens between two blocks, each with its Gaussian: nothing, one of four tires leaks, or the block is an
+//! Six hypotheses on the time between two blocks, each with its Gaussian: nothing, one of four tires leaks, or the block is an
 //! outlier (an interacting multiple model filter; `docs/math/wheel-speed.md`, eq. 3-8).
 
 use super::block::{Block, LEAST_NOISE};

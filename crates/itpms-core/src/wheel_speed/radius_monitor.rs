@@ -92,7 +92,7 @@ impl<T: Real> RadiusMonitor<T> {
     }
 
     /// Learns how the tires differ during so much usable driving in s (300 to 600; at least 10 are taken) at pressures that are known: each
-    /// is so much of what it should be (0.2 to 5; anything else counts as 1). An earlier calibration is forgotten.
+    /// is this share of its reference (0.2 to 5; anything else counts as 1). An earlier calibration is forgotten.
     /// A tire that is low at the calibration is reported as low from its end on.
     pub(crate) fn begin_calibration_at(&mut self, usable_s: T, pressure_share: &[T; 4]) {
         if !self.configured {

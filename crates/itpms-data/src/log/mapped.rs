@@ -49,7 +49,7 @@ fn recognized(
     let all_others = !names.iter().any(is_ours);
     match mapped(path, names, units, &SignalMap::default()) {
         Ok(header) if all_others || header.columns.motion.wheel_speeds() => Ok(header),
-        // What is missing is said in the table's own names.
+        // Missing columns are reported by the table's own names.
         Err(error) if all_others && names.iter().any(speaks) => Err(error),
         _ => Err(DataError::new(path, problem)),
     }

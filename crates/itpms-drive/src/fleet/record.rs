@@ -104,7 +104,7 @@ pub struct DamperRecord {
     pub over_reference: Option<f64>,
     /// Left over right of its axle, less one.
     pub left_right: Option<f64>,
-    /// How many drives in a row have said so, and whether it is reported.
+    /// Drives in a row that found it, and whether it is reported.
     #[serde(skip)]
     pub row: u32,
     /// See above.

@@ -1,6 +1,6 @@
 //! The socket: how long each connection may take over what. How many there are at once is the seats' business.
 //!
-//! Called by [`Server::start`](super::Server::start). Knows nothing of what is asked for.
+//! Called by [`Server::start`](super::Server::start). Knows no request.
 
 use std::io::{self, Write as _};
 use std::net::SocketAddr;
@@ -21,11 +21,11 @@ use crate::hub::Hub;
 
 /// Time for a request to be complete, and for a connection to stay without one.
 const REQUEST: Duration = Duration::from_secs(5);
-/// Time for a client to take something of what it asked for.
+/// Time for a client to take a part of its answer.
 const PATIENCE: Duration = Duration::from_secs(10);
 /// Bytes that wait in the system for one client; it doubles them. About five seconds of snapshots.
 const SEND_BUFFER: u32 = 64 * 1024;
-/// Bytes of a request, and of what is prepared for sending at once.
+/// Bytes of a request, and of an answer's piece that is prepared for sending at once.
 const REQUEST_BYTES: usize = 64 * 1024;
 
 /// Takes the address. To be called inside a runtime.

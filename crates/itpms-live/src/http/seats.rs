@@ -1,7 +1,7 @@
 //! Who is connected, and who has to make room: a seat per connection, few enough for one address that others get in, and none
 //! that someone silent keeps from someone who comes.
 //!
-//! Called by the socket beside it. Knows nothing of what is asked for.
+//! Called by the socket beside it. Knows no request.
 
 use std::net::IpAddr;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};

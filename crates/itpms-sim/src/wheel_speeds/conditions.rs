@@ -72,15 +72,15 @@ pub struct ConditionsSpec {
     pub trailer_drag_n_s2_per_m2: f64,
     /// Distance in km that the tires have rolled before the drive.
     pub odometer_km: f64,
-    /// Standard deviation among the tires of what the tread loses, as a share.
+    /// Standard deviation among the tires of the tread's loss, as a share.
     pub wear_spread: f64,
     /// How often in an hour a side of the car runs for 5 to 30 s on a softer and rougher strip.
     pub passing_per_h: f64,
-    /// Mean of what such a strip adds to a wheel's way, as a share.
+    /// Mean of such a strip's addition to a wheel's way, as a share.
     pub passing_way: f64,
     /// Error of the yaw rate's scale, as a share.
     pub yaw_scale: f64,
-    /// Standard deviation in rad/s of what its offset wanders by in ten minutes, beside the usual one.
+    /// Standard deviation in rad/s of its offset's wander in ten minutes, beside the usual one.
     pub yaw_drift_rad_s: f64,
     pub yaw_fault: YawFault,
 }

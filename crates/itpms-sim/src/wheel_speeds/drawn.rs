@@ -28,7 +28,7 @@ pub(crate) struct Drawn {
     pub(crate) tires: [Tire; 4],
     /// Force of each brake over what it should be.
     pub(crate) brakes: [f64; 4],
-    /// Amplitude and phase of what turns with each wheel.
+    /// Amplitude and phase of the line that turns with each wheel.
     pub(crate) out_of_round: [[f64; 2]; 4],
     pub(crate) yaw_offset_rad_s: f64,
     pub(crate) accel_offset_m_s2: [f64; 2],

@@ -22,7 +22,7 @@ pub enum DrivenWheels {
 pub struct WheelSpeedSpec {
     /// No accelerations are simulated beside them.
     pub alone: bool,
-    /// Seed of what differs from car to car; the drive's, if not given.
+    /// Seed of the differences from car to car; the drive's, if not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub car_seed: Option<u64>,
     pub driven: DrivenWheels,
@@ -59,7 +59,7 @@ pub struct WheelSpeedSpec {
     pub grade_sd: f64,
     pub cross_slope_sd: f64,
     pub wind_m_s: f64,
-    /// Standard deviation in m/s² of what the driver steers on a straight road.
+    /// Standard deviation in m/s² of the driver's steering on a straight road.
     pub steering_m_s2: f64,
     /// Standard deviation of a wheel's load on a class B road at 20 m/s, as a share of it.
     pub load_share: f64,
