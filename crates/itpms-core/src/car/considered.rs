@@ -9,9 +9,11 @@ use crate::model::{CarConfig, Corner, CornerConfig};
 use crate::real::Real;
 
 /// What a calibration leaves of the tires' levels, as shares of their stiffness, by the shapes in which errors come (all alike, left against right, front
-/// against rear, diagonals): tires are set to 3 kPa, and a car that differs from its file in more than one factor reads one road
-/// otherwise than another, mostly all tires alike and those of a side.
-const CALIBRATED_SDS: [f64; 4] = [0.015, 0.004, 0.0015, 0.002];
+/// against rear, diagonals): tires are set to 3 kPa, and roads differ.
+const CALIBRATED_SDS: [f64; 4] = [0.008, 0.004, 0.0015, 0.002];
+/// Share of what the vehicle file leaves open of all tires' mean that another road than the calibration's shows again: a car that differs from its file
+/// in more than one factor reads one road otherwise than another, all tires alike (measured on simulated cars; docs/math/unknown-car.md, section 4).
+const ROAD_DEPENDENT: f64 = 0.25;
 /// What a car may change besides between a calibration and a later day: load, speed and road, warmth and wear of tires and dampers.
 const BETWEEN_DAYS_SDS: [f64; 4] = [0.03, 0.016, 0.008, 0.0045];
 
@@ -20,11 +22,6 @@ fn covariance_of_shapes<T: Real>(sds: &[f64; 4], i: usize, j: usize) -> T {
     let (same_side, same_axle) = (i % 2 == j % 2, i / 2 == j / 2);
     let signs = [true, same_side, same_axle, same_side == same_axle];
     T::lit(sds.iter().zip(signs).map(|(sd, same)| if same { sd * sd } else { -sd * sd }).sum())
-}
-
-/// What another road may make of each pair of tires, as shares of their stiffnesses.
-pub(super) fn calibrated_covariance<T: Real>(i: usize, j: usize) -> T {
-    covariance_of_shapes(&CALIBRATED_SDS, i, j)
 }
 
 /// Covariance of the factors of the four corners, and the stiffnesses at placard pressure. See the [module](self).
@@ -90,12 +87,19 @@ impl<T: Real> Considered<T> {
         SMatrix::from_fn(|i, j| self.relative[(i, j)] * k[i] * k[j])
     }
 
+    /// What another road may make of a pair of tires once a calibration has set them, as shares of their stiffnesses.
+    pub(super) fn between_roads(&self, i: usize, j: usize) -> T {
+        let count = T::lit(self.per_kpa.iter().filter(|&&there| there > T::zero()).count().max(1) as f64);
+        let mean = self.relative.sum() / (count * count);
+        covariance_of_shapes::<T>(&CALIBRATED_SDS, i, j) + T::lit(ROAD_DEPENDENT * ROAD_DEPENDENT) * mean
+    }
+
     /// The same once a calibration has set them: a factor is an error of the change since then, not of the level.
     pub(super) fn calibrated(&self, stiffness_n_per_m: &SVector<T, 4>) -> SMatrix<T, 4, 4> {
         let change = stiffness_n_per_m - self.placard_n_per_m;
         let k = stiffness_n_per_m;
         SMatrix::from_fn(|i, j| {
-            self.relative[(i, j)] * change[i] * change[j] + calibrated_covariance::<T>(i, j) * k[i] * k[j]
+            self.relative[(i, j)] * change[i] * change[j] + self.between_roads(i, j) * k[i] * k[j]
         })
     }
 
@@ -149,6 +153,11 @@ mod tests {
         assert!((typical().mean_sd_kpa() - 326.6 * mean).abs() < 0.1);
     }
 
+    /// A quarter of what the typical file leaves open of the mean, of which each tire's own is a quarter of its variance and an axle's a half.
+    fn road_dependent() -> f64 {
+        0.0625 * (0.04f64.powi(2) + 0.03f64.powi(2) / 2.0 + 0.018f64.powi(2) + 0.024f64.powi(2) / 4.0)
+    }
+
     #[test]
     fn a_ratio_that_is_known_counts_for_mass_and_tire() {
         let stiffness = SVector::repeat(713.91 * 241.3 + 60_880.0);
@@ -172,8 +181,9 @@ mod tests {
         let placard = 713.91 * 241.3 + 60_880.0;
         let stiffness = SVector::repeat(placard);
         let covariance = typical().stored(&stiffness) / (placard * placard);
-        let [mean, side, axle, warp] = [(0.015, 0.03), (0.004, 0.016), (0.0015, 0.008), (0.002, 0.0045)]
+        let [mean, side, axle, warp] = [(0.008, 0.03), (0.004, 0.016), (0.0015, 0.008), (0.002, 0.0045)]
             .map(|(a, b): (f64, f64)| a * a + b * b);
+        let mean = mean + road_dependent();
         assert!((covariance[(2, 2)] - (mean + side + axle + warp)).abs() < 1e-12);
         assert!((covariance[(0, 3)] - (mean - side - axle + warp)).abs() < 1e-12);
         assert!((covariance[(0, 2)] - (mean + side - axle - warp)).abs() < 1e-12);
@@ -195,7 +205,8 @@ mod tests {
         let mut stiffness = SVector::repeat(placard);
         let considered = typical();
         let level = considered.calibrated(&stiffness)[(1, 1)].sqrt();
-        let left = (0.015f64.powi(2) + 0.004f64.powi(2) + 0.0015f64.powi(2) + 0.002f64.powi(2)).sqrt();
+        let shapes = 0.008f64.powi(2) + 0.004f64.powi(2) + 0.0015f64.powi(2) + 0.002f64.powi(2);
+        let left = (shapes + road_dependent()).sqrt();
         assert!((level / placard - left).abs() < 1e-12);
         // 48 kPa down: 5.83 % of them.
         stiffness[1] -= 48.0 * 713.91;

@@ -3,7 +3,7 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use super::considered::{Considered, calibrated_covariance};
+use super::considered::Considered;
 use super::fusion::FusedLosses;
 use crate::model::{Corner, Loss};
 use crate::real::Real;
@@ -34,7 +34,7 @@ impl<T: Real> Considered<T> {
         let errors: SMatrix<T, 4, 4> = SMatrix::from_fn(|i, j| {
             let now = |i: usize| kpa(i, level_n_per_m[i] - lost_n_per_m[i]);
             kpa(i, T::one()) * kpa(j, T::one()) * covariance[(i, j)]
-                + calibrated_covariance::<T>(i, j) * now(i) * now(j)
+                + self.between_roads(i, j) * now(i) * now(j)
         });
         let variance = |weights: &SVector<T, 4>| weights.dot(&(errors * weights)).max(T::zero());
         let losses = core::array::from_fn(|i| {
