@@ -86,7 +86,7 @@ fn resumed() {
     assert_eq!(plain(&[first, second].concat()), plain(&all));
     // The estimator itself, every bit of it, is in the state.
     let car = |bytes: &[u8]| SavedDrive::parse(bytes, &Vehicle::paper(), &options).unwrap();
-    assert_eq!(format!("{:?}", car(&last).car()), format!("{:?}", car(&last_again).car()));
+    assert_eq!(format!("{:?}", car(&last).drive()), format!("{:?}", car(&last_again).drive()));
 }
 
 #[test]
@@ -205,8 +205,10 @@ fn refused() {
     let mut other = vehicle.clone();
     other.corners[0].as_mut().unwrap().placard_kpa = 250.0;
     assert!(refusal(&bytes, &other).contains("with another id or other parameters"));
-    let regulation = itpms_core::warning::Regulation::ALL.into_iter().find(|r| *r != options.regulation);
-    let others = DriveOptions { regulation: regulation.unwrap(), ..options.clone() };
+    let regulation =
+        itpms_core::warning::Regulation::ALL.into_iter().find(|r| *r != options.settings.regulation);
+    let mut others = options.clone();
+    others.settings.regulation = regulation.unwrap();
     assert!(SavedDrive::parse(&bytes, &vehicle, &others).unwrap_err().contains("was made with"));
     assert!(SavedDrive::parse(&bytes, &vehicle, &options).is_ok());
 }
