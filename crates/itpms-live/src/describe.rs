@@ -56,7 +56,7 @@ fn known(value: f64) -> Option<f64> {
 /// Why a wheel is not known, if it is not.
 fn doubt(state: WheelState) -> Option<&'static str> {
     match state {
-        WheelState::Unknown(doubt) => Some(doubt_label(doubt)),
+        WheelState::Unknown(doubt) => Some(doubt.label()),
         _ => None,
     }
 }
@@ -100,17 +100,6 @@ fn wheel(drive: &LiveDrive, vehicle: &Vehicle, corner: Corner) -> Option<Wheel> 
         iri_m_per_km: drive.roughness.iri_m_per_km[i],
         tire_sensor_kpa: known(drive.beside.sent_kpa()[i]),
     })
-}
-
-fn doubt_label(doubt: Doubt) -> &'static str {
-    match doubt {
-        Doubt::Starting => "starting",
-        Doubt::NoInformation => "no-information",
-        Doubt::Uncertain => "uncertain",
-        Doubt::Suspicion => "suspicion",
-        Doubt::Misfit => "misfit",
-        Doubt::Standing => "standing",
-    }
 }
 
 pub(crate) fn tracks(drive: &LiveDrive) -> Vec<Track> {
