@@ -1,6 +1,5 @@
 //! CAN logs that are damaged in every way: cut at random places, bytes changed, or noise from the start. Never a panic,
 //! never more frames than the bytes can hold, an error or a reading that says what it left out.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests may fail as tests do")]
 
 use std::fs;
 use std::path::Path;

@@ -1,5 +1,4 @@
 //! Whatever is in a DBC file or a frame: an answer, no panic; and what is encoded decodes to the same.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use std::fmt::Write as _;
 

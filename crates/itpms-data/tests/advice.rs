@@ -1,6 +1,5 @@
 //! Every piece of advice, followed, works: the map that is written reads the log it was written of; what a remark or a refusal says to
 //! put into a map is accepted; and refusals are short.
-#![allow(clippy::unwrap_used, reason = "a test ends where something is wrong")]
 
 use std::fmt::Write as _;
 use std::fs;

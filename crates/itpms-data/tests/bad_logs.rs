@@ -1,5 +1,4 @@
 //! Every way in which a drive log can be wrong, and the sentence it earns.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use std::fmt::Write as _;
 use std::fs;

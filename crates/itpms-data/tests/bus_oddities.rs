@@ -1,7 +1,6 @@
 //! CAN logs as buses make them: values that mean "none", messages that never come, frames that come twice, stamps before a trigger, one signal in two
 //! places. Each gives the rows of its plain twin.
 #![cfg(feature = "can")]
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use std::fmt::Write as _;
 use std::fs;

@@ -1,6 +1,5 @@
 //! MCAP out, read back by the format's own crate.
 #![cfg(feature = "mcap")]
-#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests may fail as tests do")]
 
 use std::collections::BTreeMap;
 use std::fs;

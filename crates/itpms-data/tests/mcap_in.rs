@@ -1,6 +1,5 @@
 //! MCAP in: JSON, ROS 1, ROS 2 and protobuf, each message made by hand or by the crate of its format.
 #![cfg(feature = "mcap")]
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use std::collections::BTreeMap;
 use std::fs;

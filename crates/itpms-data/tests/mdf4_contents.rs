@@ -1,7 +1,6 @@
 //! What of an MDF4 file is a signal: formulas, clocks in other units, stretches of one recording; and that what cannot be read is named with
 //! its reason, by the list and by the refusal. Files of ours, changed at the block that the case is about.
 #![cfg(feature = "mdf4")]
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,5 +1,4 @@
 //! Text behind gzip whose end is missing, padded or without an end; and what lies beside the parts of a table.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use std::fs;
 use std::io::Write as _;

@@ -1,7 +1,6 @@
 //! Every type and codec of Parquet that holds numbers or times is read as those, and a folder of part files as one table. That what
 //! pyarrow, polars and DuckDB write is read, too, `.ci/parquet_judge.py` checks.
 #![cfg(feature = "parquet")]
-#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests may fail as tests do")]
 
 use std::fs::{self, File};
 use std::path::Path;

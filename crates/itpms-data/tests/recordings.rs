@@ -1,6 +1,5 @@
 //! One recording, however a logger or a person has laid it down: each table gives the rows of its plain twin. Two recordings in one are
 //! refused, and what the refusal says, followed, gives the twin's rows.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests may fail as tests do")]
 
 mod made;
 

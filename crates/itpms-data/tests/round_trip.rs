@@ -1,6 +1,5 @@
 //! Logs and results through files and back.
 #![cfg(feature = "parquet")]
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use std::fs;
 use std::path::Path;

@@ -1,7 +1,6 @@
 //! The order of the stamps is the order of the data: tables, bus logs and MDF4 files whose order, clocks or stamps are odd give the rows of
 //! their plain twins, or one sentence.
 #![cfg(all(feature = "can", feature = "mdf4"))]
-#![allow(clippy::unwrap_used, reason = "a test ends where something is wrong")]
 
 use std::fmt::Write as _;
 use std::fs;

@@ -1,5 +1,4 @@
 //! Text tables as programs of many kinds write them: each has to give the very rows of its plain twin.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests may fail as tests do")]
 
 use std::fs::{self, File};
 use std::io::Write as _;

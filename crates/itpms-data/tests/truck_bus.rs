@@ -1,6 +1,5 @@
 //! A truck's bus (SAE J1939): wheel speeds as differences from the front axle's (EBC2) or one by one (HRW), and tires by their location (TIRE).
 #![cfg(feature = "can")]
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use std::fmt::Write as _;
 

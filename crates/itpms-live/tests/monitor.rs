@@ -1,7 +1,4 @@
 //! The estimating thread: it says when nothing comes, goes on bit by bit from a saved state, and waits for no output.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail like tests")]
-
-use crate::common;
 
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -9,7 +6,6 @@ use std::sync::{Arc, Mutex, mpsc};
 use std::thread;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-use common::{rows, say, snapshot, transition, with_large_stack};
 use itpms_core::model::Corner;
 use itpms_data::can::{CanFrame, CanId};
 use itpms_data::dbc::{Dbc, Decoder};
@@ -24,6 +20,8 @@ use itpms_live::output::{JsonLines, WhenSlow};
 use itpms_live::queue::Queue;
 use itpms_live::snapshot::SourceState;
 use itpms_live::state::SavedDrive;
+
+use crate::common::{rows, say, snapshot, transition, with_large_stack};
 
 fn engine(saved: Option<SavedDrive>) -> Engine {
     let source = SourceName { name: "test".to_owned(), kind: "replay" };

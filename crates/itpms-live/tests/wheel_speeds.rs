@@ -1,5 +1,4 @@
 //! A source with wheel speeds alone: the live monitor names the tire that lost air, and goes on with a saved state.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use std::path::PathBuf;
 

@@ -1,5 +1,4 @@
 //! Cold pressures from outside: a simulated drive in the cold, its tires warmed by driving, with and without what the car says of the air.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use serde_json::Value;
 

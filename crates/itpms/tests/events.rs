@@ -1,10 +1,8 @@
 //! `itpms estimate --events`: what the monitor says of a drive, line by line, and that `est.csv` says the same.
-#![allow(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
-use crate::common;
-
-use common::Bench;
 use serde_json::Value;
+
+use crate::common::Bench;
 
 /// The puncture at 200 Hz, which is as much as the monitor needs.
 fn puncture() -> String {

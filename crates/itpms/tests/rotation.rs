@@ -1,5 +1,4 @@
 //! What turns with the wheels, from outside: imbalances that are put in, found by `itpms estimate`.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use serde_json::Value;
 

@@ -1,5 +1,4 @@
 //! Simulated wheel speeds from the scenario to what is reported of them.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use serde_json::Value;
 

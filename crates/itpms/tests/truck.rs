@@ -1,5 +1,4 @@
 //! A truck's bus from outside (SAE J1939): wheel speeds of EBC2 and tire sensors of TIRE into events, summary and report.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use std::fmt::Write as _;
 

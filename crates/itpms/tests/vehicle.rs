@@ -1,9 +1,6 @@
 //! `itpms vehicle`: a file of typical values that every command takes, and what a file says.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
-use crate::common;
-
-use common::Bench;
+use crate::common::Bench;
 
 const INIT: &str = "vehicle init --mass 1500 --front-share 0.55 --tire 205/55R16 --wheelbase-m 2.7";
 

@@ -1,10 +1,8 @@
 //! `itpms vehicle learn`: a file that is better for a drive whose pressures are known.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
-use crate::common;
-
-use common::Bench;
 use serde_json::Value;
+
+use crate::common::Bench;
 
 const INIT: &str =
     "vehicle init --mass 1500 --front-share 0.55 --tire 205/55R16 --wheelbase-m 2.7 -o car.toml";

@@ -1,10 +1,7 @@
 //! `itpms-lab faults`: the faults that take nothing.
 #![cfg(unix)]
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
-use crate::common;
-
-use common::Bench;
+use crate::common::Bench;
 
 #[test]
 fn faults_are_tried_and_take_nothing() {

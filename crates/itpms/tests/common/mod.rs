@@ -1,5 +1,4 @@
 //! Runs the program as a user does: arguments in; exit code, two streams and files out.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests may fail as tests do")]
 #![allow(dead_code, reason = "every test file uses its own part")]
 
 #[cfg(target_os = "linux")]
