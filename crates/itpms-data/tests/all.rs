@@ -6,6 +6,7 @@
 mod advice;
 mod bad_logs;
 mod bus_oddities;
+mod common;
 mod dbc;
 mod drive_frames;
 mod foreign_parquet;

@@ -7,17 +7,11 @@ use std::path::Path;
 use itpms_core::model::{Corner, CornerEstimate, Diagnostics, Level, Loss, Validity, Warning};
 use itpms_core::warning::{Doubt, WheelState};
 use itpms_data::log::{AirColumns, CornerColumns, LogColumns, LogCorner, LogMotion, UnitCheck};
-use itpms_data::out::{EstimateWriter, LogWriter, RoadPoint, RoadWriter, WheelSpeedUse};
+use itpms_data::out::{EstimateWriter, RoadPoint, RoadWriter, WheelSpeedUse};
 use itpms_data::{DataError, LogReader, LogRow};
 use proptest::prelude::*;
 
-fn write(path: &Path, columns: LogColumns, rows: &[LogRow]) {
-    let mut writer = LogWriter::create(path, columns).unwrap();
-    for row in rows {
-        writer.write(row).unwrap();
-    }
-    writer.finish().unwrap().commit().unwrap();
-}
+use crate::common::write_log;
 
 fn read(path: &Path) -> (LogColumns, Vec<LogRow>) {
     let mut log = LogReader::open_with(path, &UnitCheck::Trusting.into()).unwrap();
@@ -82,12 +76,12 @@ proptest! {
             ],
             ..LogColumns::default()
         };
-        write(&first, columns, &rows);
+        write_log(&first, columns, &rows);
         for (from, to) in [(&first, &middle), (&middle, &last)] {
             let (columns_read, rows_read) = read(from);
             prop_assert_eq!(columns_read, columns);
             prop_assert_eq!(rows_read.iter().map(bits).collect::<Vec<_>>(), rows.iter().map(bits).collect::<Vec<_>>());
-            write(to, columns_read, &rows_read);
+            write_log(to, columns_read, &rows_read);
         }
         prop_assert_eq!(fs::read(&first).unwrap(), fs::read(&last).unwrap());
     }
@@ -121,7 +115,7 @@ fn a_long_drive_crosses_row_groups_and_batches() {
             motion: LogMotion::UNKNOWN,
         })
         .collect();
-    write(&path, columns, &rows);
+    write_log(&path, columns, &rows);
     let mut log = LogReader::open(&path).unwrap();
     for row in &rows {
         assert_eq!(bits(&log.next_row().unwrap().unwrap()), bits(row));
