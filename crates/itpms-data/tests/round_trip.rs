@@ -7,7 +7,7 @@ use std::path::Path;
 use itpms_core::model::{Corner, CornerEstimate, Diagnostics, Level, Loss, Validity, Warning};
 use itpms_core::warning::{Doubt, WheelState};
 use itpms_data::log::{AirColumns, CornerColumns, LogColumns, LogCorner, LogMotion, UnitCheck};
-use itpms_data::out::{EstimateWriter, RoadPoint, RoadWriter, WheelSpeedUse};
+use itpms_data::out::{EstimateRow, EstimateWriter, RoadPoint, RoadWriter, WheelSpeedUse};
 use itpms_data::{DataError, LogReader, LogRow};
 use proptest::prelude::*;
 
@@ -175,10 +175,11 @@ fn estimates_have_the_promised_columns_and_words() {
     let low = CornerEstimate { loss: Some(loss), ..estimate(180.5, Validity::Valid, Warning::Low) };
     let broken = estimate(f64::NAN, Validity::BadSignal, Warning::Malfunction);
     let states = [Some(WheelState::Low), None, None, Some(WheelState::Unknown(Doubt::Uncertain))];
-    writer.write(0.1, &[Some(low), None, None, None], &states, None).unwrap();
-    writer
-        .write(0.2, &[Some(low), None, None, Some(broken)], &[Some(WheelState::Malfunction); 4], None)
-        .unwrap();
+    let mut write = |time_s, estimates: [_; 4], states: [_; 4]| {
+        writer.write(&EstimateRow { time_s, estimates: &estimates, states: &states, radii: None }).unwrap();
+    };
+    write(0.1, [Some(low), None, None, None], states);
+    write(0.2, [Some(low), None, None, Some(broken)], [Some(WheelState::Malfunction); 4]);
     let file = writer.finish().unwrap();
     assert!(!path.exists());
     file.commit().unwrap();
@@ -217,7 +218,8 @@ fn a_full_disk_is_reported_by_name_in_both_formats() {
                 EstimateWriter::create(path, &Corner::ALL, WheelSpeedUse::None, AirColumns::default())?;
             for i in 0..5000 {
                 let e = Some(estimate(f64::from(i).sqrt(), Validity::Valid, Warning::None));
-                writer.write(f64::from(i), &[e; 4], &[None; 4], None)?;
+                let (time_s, estimates, states) = (f64::from(i), &[e; 4], &[None; 4]);
+                writer.write(&EstimateRow { time_s, estimates, states, radii: None })?;
             }
             Ok::<_, DataError>(writer.finish()?.commit()?)
         };

@@ -44,8 +44,7 @@ fn with_air(bench: &Bench, columns: &[(&str, &str)]) {
 }
 
 fn json(bench: &Bench, more: &str) -> Value {
-    let outcome = bench.run(&format!("estimate drive.csv --vehicle car.toml --json {more}"));
-    serde_json::from_str(outcome.success()).unwrap()
+    bench.json(&format!("estimate drive.csv --vehicle car.toml --json {more}"))
 }
 
 #[test]

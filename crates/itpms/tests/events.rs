@@ -16,7 +16,7 @@ fn estimated(bench: &Bench, scenario: &str, options: &str) -> Vec<Value> {
     bench.run("simulate scenario.toml --seed 1 -o drive.csv --vehicle-out car.toml").success();
     let line = format!("estimate drive.csv --vehicle car.toml -o est.csv --events events.jsonl {options}");
     bench.run(&line).success();
-    bench.read("events.jsonl").lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+    bench.json_lines("events.jsonl")
 }
 
 /// Times in s at which a column of `est.csv` holds a text.

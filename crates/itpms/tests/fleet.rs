@@ -116,7 +116,7 @@ fn a_dozen_drives_are_what_estimate_makes_of_each_and_three_fail() {
         let line = format!(
             "estimate {name} --vehicle cars/{car}.toml {how} -o all.csv --rate 200 --report r.html --json"
         );
-        let json: Value = serde_json::from_str(bench.run(&line).success()).unwrap();
+        let json: Value = bench.json(&line);
         bench.run(&format!("estimate {name} --vehicle cars/{car}.toml {how} -o est.csv")).success();
         assert_eq!(bench.read(&format!("out/estimates/{name}.csv")), bench.read("est.csv"), "{name}");
         for row in fleet.iter().filter(|row| row["file"] == name) {

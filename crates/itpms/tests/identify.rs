@@ -15,7 +15,7 @@ fn bench() -> Bench {
 }
 
 fn json(bench: &Bench, line: &str) -> serde_json::Value {
-    serde_json::from_str(bench.run(&format!("{line} --json")).success()).unwrap()
+    bench.json(&format!("{line} --json"))
 }
 
 fn within(estimate: &serde_json::Value, truth: f64) {

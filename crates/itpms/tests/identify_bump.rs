@@ -118,7 +118,7 @@ fn accelerations(rows: &Rows) -> String {
 }
 
 fn identified(bench: &Bench, line: &str) -> Value {
-    serde_json::from_str(bench.run(&format!("identify bump {line} --json")).success()).unwrap()
+    bench.json(&format!("identify bump {line} --json"))
 }
 
 fn masses(drop: &Drop) -> String {

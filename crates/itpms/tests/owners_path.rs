@@ -93,7 +93,7 @@ fn follow(car: &Car) {
     bench.run(&format!("estimate first.csv --vehicle car.toml -o est.csv {calibrate}")).success();
 
     let later = "estimate later.csv --vehicle car.toml -o est.csv --reference car.reference --json -q";
-    let later: Value = serde_json::from_str(bench.run(later).success()).unwrap();
+    let later: Value = bench.json(later);
     let corner = |corner: &str| &later["corners"][corner];
     let fl = corner("fl");
     assert_eq!(fl["state"], "low", "{later}");

@@ -64,8 +64,7 @@ fn a_drive_at_a_known_pressure_teaches_the_file() {
         assert!(text.contains(part), "{text}");
     }
     let sd = |file: &str| {
-        let shown: Value =
-            serde_json::from_str(bench.run(&format!("vehicle show {file} --json")).success()).unwrap();
+        let shown: Value = bench.json(&format!("vehicle show {file} --json"));
         shown["corners"]["rl"]["derived"]["uncalibrated_pressure_sd_kpa"].as_f64().unwrap()
     };
     assert!(sd("car.toml") > 50.0 && sd("learned.toml") < 10.0, "{} {}", sd("car.toml"), sd("learned.toml"));

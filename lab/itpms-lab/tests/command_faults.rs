@@ -6,8 +6,7 @@ use crate::common::Bench;
 #[test]
 fn faults_are_tried_and_take_nothing() {
     let bench = Bench::new();
-    let outcome = bench.run("--quiet faults --effort 5 --json");
-    let value: serde_json::Value = serde_json::from_str(outcome.success()).unwrap();
+    let value: serde_json::Value = bench.json("--quiet faults --effort 5 --json");
     let faults = value["faults"].as_array().unwrap();
     assert_eq!(faults.len(), 11);
     for fault in faults {

@@ -25,7 +25,7 @@ fn hours(bench: &Bench) -> Vec<Value> {
 #[test]
 fn six_minutes_are_driven_and_added_up() {
     let bench = Bench::new();
-    let sums: Value = serde_json::from_str(bench.run(&format!("{LINE} --json")).success()).unwrap();
+    let sums: Value = bench.json(&format!("{LINE} --json"));
     assert_eq!(sums["drives"], 6);
     assert!((sums["hours"].as_f64().unwrap() - 0.1).abs() < 1e-9);
     let seeds: Vec<u64> = hours(&bench).iter().map(|hour| hour["seed"].as_u64().unwrap()).collect();
