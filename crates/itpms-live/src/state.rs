@@ -174,7 +174,5 @@ impl SavedDrive {
 
 /// Writes the bytes of a state. Killed or without power at any moment, the file is the one before or this, whole.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), LiveError> {
-    let mut file = AtomicFile::create(path)?;
-    file.append(bytes)?;
-    Ok(file.commit()?)
+    Ok(AtomicFile::save(path, bytes)?)
 }

@@ -8,7 +8,6 @@ use itpms_core::warning::Change;
 use itpms_data::log::PositionColumns;
 use itpms_data::out::{EstimateRow, RateGate, transition_object};
 use itpms_data::{LogReader, LogRow};
-use itpms_drive::drive::Estimates;
 use itpms_drive::fleet::wheels::{Begun, wheels};
 use itpms_drive::reference::Saving;
 use itpms_drive::{

@@ -4,7 +4,6 @@ use itpms_core::model::{Corner, Level, Warning};
 use itpms_data::out::{
     COLD_COLUMNS, Cell, EstimateRow, Kind, RadiusRow, WheelSpeedUse, cold_values, state_label,
 };
-use itpms_drive::Estimates;
 
 use crate::columns::{Columns, Words};
 
