@@ -56,7 +56,7 @@ pub fn estimate_in_pipeline(
         scope.spawn(move || read(log, &to_estimator));
         let recording = scope.spawn(move || follow(&steps, &empty, record, sink));
         let estimated = work((&mut drive, &mut pulses), job, rows, to_record, &emptied, watch);
-        // What went wrong with an earlier row comes first.
+        // The error of an earlier row comes first.
         recording.join().unwrap_or_else(|panic| resume_unwind(panic)).and(estimated)
     })?;
     conclude(log, job, (drive, &pulses), record, sink, watch)

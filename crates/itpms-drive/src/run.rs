@@ -28,7 +28,7 @@ use crate::wheel_speeds::{YawFault, wheel_speed_use};
 /// Rows between two looks at whoever may want to stop or to know how far it is.
 pub(crate) const ROWS_PER_LOOK: u64 = 1024;
 
-/// Who gets the results of a drive as they come.
+/// Receiver of a drive's results as they come.
 pub trait Sink {
     /// A row of the log, and what is known after it. Errors: the sink's own; they end the drive.
     fn row(&mut self, row: &LogRow, known: &EstimateRow<'_>) -> Result<(), DriveError>;

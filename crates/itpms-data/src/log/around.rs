@@ -1,7 +1,7 @@
-//! What a car says of its surroundings: the air around it, and where it is.
+//! Measurements of the car's surroundings: the air around it, and its position.
 
 itpms_core::labelled! {
-    /// What a car says of the air around it; for cold pressures.
+    /// Measurements of the air around the car; for cold pressures.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
     pub enum AirField {
         Temperature = "ambient_temperature_c",
@@ -49,7 +49,7 @@ itpms_core::labelled! {
 }
 
 itpms_core::labelled! {
-    /// What the car's own axle load sensors say, with the unsprung masses.
+    /// Loads of the car's own axle sensors, unsprung masses included.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
     pub enum AxleField {
         Front = "front_axle_kg",

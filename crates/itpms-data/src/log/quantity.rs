@@ -1,4 +1,4 @@
-//! What a column of a drive log measures, and in which unit.
+//! Physical quantity and unit of a drive log's column.
 
 use super::around::AirField;
 use super::slot::{Field, Motion, Slot};

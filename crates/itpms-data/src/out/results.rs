@@ -14,7 +14,7 @@ use super::wheel_speeds::{RadiusRow, WheelSpeedUse};
 use crate::error::DataError;
 use crate::log::AirColumns;
 
-/// What is known after a row of a log.
+/// Estimates and states after a row of a log.
 #[derive(Debug, Clone, Copy)]
 pub struct EstimateRow<'a> {
     pub time_s: f64,
@@ -113,7 +113,7 @@ impl EstimateColumns {
 /// The columns of a cold pressure, without their corner.
 pub const COLD_COLUMNS: [&str; 2] = ["cold_pressure_kpa", "cold_pressure_sd_kpa"];
 
-/// What is in them, in kPa; NaN where it is not known.
+/// Their values in kPa; NaN where unknown.
 pub fn cold_values(estimate: &CornerEstimate<f64>) -> [f64; 2] {
     estimate.cold.map_or([f64::NAN; 2], |cold| [cold.pressure_kpa, cold.sd_kpa])
 }

@@ -251,7 +251,7 @@ fn wheel_cell(drive: &DriveRecord, name: &str, unit: PressureUnit) -> String {
     )
 }
 
-/// What would have been found of a wheel, by wheel speeds.
+/// Detectable loss of a wheel, by wheel speeds.
 fn shows(lost: Loss) -> String {
     match (100.0 * lost.detectable).ceil() {
         percent if percent <= 90.0 => format!("{percent:.0} % would show"),
