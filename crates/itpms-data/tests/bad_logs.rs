@@ -246,7 +246,7 @@ fn accelerations_in_g_unless_the_user_insists() {
     let bench = Bench::new();
     let path = bench.write(
         "drive.csv",
-        &drive(1000, |_, text| {
+        drive(1000, |_, text| {
             let cells: Vec<f64> = text.split(',').map(|cell| cell.parse().unwrap()).collect();
             *text = format!("{},{},{},{}", cells[0], cells[1], 1.0 + cells[2] / 9.81, 1.0 + cells[3] / 9.81);
         }),
@@ -265,7 +265,7 @@ fn small_flaws_are_repaired_and_counted() {
     let bench = Bench::new();
     let path = bench.write(
         "drive.csv",
-        &drive(6000, |line, text| match line {
+        drive(6000, |line, text| match line {
             10 => *text = format!("-1{}", &text[text.find(',').unwrap()..]),
             20 => *text = format!("0.17{}", &text[text.find(',').unwrap()..]),
             30 => *text = "0.28,,,".to_owned(),
