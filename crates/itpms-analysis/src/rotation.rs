@@ -68,29 +68,18 @@ pub struct TurningWheel {
     pub friction_n: f64,
 }
 
-/// What is known of a wheel's force once per turn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum RotationState {
-    /// Too little was driven above 40 km/h.
-    #[default]
-    Slow,
-    /// No force stands out of the road.
-    NoLine,
-    Found,
-    /// It has risen in this drive.
-    Rising,
-}
-
-impl RotationState {
-    /// The word in files.
-    #[must_use]
-    pub fn label(self) -> &'static str {
-        match self {
-            RotationState::Slow => "slow",
-            RotationState::NoLine => "no-line",
-            RotationState::Found => "found",
-            RotationState::Rising => "rising",
-        }
+itpms_core::labelled! {
+    /// What is known of a wheel's force once per turn.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+    pub enum RotationState {
+        /// Too little was driven above 40 km/h.
+        #[default]
+        Slow = "slow",
+        /// No force stands out of the road.
+        NoLine = "no-line",
+        Found = "found",
+        /// It has risen in this drive.
+        Rising = "rising",
     }
 }
 

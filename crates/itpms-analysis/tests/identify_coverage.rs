@@ -3,7 +3,6 @@
 //!
 //! The share that is accepted is 91 to 99 %: for a true 95 % over 400 tests the binomial standard deviation is 1.1 %, so
 //! an honest standard error fails here less than once in a thousand seeds' sets, and one that is 15 % too small is caught.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use crate::part_bench;
 

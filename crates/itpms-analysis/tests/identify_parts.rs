@@ -1,5 +1,4 @@
 //! Identification of springs, dampers and tires: known answers, what is reported beside them, what is refused.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use crate::part_bench;
 

@@ -1,5 +1,4 @@
 //! Dampers and load on the page, as a reader's browser gets it.
-#![allow(clippy::unwrap_used, reason = "what a test calls may fail like the test")]
 
 use crate::synthetic::{self, Drive};
 

@@ -1,6 +1,5 @@
 //! CAN logs that are damaged in every way: cut at random places, bytes changed, or noise from the start. Never a panic,
 //! never more frames than the bytes can hold, an error or a reading that says what it left out.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests may fail as tests do")]
 
 use std::fs;
 use std::path::Path;
@@ -9,12 +8,12 @@ use itpms_can_log::{FrameKind, FrameReader, candump};
 use proptest::prelude::*;
 
 /// A small generator with a published sequence (Numerical Recipes' LCG), so that no test depends on a library's stream.
-struct Lcg(u64);
+pub(crate) struct Lcg(pub(crate) u64);
 
 impl Lcg {
-    fn below(&mut self, most: usize) -> usize {
+    pub(crate) fn below(&mut self, most: usize) -> usize {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        ((self.0 >> 33) as usize) % most
+        ((self.0 >> 33) as usize) % most.max(1)
     }
 }
 

@@ -1,5 +1,4 @@
 //! DBC files by hand, with values by hand: both byte orders, signs, floats, multiplexing, long identifiers, CAN FD, and what is broken.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use std::path::Path;
 

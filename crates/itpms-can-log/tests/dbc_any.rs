@@ -1,10 +1,11 @@
 //! Whatever is in a DBC file or a frame: an answer, no panic; and what is encoded decodes to the same.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use std::fmt::Write as _;
 
 use itpms_can_log::dbc::{Dbc, Kind, Message};
 use proptest::prelude::*;
+
+use crate::damage::Lcg;
 
 const CAR: &[u8] = include_bytes!("../../../examples/can/car.dbc");
 /// What car.dbc has not: multiplexing, floats, long identifiers, CAN FD, attributes.
@@ -23,19 +24,6 @@ fn exercise(bytes: &[u8], data: &[u8]) {
     dbc.problems().iter().for_each(|problem| assert!(problem.to_string().len() < 2000));
 }
 
-/// A small generator of its own, so that a seed means the same for ever (Steele's SplitMix64).
-struct Dice(u64);
-
-impl Dice {
-    fn roll(&mut self, below: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) % below.max(1) as u64) as usize
-    }
-}
-
 #[rustfmt::skip]
 const PIECES: [&[u8]; 24] = [
     b"\"", b";", b"\n", b" ", b"M ", b"m0 ", b"m1M ", b"BO_ ", b" SG_ ", b"VAL_ ", b"SG_MUL_VAL_ ", b"SIG_VALTYPE_ ", b"CM_ ",
@@ -43,26 +31,26 @@ const PIECES: [&[u8]; 24] = [
 ];
 
 /// One to eight changes: bits, pieces put in, stretches taken out or repeated, or the end cut off.
-fn mutated(original: &[u8], dice: &mut Dice) -> Vec<u8> {
+fn mutated(original: &[u8], dice: &mut Lcg) -> Vec<u8> {
     let mut bytes = original.to_vec();
-    for _ in 0..=dice.roll(8) {
-        let at = dice.roll(bytes.len());
-        let end = (at + 1 + dice.roll(60)).min(bytes.len());
-        match dice.roll(6) {
-            0 if at < bytes.len() => bytes[at] ^= 1 << dice.roll(8),
+    for _ in 0..=dice.below(8) {
+        let at = dice.below(bytes.len());
+        let end = (at + 1 + dice.below(60)).min(bytes.len());
+        match dice.below(6) {
+            0 if at < bytes.len() => bytes[at] ^= 1 << dice.below(8),
             1 => {
-                bytes.splice(at..at, PIECES[dice.roll(PIECES.len())].iter().copied());
+                bytes.splice(at..at, PIECES[dice.below(PIECES.len())].iter().copied());
             }
             2 => {
                 bytes.drain(at..end);
             }
             3 => {
                 let stretch = bytes[at..end].to_vec();
-                let to = dice.roll(bytes.len());
+                let to = dice.below(bytes.len());
                 bytes.splice(to..to, stretch);
             }
-            4 if at < bytes.len() => bytes[at] = b"0123456789"[dice.roll(10)],
-            5 if dice.roll(20) == 0 => bytes.truncate(at),
+            4 if at < bytes.len() => bytes[at] = b"0123456789"[dice.below(10)],
+            5 if dice.below(20) == 0 => bytes.truncate(at),
             _ => {}
         }
     }
@@ -71,11 +59,11 @@ fn mutated(original: &[u8], dice: &mut Dice) -> Vec<u8> {
 
 #[test]
 fn ten_thousand_mutated_files() {
-    let mut dice = Dice(1);
+    let mut dice = Lcg(1);
     let data: Vec<u8> = (0..64).map(|i| (i * 37) as u8).collect();
     for i in 0..10_000 {
         let original = if i % 2 == 0 { CAR } else { RICH };
-        exercise(&mutated(original, &mut dice), &data[..dice.roll(65)]);
+        exercise(&mutated(original, &mut dice), &data[..dice.below(65)]);
     }
 }
 

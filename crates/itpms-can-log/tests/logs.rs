@@ -1,6 +1,5 @@
 //! CAN logs through the public face: what python-can wrote, what CANoe writes, every format there and back, and what is
 //! cut, strange or nothing at all.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests may fail as tests do")]
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -54,10 +54,7 @@ impl Folder {
             if name == PAGE && title(&String::from_utf8_lossy(&there)) != title(&content) {
                 former::keep(&self.at(&name), &content, screen)?;
             }
-            let mut file = AtomicFile::create(&self.at(&name))?;
-            file.append(content.as_bytes())?;
-            file.settle()?;
-            files.push(file);
+            files.push(AtomicFile::settled(&self.at(&name), content.as_bytes())?);
         }
         for file in files {
             file.commit()?;

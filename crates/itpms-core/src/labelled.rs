@@ -15,7 +15,7 @@ macro_rules! labelled {
 
             /// The word for it.
             #[must_use]
-            pub fn label(self) -> &'static str {
+            pub const fn label(self) -> &'static str {
                 match self { $(Self::$variant => $label,)* }
             }
 

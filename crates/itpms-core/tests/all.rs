@@ -1,6 +1,7 @@
 //! The core through its public face.
 //!
 //! One program: the estimators are generic, and every program that uses them compiles them anew.
+#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 #![allow(clippy::duplicate_mod, reason = "an example brings its own copy of the car that it drives")]
 
 mod car_clock;

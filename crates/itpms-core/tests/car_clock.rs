@@ -1,14 +1,12 @@
 //! A car whose clock is set, or stamps a sample wrong: what was learned, a reset and what was reported go on as if it had not.
-// Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
-#![allow(clippy::unwrap_used)]
-use crate::common;
 
 use std::sync::LazyLock;
 
-use common::car_ride::{CarRide, RATE_HZ, config};
 use itpms_core::model::{CarEstimate, CarSample, Corner, VehicleCalibration};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_core::warning::MonitorReport;
+
+use crate::common::car_ride::{CarRide, RATE_HZ, config};
 
 /// A reset is begun with the first sample and lasts so long.
 const RESET_S: f64 = 12.0;

@@ -1,15 +1,13 @@
 //! A car of which a part has fallen silent: its speed is not sent, or sensors of the rear axle are gone. What is still
 //! received goes on, and states how well.
-// Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
-#![allow(clippy::unwrap_used)]
-use crate::common;
 
 use std::sync::LazyLock;
 
-use common::car_ride::{CarRide, RATE_HZ, car, config, drive};
 use itpms_core::model::{CarEstimate, CarSample, Corner, CornerSample};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_core::warning::WheelState;
+
+use crate::common::car_ride::{CarRide, RATE_HZ, car, config, drive};
 
 /// The front left tire loses 90 kPa in two seconds.
 fn pressure_kpa(time_s: f64) -> [f64; 4] {

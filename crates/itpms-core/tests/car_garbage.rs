@@ -1,15 +1,13 @@
 //! The estimator of a whole car survives any bits in its samples, and is sound again behind them.
-// Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
-#![allow(clippy::unwrap_used)]
-use crate::common;
 
 use std::sync::LazyLock;
 
-use common::car_ride::{CarRide, car, cast, config, drive, sound};
 use itpms_core::Real;
 use itpms_core::model::{CarEstimate, CarSample};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
+
+use crate::common::car_ride::{CarRide, car, cast, config, drive, sound};
 
 static ROWS: LazyLock<Vec<CarSample<f64>>> = LazyLock::new(|| CarRide::new(5).rows());
 

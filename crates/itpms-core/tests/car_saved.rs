@@ -1,15 +1,13 @@
 //! The estimator of a whole car, saved and restored, goes on bit by bit.
 #![cfg(feature = "serde")]
-// Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
-#![allow(clippy::unwrap_used)]
-use crate::common;
 
 use std::sync::LazyLock;
 
-use common::car_ride::{CarRide, car, cast, config, drive};
 use itpms_core::Real;
 use itpms_core::car::CarEstimator;
 use itpms_core::model::CarSample;
+
+use crate::common::car_ride::{CarRide, car, cast, config, drive};
 
 static ROWS: LazyLock<Vec<CarSample<f64>>> = LazyLock::new(|| CarRide::new(5).rows());
 

@@ -1,10 +1,8 @@
 //! The default estimator on rides as they happen: standing, stop and go, a pothole, any sampling rate, either scalar.
-// Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
-#![allow(clippy::unwrap_used)]
-use crate::common;
 
-use common::ride::{Ride, Row, estimator, feed, informed, normalised};
 use itpms_core::model::CornerEstimate;
+
+use crate::common::ride::{Ride, Row, estimator, feed, informed, normalised};
 
 const SEEDS: [u64; 4] = [1, 2, 3, 4];
 

@@ -1,10 +1,8 @@
 //! Sensors that fail, in every way a sensor fails: what the default estimator says while it lasts and afterwards.
-// Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
-#![allow(clippy::unwrap_used)]
-use crate::common;
 
-use common::ride::{Ride, Row, informed, normalised};
 use itpms_core::model::{CornerEstimate, Validity};
+
+use crate::common::ride::{Ride, Row, informed, normalised};
 
 const SEEDS: [u64; 4] = [1, 2, 3, 4];
 /// First row of every fault, and its time.

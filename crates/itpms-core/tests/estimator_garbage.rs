@@ -1,18 +1,16 @@
 //! Any bits at all as time, speed and accelerations: no panic, nothing believed that is not finite, and a clean drive
 //! afterwards brings the estimate back.
-// Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
-#![allow(clippy::unwrap_used)]
-use crate::common;
 
 use std::sync::LazyLock;
 
-use common::quarter_plant::Random;
-use common::ride::{Ride, Row, estimator, feed};
 use itpms_core::Real;
 use itpms_core::estimator::Estimator;
 use itpms_core::model::CornerEstimate;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
+
+use crate::common::quarter_plant::Random;
+use crate::common::ride::{Ride, Row, estimator, feed};
 
 const RATE_HZ: f64 = 500.0;
 /// Clean seconds after the garbage.

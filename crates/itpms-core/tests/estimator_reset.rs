@@ -1,11 +1,9 @@
 //! A reset: the first seconds of a drive are known to be at placard pressure.
-// Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
-#![allow(clippy::unwrap_used)]
-use crate::common;
 
-use common::car_ride::{CarRide, RATE_HZ, car, config, drive};
-use common::ride::{Ride, estimator, feed};
 use itpms_core::model::{CalibrationError, Corner, CornerCalibration, Learned, VehicleCalibration};
+
+use crate::common::car_ride::{CarRide, RATE_HZ, car, config, drive};
+use crate::common::ride::{Ride, estimator, feed};
 
 const PLACARD_KPA: f64 = 241.3;
 const RESET_S: f64 = 10.0;

@@ -1,16 +1,14 @@
 //! Saved at any moment and restored, the estimator goes on as if nothing had happened, bit by bit.
 #![cfg(feature = "serde")]
-// Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
-#![allow(clippy::unwrap_used)]
-use crate::common;
 
-use common::quarter_plant::Random;
-use common::ride::{Ride, estimator, feed};
 use itpms_core::Real;
 use itpms_core::conditioning::{GridSample, Resampler};
 use itpms_core::estimator::Estimator;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+
+use crate::common::quarter_plant::Random;
+use crate::common::ride::{Ride, estimator, feed};
 
 /// A ride with holes and jitter, so that every part of the state is in use.
 fn ride() -> Ride {

@@ -1,9 +1,7 @@
 //! What the interval of an exact posterior holds while a tire falls (docs/math/shared-road.md, section 6): a level that is seen through
 //! white noise and may begin to fall at any moment, given how often and how fast tires do; every beginning and rate weighed by Bayes' rule.
 
-use crate::common;
-
-use common::quarter_plant::Random;
+use crate::common::quarter_plant::Random;
 
 /// Steps in s; the drive before a fall, and the fall itself: 103.4 kPa in 2.5 s.
 const STEP_S: f64 = 0.05;

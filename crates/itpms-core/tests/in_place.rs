@@ -1,15 +1,13 @@
 //! Estimators that are configured where they lie: the same as those that are handed on by value, whatever was there before.
-// Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
-#![allow(clippy::unwrap_used)]
-use crate::common;
 
 use std::sync::{LazyLock, Mutex};
 
-use common::car_ride::{CarRide, RATE_HZ, cast, config};
 use itpms_core::car::CarEstimator;
 use itpms_core::estimator::Estimator;
 use itpms_core::model::{CarConfig, CarSample, Validity};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
+
+use crate::common::car_ride::{CarRide, RATE_HZ, cast, config};
 
 static ROWS: LazyLock<Vec<CarSample<f64>>> =
     LazyLock::new(|| CarRide { seconds: 20.0, ..CarRide::new(9) }.rows());

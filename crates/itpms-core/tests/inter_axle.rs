@@ -1,15 +1,13 @@
 //! The estimator of a whole car from outside: right on a road that both axles share, sound where it is not shared, where
 //! corners are missing, and where the car stops.
-// Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
-#![allow(clippy::unwrap_used)]
-use crate::common;
 
 use std::sync::LazyLock;
 
-use common::car_ride::{CarRide, PLACARD_KPA, RATE_HZ, calibrated, car, config, drive, sound};
 use itpms_core::car::{CarEstimator, EstimatorOptions, Sources};
 use itpms_core::estimator::Estimator;
 use itpms_core::model::{CarConfig, CarEstimate, CarSample, CornerEstimate, CornerSample};
+
+use crate::common::car_ride::{CarRide, PLACARD_KPA, RATE_HZ, calibrated, car, config, drive, sound};
 
 static RIDE: LazyLock<CarRide> = LazyLock::new(|| CarRide::new(5));
 static ROWS: LazyLock<Vec<CarSample<f64>>> = LazyLock::new(|| RIDE.rows());

@@ -1,10 +1,8 @@
 //! The shared road where the speed is not what it should be: of another scale, or late.
-// Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
-#![allow(clippy::unwrap_used)]
-use crate::common;
 
-use common::car_ride::{CarRide, PLACARD_KPA, calibrated, car, config, drive};
 use itpms_core::model::CarSample;
+
+use crate::common::car_ride::{CarRide, PLACARD_KPA, calibrated, car, config, drive};
 
 /// The speed reads 6 % more from one moment on, as from another source: the rear axle meets the front's road 9 ms earlier than believed.
 /// That is found within two seconds, and pressures are known as well as before. (By frames alone they were 38 kPa off after nine.)

@@ -1,13 +1,11 @@
 //! The monitor of a single corner, in front of a real estimator: sensors that go wrong and come back.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
-use crate::common;
-
-use common::ride::{Ride, Row};
 use itpms_core::diagnosis::Malfunction;
 use itpms_core::model::{CarConfig, CarSample, CornerConfig, CornerEstimate, CornerSample, Warning};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_core::warning::{Cause, MonitorReport};
+
+use crate::common::ride::{Ride, Row};
 
 fn watched(rows: &[Row], rate_hz: f64) -> Vec<(CornerEstimate<f64>, MonitorReport<f64>)> {
     let corners = [Some(CornerConfig::paper()), None, None, None];

@@ -1,8 +1,7 @@
 //! What stands before every estimator: each kind of bad sample counted once and kept out, the rest on equal steps.
-use crate::common;
-
-use common::quarter_plant::{Random, rms};
 use itpms_core::conditioning::{GridSample, Resampler, SampleClock, SampleCounts};
+
+use crate::common::quarter_plant::{Random, rms};
 
 const RATE_HZ: f64 = 500.0;
 const PERIOD_S: f64 = 1.0 / RATE_HZ;

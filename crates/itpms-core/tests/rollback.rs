@@ -1,11 +1,9 @@
 //! What the belief was taught by a sensor that read wrong is rolled back, and nothing else for long.
-// Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
-#![allow(clippy::unwrap_used)]
-use crate::common;
 
-use common::car_ride::{CarRide, PLACARD_KPA, RATE_HZ, car, config, drive};
 use itpms_core::car::CarEstimator;
 use itpms_core::model::{CarEstimate, CarSample, Corner, CornerSample};
+
+use crate::common::car_ride::{CarRide, PLACARD_KPA, RATE_HZ, car, config, drive};
 
 /// The rear right wheel's sensor reads twice its value for four seconds, and is then kept away: the front right tire,
 /// which was taken for the one that had changed, is read as before. (Else it stays too low for many seconds more.)

@@ -1,6 +1,5 @@
 //! Every piece of advice, followed, works: the map that is written reads the log it was written of; what a remark or a refusal says to
 //! put into a map is accepted; and refusals are short.
-#![allow(clippy::unwrap_used, reason = "a test ends where something is wrong")]
 
 use std::fmt::Write as _;
 use std::fs;
@@ -8,7 +7,9 @@ use std::path::{Path, PathBuf};
 
 use itpms_data::LogReader;
 use itpms_data::log::{LogOptions, UnitCheck};
-use itpms_data::signals::{Lister, Resolved, SignalMap, resolve_knowing};
+use itpms_data::signals::{Resolved, SignalMap, resolve_knowing};
+
+use crate::common::{Bench, listed};
 
 const MOST: usize = 400;
 
@@ -30,8 +31,6 @@ const HEADERS: [&str; 12] = [
     "Time,FL_Body,FL_Wheel",
 ];
 
-struct Bench(tempfile::TempDir);
-
 impl Bench {
     fn log(&self, header: &str) -> PathBuf {
         let separator = [';', '\t'].into_iter().find(|separator| header.contains(*separator)).unwrap_or(',');
@@ -52,22 +51,17 @@ impl Bench {
             });
             writeln!(text, "{}", cells.collect::<Vec<_>>().join(&separator.to_string())).unwrap();
         }
-        let path = self.0.path().join("drive.csv");
-        fs::write(&path, text).unwrap();
-        path
+        self.write("drive.csv", text)
     }
 
     fn resolved(&self, log: &Path, map: Option<&str>) -> (Resolved, Option<String>) {
         let map = map.map(|text| SignalMap::parse(text, Path::new("map.toml")).unwrap());
-        let mut lister = Lister::open(log, None, &[]).unwrap();
-        while lister.step().unwrap() {}
-        let listing = lister.finish();
+        let listing = listed(log);
         (resolve_knowing(&listing.candidates(), &listing.unread, map.as_ref()).unwrap(), listing.clock)
     }
 
     fn read(&self, log: &Path, map: &str) -> Result<usize, String> {
-        let path = self.0.path().join("map.toml");
-        fs::write(&path, map).unwrap();
+        let path = self.write("map.toml", map);
         let options = LogOptions { units: UnitCheck::Trusting, dbc: None, signals: Some(path), rows: vec![] };
         LogReader::open_with(log, &options).map(Iterator::count).map_err(|error| error.to_string())
     }
@@ -83,7 +77,7 @@ fn advised(text: &str) -> Option<String> {
 #[test]
 fn the_map_that_is_written_reads_its_log_and_what_is_advised_is_accepted() {
     for header in HEADERS {
-        let bench = Bench(tempfile::tempdir().unwrap());
+        let bench = Bench::new();
         let log = bench.log(header);
         let (resolved, clock) = bench.resolved(&log, None);
         let map = resolved.to_toml(clock.as_deref());
@@ -112,7 +106,7 @@ fn the_map_that_is_written_reads_its_log_and_what_is_advised_is_accepted() {
 
 #[test]
 fn refusals_are_short_whatever_is_in_the_log() {
-    let bench = Bench(tempfile::tempdir().unwrap());
+    let bench = Bench::new();
     // Forty ambiguous signals for each of eight columns.
     let corners = ["FL", "FR", "RL", "RR"];
     let names = (0..40)
@@ -142,7 +136,7 @@ fn the_list_and_the_reader_agree_on_every_file_of_the_tests() {
         if log.extension().is_none_or(|extension| extension != "mf4") {
             continue;
         }
-        let bench = Bench(tempfile::tempdir().unwrap());
+        let bench = Bench::new();
         let (resolved, _) = bench.resolved(&log, None);
         let unusable = resolved.unusable().is_some();
         let read = bench.read(&log, &resolved.to_toml(None));

@@ -1,10 +1,12 @@
 //! Files through the crate's public face.
 //!
 //! One program: the estimators are generic, and every program that uses them compiles them anew.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests may fail as tests do")]
 
 mod advice;
 mod bad_logs;
 mod bus_oddities;
+mod common;
 mod dbc;
 mod drive_frames;
 mod foreign_parquet;

@@ -1,35 +1,16 @@
 //! Every way in which a drive log can be wrong, and the sentence it earns.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use std::fmt::Write as _;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use itpms_data::LogReader;
 use itpms_data::log::UnitCheck;
 use proptest::prelude::*;
-use tempfile::TempDir;
+
+use crate::common::Bench;
 
 const HEADER: &str = "time_s,speed_m_s,fl_body_accel_m_s2,fl_wheel_accel_m_s2";
-
-/// A directory that goes away with the test.
-struct Bench(TempDir);
-
-impl Bench {
-    fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
-    }
-
-    fn file(&self, name: &str, content: &str) -> PathBuf {
-        let path = self.0.path().join(name);
-        fs::write(&path, content).unwrap();
-        path
-    }
-
-    fn csv(&self, content: &str) -> PathBuf {
-        self.file("drive.csv", content)
-    }
-}
 
 /// The message of reading a log to its end, without the directory.
 fn message(path: &Path) -> String {
@@ -45,7 +26,7 @@ fn message(path: &Path) -> String {
 
 fn csv_message(content: &str) -> String {
     let bench = Bench::new();
-    message(&bench.csv(content))
+    message(&bench.write("drive.csv", content))
 }
 
 /// A drive of sines with a plausible size, 100 Hz, `edit` changing a line (line 1 is the header).
@@ -63,17 +44,17 @@ fn drive(rows: u64, edit: impl Fn(u64, &mut String)) -> String {
 #[test]
 fn missing_file_directory_and_unknown_extension() {
     let bench = Bench::new();
-    assert_eq!(message(&bench.0.path().join("nowhere.csv")), "nowhere.csv: no such file");
-    let directory = bench.0.path().join("drives.csv");
+    assert_eq!(message(&bench.path("nowhere.csv")), "nowhere.csv: no such file");
+    let directory = bench.path("drives.csv");
     fs::create_dir(&directory).unwrap();
     assert_eq!(message(&directory), "drives.csv: is a directory, expected a file");
-    let path = bench.file("drive.mat", "x");
+    let path = bench.write("drive.mat", "x");
     let elsewhere = message(&path);
     assert!(
         elsewhere.starts_with("drive.mat: a file of MATLAB") && elsewhere.contains("export CSV"),
         "{elsewhere}"
     );
-    assert!(message(&bench.file("drive", "x")).starts_with("drive: no file extension, expected .csv"));
+    assert!(message(&bench.write("drive", "x")).starts_with("drive: no file extension, expected .csv"));
 }
 
 #[test]
@@ -91,7 +72,7 @@ fn empty_and_header_only() {
         ("drive.asc", "CAN frames"),
         ("drive.csv", "a header line with time_s and the accelerations of a corner"),
     ] {
-        let found = message(&bench.file(name, ""));
+        let found = message(&bench.write(name, ""));
         assert_eq!(found, format!("{name}: the file is empty, expected {expected}"));
     }
     let text = csv_message(&format!("{HEADER}\n"));
@@ -103,7 +84,7 @@ fn empty_and_header_only() {
 fn text_in_another_encoding_is_read_as_it_is() {
     let bench = Bench::new();
     let text = drive(300, |_, _| {});
-    let path = bench.csv(&text);
+    let path = bench.write("drive.csv", &text);
     let rows = |path: &Path| format!("{:?}", LogReader::open(path).unwrap().collect::<Vec<_>>());
     let expected = rows(&path);
     let wide = |to: fn(u16) -> [u8; 2], mark: &str, text: &str| -> Vec<u8> {
@@ -118,7 +99,7 @@ fn text_in_another_encoding_is_read_as_it_is() {
         format!("\u{feff}{text}").into_bytes(),
     ] {
         for name in ["drive.csv", "drive.txt"] {
-            let path = bench.file(name, "");
+            let path = bench.write(name, "");
             fs::write(&path, &bytes).unwrap();
             assert_eq!(rows(&path), expected);
         }
@@ -139,7 +120,7 @@ fn missing_and_duplicate_columns() {
 #[test]
 fn a_file_that_is_no_table_does_not_flood_the_screen() {
     let bench = Bench::new();
-    let path = bench.0.path().join("noise.csv");
+    let path = bench.path("noise.csv");
     let bytes: Vec<u8> = (0..20_000u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
     fs::write(&path, bytes).unwrap();
     let text = message(&path);
@@ -195,7 +176,7 @@ fn a_last_line_without_its_end_is_left_out_and_counted_wherever_it_was_cut() {
     let last = whole.lines().last().unwrap().len();
     // From the line end alone, which leaves a number that looks whole, to all but the first digit.
     for missing in 1..=last {
-        let path = bench.csv(&whole[..whole.len() - missing]);
+        let path = bench.write("drive.csv", &whole[..whole.len() - missing]);
         let mut log = LogReader::open(&path).unwrap();
         assert_eq!(log.by_ref().count(), 9, "{missing} bytes are missing");
         assert_eq!(log.repairs().cut_off_lines, 1, "{missing} bytes are missing");
@@ -204,7 +185,7 @@ fn a_last_line_without_its_end_is_left_out_and_counted_wherever_it_was_cut() {
             ["1 line at the end is cut off (it has no line end) and was left out"]
         );
     }
-    let mut log = LogReader::open(&bench.csv(&whole)).unwrap();
+    let mut log = LogReader::open(&bench.write("drive.csv", &whole)).unwrap();
     assert_eq!(log.by_ref().count(), 10);
     assert!(log.repairs().is_clean());
 }
@@ -263,10 +244,13 @@ fn milliseconds_in_the_time_column() {
 #[test]
 fn accelerations_in_g_unless_the_user_insists() {
     let bench = Bench::new();
-    let path = bench.csv(&drive(1000, |_, text| {
-        let cells: Vec<f64> = text.split(',').map(|cell| cell.parse().unwrap()).collect();
-        *text = format!("{},{},{},{}", cells[0], cells[1], 1.0 + cells[2] / 9.81, 1.0 + cells[3] / 9.81);
-    }));
+    let path = bench.write(
+        "drive.csv",
+        drive(1000, |_, text| {
+            let cells: Vec<f64> = text.split(',').map(|cell| cell.parse().unwrap()).collect();
+            *text = format!("{},{},{},{}", cells[0], cells[1], 1.0 + cells[2] / 9.81, 1.0 + cells[3] / 9.81);
+        }),
+    );
     let text = message(&path);
     assert!(
         text.starts_with("drive.csv: wrong units suspected (accelerations in g): fl body and wheel"),
@@ -279,17 +263,20 @@ fn accelerations_in_g_unless_the_user_insists() {
 #[test]
 fn small_flaws_are_repaired_and_counted() {
     let bench = Bench::new();
-    let path = bench.csv(&drive(6000, |line, text| match line {
-        10 => *text = format!("-1{}", &text[text.find(',').unwrap()..]),
-        20 => *text = format!("0.17{}", &text[text.find(',').unwrap()..]),
-        30 => *text = "0.28,,,".to_owned(),
-        40 => *text = ",10,0,0".to_owned(),
-        5000.. => {
-            let (time, rest) = text.split_once(',').unwrap();
-            *text = format!("{},{rest}", time.parse::<f64>().unwrap() + 1.0);
-        }
-        _ => {}
-    }));
+    let path = bench.write(
+        "drive.csv",
+        drive(6000, |line, text| match line {
+            10 => *text = format!("-1{}", &text[text.find(',').unwrap()..]),
+            20 => *text = format!("0.17{}", &text[text.find(',').unwrap()..]),
+            30 => *text = "0.28,,,".to_owned(),
+            40 => *text = ",10,0,0".to_owned(),
+            5000.. => {
+                let (time, rest) = text.split_once(',').unwrap();
+                *text = format!("{},{rest}", time.parse::<f64>().unwrap() + 1.0);
+            }
+            _ => {}
+        }),
+    );
     let mut log = LogReader::open(&path).unwrap();
     assert_eq!(log.survey().sample_rate_hz, 100.0);
     let times: Vec<f64> = log.by_ref().map(|row| row.unwrap().time_s).collect();
@@ -318,7 +305,7 @@ proptest! {
         tail in proptest::collection::vec(any::<u8>(), 0..40),
     ) {
         let bench = Bench::new();
-        let path = bench.0.path().join("drive.csv");
+        let path = bench.path("drive.csv");
         let mut bytes = if header { format!("{HEADER}\n").into_bytes() } else { Vec::new() };
         bytes.extend(body.concat().into_bytes());
         bytes.extend(tail);

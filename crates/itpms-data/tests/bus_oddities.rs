@@ -1,15 +1,14 @@
 //! CAN logs as buses make them: values that mean "none", messages that never come, frames that come twice, stamps before a trigger, one signal in two
 //! places. Each gives the rows of its plain twin.
 #![cfg(feature = "can")]
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use std::fmt::Write as _;
-use std::fs;
-use std::path::PathBuf;
 
+use itpms_data::LogRow;
 use itpms_data::log::{LogOptions, UnitCheck};
 use itpms_data::signals::{Lister, resolve_among};
-use itpms_data::{LogReader, LogRow};
+
+use crate::common::{Bench, found};
 
 const SAMPLES: u32 = 800;
 
@@ -51,34 +50,15 @@ fn candump(mut change: impl FnMut(u32, u32, Vec<u8>) -> Vec<u8>) -> String {
     text
 }
 
-struct Bench(tempfile::TempDir);
+/// The rows of a log, and what is said of it.
+fn read(bench: &Bench, name: &str, log: &str, dbc: &str) -> Result<(Vec<LogRow>, Vec<String>), String> {
+    let (log, dbc) = (bench.write(name, log), Some(bench.write("bus.dbc", dbc)));
+    let options = LogOptions { units: UnitCheck::Trusting, dbc, ..LogOptions::default() };
+    found(&log, &options).map(|found| (found.rows, found.warnings))
+}
 
-impl Bench {
-    fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
-    }
-
-    fn file(&self, name: &str, text: &str) -> PathBuf {
-        let path = self.0.path().join(name);
-        fs::write(&path, text).unwrap();
-        path
-    }
-
-    /// The rows of a log, and what is said of it.
-    fn read(&self, name: &str, log: &str, dbc: &str) -> Result<(Vec<LogRow>, Vec<String>), String> {
-        let (log, dbc) = (self.file(name, log), Some(self.file("bus.dbc", dbc)));
-        let options = LogOptions { units: UnitCheck::Trusting, dbc, ..LogOptions::default() };
-        let mut log = LogReader::open_with(&log, &options).map_err(|error| error.to_string())?;
-        let mut rows = Vec::new();
-        while let Some(row) = log.next_row().map_err(|error| error.to_string())? {
-            rows.push(row);
-        }
-        Ok((rows, log.repairs().warnings()))
-    }
-
-    fn plain(&self) -> Vec<LogRow> {
-        self.read("plain.log", &candump(|_, _, data| data), DBC).unwrap().0
-    }
+fn plain_twin(bench: &Bench) -> Vec<LogRow> {
+    read(bench, "plain.log", &candump(|_, _, data| data), DBC).unwrap().0
 }
 
 /// Time from the first row, speed and accelerations, to compare.
@@ -102,11 +82,11 @@ fn an_end_of_the_raw_numbers_beyond_the_stated_range_is_no_value() {
         }
         data
     });
-    let (rows, said) = bench.read("odd.log", &log, DBC).unwrap();
+    let (rows, said) = read(&bench, "odd.log", &log, DBC).unwrap();
     let labelled = format!("{DBC}VAL_ 272 fl_wheel_accel_m_s2 -32768 \"SNA\" ;\n");
-    let (twin, _) = bench.read("odd.log", &log, &labelled).unwrap();
+    let (twin, _) = read(&bench, "odd.log", &log, &labelled).unwrap();
     assert_eq!(numbers(&rows), numbers(&twin));
-    for (row, plain) in rows.iter().zip(bench.plain()) {
+    for (row, plain) in rows.iter().zip(plain_twin(&bench)) {
         let k = ((row.time_s - 1.7e9) / 0.005).round() as u32;
         assert_eq!(row.corners[0].unwrap().wheel_accel_m_s2.is_nan(), missing(k), "{k}");
         assert_eq!(row.corners[0].unwrap().body_accel_m_s2, plain.corners[0].unwrap().body_accel_m_s2);
@@ -115,11 +95,11 @@ fn an_end_of_the_raw_numbers_beyond_the_stated_range_is_no_value() {
     let expected = "16 values are an end of their raw numbers beyond the stated range and were taken as not available: Susp.fl_wheel_accel_m_s2 16 times (raw 0x8000, stated [-327|327])";
     assert!(said.contains(expected), "{said}");
     // Without a range nothing is known, and a value beyond it that is no end stays one.
-    let (rows, _) = bench.read("odd.log", &log, &DBC.replace("[-327|327]", "[0|0]")).unwrap();
+    let (rows, _) = read(&bench, "odd.log", &log, &DBC.replace("[-327|327]", "[0|0]")).unwrap();
     assert!(rows.iter().all(|row| row.corners[0].unwrap().wheel_accel_m_s2.is_finite()));
     let (rows, said) =
-        bench.read("plain.log", &candump(|_, _, data| data), &DBC.replace("[-327|327]", "[-1|1]")).unwrap();
-    assert_eq!((numbers(&rows), said), (numbers(&bench.plain()), Vec::new()));
+        read(&bench, "plain.log", &candump(|_, _, data| data), &DBC.replace("[-327|327]", "[-1|1]")).unwrap();
+    assert_eq!((numbers(&rows), said), (numbers(&plain_twin(&bench)), Vec::new()));
 }
 
 #[test]
@@ -136,10 +116,9 @@ fn a_message_that_never_comes_competes_with_none_that_does() {
         } else {
             log.clone()
         };
-        let (rows, _) = bench.read("a.log", &log, &dbc).unwrap();
-        assert_eq!(numbers(&rows), numbers(&bench.plain()), "{dbc}");
-        let mut lister =
-            Lister::open(&bench.0.path().join("a.log"), Some(&bench.0.path().join("bus.dbc")), &[]).unwrap();
+        let (rows, _) = read(&bench, "a.log", &log, &dbc).unwrap();
+        assert_eq!(numbers(&rows), numbers(&plain_twin(&bench)), "{dbc}");
+        let mut lister = Lister::open(&bench.path("a.log"), Some(&bench.path("bus.dbc")), &[]).unwrap();
         while lister.step().unwrap() {}
         let listing = lister.finish();
         let resolved = resolve_among(&listing.candidates(), &listing.has_samples(), &[], None).unwrap();
@@ -148,11 +127,11 @@ fn a_message_that_never_comes_competes_with_none_that_does() {
     }
     // Where only that would be it, the reason is said.
     let dbc = format!("{old}{}", DBC.replace("fl_body_accel_m_s2", "other"));
-    let mut listing = bench.read("a.log", &log, &dbc);
+    let mut listing = read(&bench, "a.log", &log, &dbc);
     assert!(listing.is_err());
     let two =
         format!("{dbc}BO_ 1002 Older: 2 E\n SG_ fl_body_accel_m_s2 : 0|16@1- (0.01,0) [0|0] \"m/s^2\" E\n");
-    listing = bench.read("a.log", &log, &two);
+    listing = read(&bench, "a.log", &log, &two);
     let said = listing.unwrap_err();
     assert!(
         said.contains("fl_body_accel_m_s2 could be Old.fl_body_accel_m_s2, which has no samples in this log"),
@@ -182,12 +161,12 @@ fn frames_that_come_twice_count_once_and_stamps_may_be_negative() {
     };
     let twice = all()
         .flat_map(|(time_s, id, data)| [(time_s, true, id, data.clone()), (time_s + 2e-5, false, id, data)]);
-    let (rows, said) = bench.read("twice.asc", &asc(twice), DBC).unwrap();
-    assert_eq!(numbers(&rows), numbers(&bench.plain()));
+    let (rows, said) = read(&bench, "twice.asc", &asc(twice), DBC).unwrap();
+    assert_eq!(numbers(&rows), numbers(&plain_twin(&bench)));
     assert!(said.join("\n").contains("1600 frames repeat the one before"), "{said:?}");
     let negative = all().map(|(time_s, id, data)| (time_s - 2.0, false, id, data));
-    let (rows, said) = bench.read("negative.asc", &asc(negative), DBC).unwrap();
-    assert_eq!((numbers(&rows), said), (numbers(&bench.plain()), Vec::new()));
+    let (rows, said) = read(&bench, "negative.asc", &asc(negative), DBC).unwrap();
+    assert_eq!((numbers(&rows), said), (numbers(&plain_twin(&bench)), Vec::new()));
 }
 
 #[test]
@@ -210,7 +189,7 @@ fn one_signal_in_two_branches_of_a_multiplexer_is_one_signal() {
         moved
     });
     for dbc in [plain, extended] {
-        let (rows, said) = bench.read("two.log", &log, &dbc).unwrap();
-        assert_eq!((numbers(&rows), said), (numbers(&bench.plain()), Vec::new()), "{dbc}");
+        let (rows, said) = read(&bench, "two.log", &log, &dbc).unwrap();
+        assert_eq!((numbers(&rows), said), (numbers(&plain_twin(&bench)), Vec::new()), "{dbc}");
     }
 }

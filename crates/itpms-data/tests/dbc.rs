@@ -1,6 +1,5 @@
 //! Which signals of a bus are columns, and what becomes of its frames.
 #![cfg(feature = "can")]
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use std::path::Path;
 

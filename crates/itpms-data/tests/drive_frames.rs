@@ -1,6 +1,5 @@
 //! A drive written as the frames of a bus and read back: the same rows, to the resolution of the signals.
 #![cfg(feature = "can")]
-#![allow(clippy::unwrap_used, reason = "a test ends where something is wrong")]
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,6 +1,5 @@
 //! Parquet as others write it: narrow and whole numbers, required columns, nulls, other columns between, damage.
 #![cfg(feature = "parquet")]
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use std::fs::{self, File};
 use std::path::Path;

@@ -1,5 +1,4 @@
 //! What is in a log is the same in every format.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use std::path::{Path, PathBuf};
 

@@ -1,6 +1,5 @@
 //! MCAP out, read back by the format's own crate.
 #![cfg(feature = "mcap")]
-#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests may fail as tests do")]
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -14,8 +13,10 @@ use itpms_data::LogRow;
 use itpms_data::convert::{Request, convert};
 use itpms_data::log::{CornerColumns, LogColumns, LogCorner, LogMotion, LogOptions, MotionColumns};
 use itpms_data::out::mcap::{FieldType, McapWriter, alert_fields};
-use itpms_data::out::{LogWriter, Packing, transition_object};
+use itpms_data::out::{Packing, transition_object};
 use serde_json::{Map, Value};
+
+use crate::common::write_log;
 
 /// A message and its time in ns.
 type Message = (u64, Map<String, Value>);
@@ -72,12 +73,6 @@ fn rows(count: u32, start_s: f64) -> (LogColumns, Vec<LogRow>) {
     (LogColumns { speed: true, corners, motion }, (0..count).map(row).collect())
 }
 
-fn write(path: &Path, columns: LogColumns, rows: &[LogRow]) {
-    let mut writer = LogWriter::create(path, columns).unwrap();
-    rows.iter().for_each(|row| writer.write(row).unwrap());
-    writer.finish().unwrap().commit().unwrap();
-}
-
 /// The fields of a message but for its time.
 fn fields<const N: usize>(values: [(&str, f64); N]) -> Map<String, Value> {
     let known = values.into_iter().filter(|(_, value)| value.is_finite());
@@ -89,7 +84,7 @@ fn a_drive_log_keeps_every_bit_in_topics_of_its_wheels() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("drive.mcap");
     let (columns, rows) = rows(20_000, 0.0);
-    write(&path, columns, &rows);
+    write_log(&path, columns, &rows);
     let topics = read(&path);
     assert_eq!(topics.keys().collect::<Vec<_>>(), ["/signals", "/signals/fl", "/signals/rr"]);
     for (k, row) in rows.iter().enumerate() {
@@ -123,7 +118,7 @@ fn times_before_1970_begin_there() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("drive.mcap");
     let (columns, rows) = rows(300, -0.5);
-    write(&path, columns, &rows);
+    write_log(&path, columns, &rows);
     let messages = &read(&path)["/signals"];
     assert_eq!((messages[0].0, &messages[0].1["time_s"]), (0, &Value::from(-0.5)));
     assert_eq!((messages[250].0, &messages[250].1["time_s"]), (500_000_000, &Value::from(0.0)));

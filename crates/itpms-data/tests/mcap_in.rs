@@ -1,16 +1,12 @@
 //! MCAP in: JSON, ROS 1, ROS 2 and protobuf, each message made by hand or by the crate of its format.
 #![cfg(feature = "mcap")]
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use std::collections::BTreeMap;
-use std::fs;
-use std::path::PathBuf;
 
+use itpms_data::LogRow;
 use itpms_data::convert::{Request, convert};
 use itpms_data::log::{LogOptions, UnitCheck};
 use itpms_data::out::Packing;
-use itpms_data::signals::Lister;
-use itpms_data::{LogReader, LogRow};
 use mcap::records::MessageHeader;
 use mcap::{Compression, WriteOptions, Writer};
 use prost_reflect::prost::Message as _;
@@ -19,6 +15,8 @@ use prost_reflect::prost_types::{
     DescriptorProto, FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet,
 };
 use prost_reflect::{DescriptorPool, DynamicMessage, Value};
+
+use crate::common::{Bench, listed, read};
 
 const SAMPLES: u32 = 800;
 /// Time of the first sample in ns since 1970.
@@ -67,39 +65,20 @@ fn write(compression: Option<Compression>, late_ns: impl Fn(u32) -> u64, topics:
     bytes.into_inner()
 }
 
-struct Bench(tempfile::TempDir);
+fn read_bytes(bench: &Bench, bytes: &[u8]) -> Result<(Vec<LogRow>, Vec<String>), String> {
+    read(&bench.write("drive.mcap", bytes))
+}
 
-impl Bench {
-    fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
-    }
-
-    fn path(&self) -> PathBuf {
-        self.0.path().join("drive.mcap")
-    }
-
-    fn read(&self, bytes: &[u8]) -> Result<(Vec<LogRow>, Vec<String>), String> {
-        fs::write(self.path(), bytes).unwrap();
-        let options = LogOptions { units: UnitCheck::Trusting, ..LogOptions::default() };
-        let mut log = LogReader::open_with(&self.path(), &options).map_err(|error| error.to_string())?;
-        let mut rows = Vec::new();
-        while let Some(row) = log.next_row().map_err(|error| error.to_string())? {
-            rows.push(row);
-        }
-        Ok((rows, log.repairs().warnings()))
-    }
-
-    fn check(&self, bytes: &[u8], what: &str) {
-        let (rows, said) = self.read(bytes).unwrap();
-        assert_eq!((rows.len(), said), (SAMPLES as usize, Vec::new()), "{what}");
-        for (k, row) in (0..).zip(&rows) {
-            let (speed, bodies, wheels) = sample(k);
-            // A number of 64 bits has the present date to 0.24 us.
-            assert!((row.time_s - time_ns(k) as f64 / 1e9).abs() < 1e-6, "{what} {k}");
-            assert_eq!(row.speed_m_s, speed, "{what} {k}");
-            assert_eq!(row.corners.map(|corner| corner.unwrap().body_accel_m_s2), bodies, "{what} {k}");
-            assert_eq!(row.corners.map(|corner| corner.unwrap().wheel_accel_m_s2), wheels, "{what} {k}");
-        }
+fn check(bytes: &[u8], what: &str) {
+    let (rows, said) = read_bytes(&Bench::new(), bytes).unwrap();
+    assert_eq!((rows.len(), said), (SAMPLES as usize, Vec::new()), "{what}");
+    for (k, row) in (0..).zip(&rows) {
+        let (speed, bodies, wheels) = sample(k);
+        // A number of 64 bits has the present date to 0.24 us.
+        assert!((row.time_s - time_ns(k) as f64 / 1e9).abs() < 1e-6, "{what} {k}");
+        assert_eq!(row.speed_m_s, speed, "{what} {k}");
+        assert_eq!(row.corners.map(|corner| corner.unwrap().body_accel_m_s2), bodies, "{what} {k}");
+        assert_eq!(row.corners.map(|corner| corner.unwrap().wheel_accel_m_s2), wheels, "{what} {k}");
     }
 }
 
@@ -120,11 +99,10 @@ fn json_is_read_flat_nested_and_in_arrays_of_four() {
     let speed = |k: u32| format!("{{\"v\":{{\"vehicle_speed_kmh\":{}}}}}", sample(k).0 * 3.6).into_bytes();
     let topic =
         |name, message| Topic { name, encoding: "json", schema: ("any", "jsonschema", b"{}"), message };
-    let bench = Bench::new();
     for compression in [None, Some(Compression::Lz4), Some(Compression::Zstd)] {
-        bench.check(&write(compression, |_| 0, &[topic("/car", &flat)]), "flat");
+        check(&write(compression, |_| 0, &[topic("/car", &flat)]), "flat");
     }
-    bench.check(&write(None, |_| 0, &[topic("/chassis", &arrays), topic("/speed", &speed)]), "arrays");
+    check(&write(None, |_| 0, &[topic("/chassis", &arrays), topic("/speed", &speed)]), "arrays");
 }
 
 /// Numbers of CDR, each at a multiple of its size.
@@ -218,7 +196,7 @@ fn ros_is_read_by_its_definition_and_at_its_own_stamps() {
         // The recorder is late by up to 2 ms, the sensors' stamps are not.
         let late_ns = |k: u32| u64::from(k * 7919 % 2001) * 1000;
         let bytes = write(Some(Compression::Zstd), late_ns, &topics);
-        let (rows, said) = bench.read(&bytes).unwrap();
+        let (rows, said) = read_bytes(&bench, &bytes).unwrap();
         assert_eq!((rows.len(), said), (SAMPLES as usize, Vec::new()), "{encoding} {big_endian}");
         for (k, row) in (0..).zip(&rows) {
             assert!((row.time_s - time_ns(k) as f64 / 1e9).abs() < 1e-6, "{encoding} {k}");
@@ -288,35 +266,31 @@ fn protobuf_is_read_by_its_description_and_zeros_that_are_not_sent_are_zeros() {
         message: &message,
     };
     let bytes = write(Some(Compression::Zstd), |_| 0, &[topic]);
-    Bench::new().check(&bytes, "protobuf");
+    check(&bytes, "protobuf");
 }
 
 #[test]
 fn what_this_program_writes_comes_back_and_its_estimates_are_no_measurements() {
     let bench = Bench::new();
-    let text = bench.0.path().join("drive.csv");
     let row = |k: u32| {
         let (speed, bodies, wheels) = sample(k);
         format!("{:.3},{speed},{},{},241.5\n", f64::from(k) * 0.005, bodies[0], wheels[0])
     };
     let head = "time_s,speed_m_s,fl_body_accel_m_s2,fl_wheel_accel_m_s2,fl_pressure_kpa\n";
-    fs::write(&text, head.to_owned() + &(0..SAMPLES).map(row).collect::<String>()).unwrap();
+    let text = bench.write("drive.csv", head.to_owned() + &(0..SAMPLES).map(row).collect::<String>());
     let options = LogOptions { units: UnitCheck::Trusting, ..LogOptions::default() };
     let request = Request {
         input: &text,
-        output: &bench.path(),
+        output: &bench.path("drive.mcap"),
         options: &options,
         packing: Packing::Packed,
         position: false,
     };
     convert(&request, &mut |_| std::ops::ControlFlow::Continue(())).unwrap().unwrap().file.commit().unwrap();
-    let rows = |path: &std::path::Path| {
-        LogReader::open_with(path, &options).unwrap().collect::<Result<Vec<_>, _>>().unwrap()
-    };
-    for (back, row) in rows(&bench.path()).iter().zip(rows(&text)) {
+    for (back, row) in read(&bench.path("drive.mcap")).unwrap().0.iter().zip(read(&text).unwrap().0) {
         assert_eq!(format!("{back:?}"), format!("{row:?}"));
     }
-    assert_eq!(rows(&bench.path()).len(), SAMPLES as usize);
+    assert_eq!(read(&bench.path("drive.mcap")).unwrap().0.len(), SAMPLES as usize);
 }
 
 #[test]
@@ -336,12 +310,10 @@ fn a_file_that_is_cut_off_or_none_says_so() {
     ];
     let bench = Bench::new();
     let bytes = write(Some(Compression::Zstd), |_| 0, &topics);
-    let (rows, said) = bench.read(&bytes[..bytes.len() / 2]).unwrap();
+    let (rows, said) = read_bytes(&bench, &bytes[..bytes.len() / 2]).unwrap();
     assert!(rows.len() > 100 && rows.len() < 700, "{}", rows.len());
     assert_eq!(said, ["the file is cut off; what is whole was read"]);
-    let mut lister = Lister::open(&bench.path(), None, &[]).unwrap();
-    while lister.step().unwrap() {}
-    let listing = lister.finish();
+    let listing = listed(&bench.path("drive.mcap"));
     assert_eq!((listing.kind, listing.unread.len()), ("topic", 1));
     assert!(listing.unread[0].why.contains("cbor"), "{:?}", listing.unread);
     // Any damage is an end or an error, and no panic.
@@ -349,13 +321,13 @@ fn a_file_that_is_cut_off_or_none_says_so() {
     for at in (8..plain.len()).step_by(397) {
         let mut damaged = plain.clone();
         damaged[at] ^= 0xFF;
-        let said = bench.read(&damaged).map_or_else(|error| error, |(_, said)| said.join(" "));
+        let said = read_bytes(&bench, &damaged).map_or_else(|error| error, |(_, said)| said.join(" "));
         assert_eq!(said.lines().count().max(1), 1, "{at}: {said}");
     }
-    let text = bench.read(b"no MCAP at all, and longer than its beginning").unwrap_err();
+    let text = read_bytes(&bench, b"no MCAP at all, and longer than its beginning").unwrap_err();
     assert!(text.contains("does not begin as an MCAP file"), "{text}");
-    assert!(bench.read(b"").unwrap_err().contains("the file is empty, expected an MCAP file"));
+    assert!(read_bytes(&bench, b"").unwrap_err().contains("the file is empty, expected an MCAP file"));
     let none = [Topic { name: "/odd", encoding: "cbor", schema: ("any", "", b""), message: &opaque }];
-    let text = bench.read(&write(None, |_| 0, &none)).unwrap_err();
+    let text = read_bytes(&bench, &write(None, |_| 0, &none)).unwrap_err();
     assert!(text.contains("/odd is messages in \"cbor\""), "{text}");
 }

@@ -1,7 +1,6 @@
 //! What of an MDF4 file is a signal: formulas, clocks in other units, stretches of one recording; and that what cannot be read is named with
 //! its reason, by the list and by the refusal. Files of ours, changed at the block that the case is about.
 #![cfg(feature = "mdf4")]
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -9,8 +8,10 @@ use std::path::{Path, PathBuf};
 use itpms_data::log::{CornerColumns, LogColumns, LogCorner, LogMotion, LogOptions, UnitCheck};
 use itpms_data::mdf4::{ChannelSpec, Compression, GroupSpec, Mdf4Writer, SampleFormat};
 use itpms_data::out::{LogWriter, Packing};
-use itpms_data::signals::{Lister, Listing, resolve_knowing};
+use itpms_data::signals::{Listing, resolve_knowing};
 use itpms_data::{LogReader, LogRow};
+
+use crate::common::{Bench, found, listed};
 
 const NAMES: [&str; 3] = ["speed_m_s", "fl_body_accel_m_s2", "fl_wheel_accel_m_s2"];
 
@@ -38,34 +39,17 @@ fn write(path: &Path, groups: &[GroupSpec], place: impl Fn(u32) -> usize, time: 
     writer.finish().unwrap().commit().unwrap();
 }
 
-struct Bench(tempfile::TempDir);
+fn map(bench: &Bench, text: &str) -> PathBuf {
+    bench.write("map.toml", format!("[signals]\n{text}\n"))
+}
 
-impl Bench {
-    fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
-    }
+fn read(bench: &Bench, map: Option<PathBuf>) -> Result<Vec<LogRow>, String> {
+    let options = LogOptions { units: UnitCheck::Trusting, dbc: None, signals: map, rows: vec![] };
+    found(&bench.path("drive.mf4"), &options).map(|found| found.rows)
+}
 
-    fn path(&self) -> PathBuf {
-        self.0.path().join("drive.mf4")
-    }
-
-    fn map(&self, text: &str) -> PathBuf {
-        let path = self.0.path().join("map.toml");
-        fs::write(&path, format!("[signals]\n{text}\n")).unwrap();
-        path
-    }
-
-    fn read(&self, map: Option<PathBuf>) -> Result<Vec<LogRow>, String> {
-        let options = LogOptions { units: UnitCheck::Trusting, dbc: None, signals: map, rows: vec![] };
-        let log = LogReader::open_with(&self.path(), &options).map_err(|error| error.to_string())?;
-        log.collect::<Result<_, _>>().map_err(|error| error.to_string())
-    }
-
-    fn list(&self) -> Listing {
-        let mut lister = Lister::open(&self.path(), None, &[]).unwrap();
-        while lister.step().unwrap() {}
-        lister.finish()
-    }
+fn list(bench: &Bench) -> Listing {
+    listed(&bench.path("drive.mf4"))
 }
 
 fn blocks(bytes: &[u8], id: &[u8; 4]) -> Vec<usize> {
@@ -123,23 +107,23 @@ fn is_drive(rows: &[LogRow], scale: f64) {
 #[test]
 fn a_formula_is_computed_and_one_that_cannot_be_is_named() {
     let bench = Bench::new();
-    write(&bench.path(), &[group("car", &NAMES)], |_| 0, |k| f64::from(k) * 0.002);
-    let plain = fs::read(bench.path()).unwrap();
+    write(&bench.path("drive.mf4"), &[group("car", &NAMES)], |_| 0, |k| f64::from(k) * 0.002);
+    let plain = fs::read(bench.path("drive.mf4")).unwrap();
     let mut bytes = plain.clone();
     convert(&mut bytes, "fl_body_accel_m_s2", "X1/100");
-    fs::write(bench.path(), &bytes).unwrap();
-    is_drive(&bench.read(None).unwrap(), 0.01);
+    bench.write("drive.mf4", &bytes);
+    is_drive(&read(&bench, None).unwrap(), 0.01);
 
     bytes = plain;
     convert(&mut bytes, "fl_body_accel_m_s2", "X1 > 3 ? 1 : 2");
-    fs::write(bench.path(), &bytes).unwrap();
+    bench.write("drive.mf4", &bytes);
     let expected = "the formula \"X1 > 3 ? 1 : 2\", of which \"> 3 ? 1 : 2\" is not understood";
-    let listing = bench.list();
+    let listing = list(&bench);
     assert_eq!(listing.unread[0].candidate.full_name(), "car.fl_body_accel_m_s2");
     assert!(listing.unread[0].why.contains(expected), "{:?}", listing.unread);
     // With a map and without one.
-    for map in [None, Some(bench.map("fl_body_accel_m_s2 = \"fl_body_accel_m_s2\""))] {
-        let refusal = bench.read(map).unwrap_err();
+    for map in [None, Some(map(&bench, "fl_body_accel_m_s2 = \"fl_body_accel_m_s2\""))] {
+        let refusal = read(&bench, map).unwrap_err();
         assert!(
             refusal.contains("car.fl_body_accel_m_s2") && refusal.contains("is not understood"),
             "{refusal}"
@@ -152,14 +136,19 @@ fn a_formula_is_computed_and_one_that_cannot_be_is_named() {
 fn clocks_in_other_units_are_read() {
     for (unit, per_second) in [("ms", 1e3), ("us", 1e6), ("ns", 1e9)] {
         let bench = Bench::new();
-        write(&bench.path(), &[group("car", &NAMES)], |_| 0, |k| (f64::from(k) * 0.002 * per_second).round());
-        let mut bytes = fs::read(bench.path()).unwrap();
+        write(
+            &bench.path("drive.mf4"),
+            &[group("car", &NAMES)],
+            |_| 0,
+            |k| (f64::from(k) * 0.002 * per_second).round(),
+        );
+        let mut bytes = fs::read(bench.path("drive.mf4")).unwrap();
         let at = blocks(&bytes, b"##TX").into_iter().find(|at| text(&bytes, *at) == "s").unwrap();
         bytes[at + 8..at + 16].copy_from_slice(&27u64.to_le_bytes());
         bytes[at + 24..at + 27].copy_from_slice(format!("{unit}\0").as_bytes());
-        fs::write(bench.path(), &bytes).unwrap();
-        is_drive(&bench.read(None).unwrap(), 1.0);
-        let listing = bench.list();
+        bench.write("drive.mf4", &bytes);
+        is_drive(&read(&bench, None).unwrap(), 1.0);
+        let listing = list(&bench);
         assert_eq!(listing.groups[0].rate_hz, Some(500.0), "{unit}");
         assert!(listing.notes.iter().any(|note| note.contains(&format!("in {unit}"))), "{:?}", listing.notes);
     }
@@ -171,43 +160,43 @@ fn stretches_of_one_recording_are_joined_and_others_of_one_name_are_not() {
     let full = NAMES.map(|name| format!("{name} = \"Suspension.{name}\"")).join("\n");
     let two = [group("Suspension", &NAMES), group("Suspension", &NAMES)];
     for first in [0, 1] {
-        write(&bench.path(), &two, |k| usize::from(k >= 1600) ^ first, |k| f64::from(k) * 0.002);
-        is_drive(&bench.read(None).unwrap(), 1.0);
-        is_drive(&bench.read(Some(bench.map(&full))).unwrap(), 1.0);
-        let listing = bench.list();
+        write(&bench.path("drive.mf4"), &two, |k| usize::from(k >= 1600) ^ first, |k| f64::from(k) * 0.002);
+        is_drive(&read(&bench, None).unwrap(), 1.0);
+        is_drive(&read(&bench, Some(map(&bench, &full))).unwrap(), 1.0);
+        let listing = list(&bench);
         assert_eq!(listing.candidates().len(), 3);
         assert_eq!(listing.first_candidates(), [0, 0]);
     }
     // At the same times nothing tells which is which.
-    write(&bench.path(), &two, |k| (k % 2) as usize, |k| f64::from(k) * 0.002);
-    let refusal = bench.read(Some(bench.map(&full))).unwrap_err();
+    write(&bench.path("drive.mf4"), &two, |k| (k % 2) as usize, |k| f64::from(k) * 0.002);
+    let refusal = read(&bench, Some(map(&bench, &full))).unwrap_err();
     assert!(refusal.contains("\"Suspension.speed_m_s\", of which there are 2"), "{refusal}");
-    assert_eq!(bench.list().candidates().len(), 6);
+    assert_eq!(list(&bench).candidates().len(), 6);
 }
 
 #[test]
 fn frames_of_a_bus_and_groups_without_a_clock_are_named_as_such() {
     let bench = Bench::new();
     let frames = ["CAN_DataFrame", "CAN_DataFrame.ID", "CAN_DataFrame.DLC"];
-    write(&bench.path(), &[group("CAN", &frames)], |_| 0, |k| f64::from(k) * 0.002);
-    let refusal = bench.read(None).unwrap_err();
+    write(&bench.path("drive.mf4"), &[group("CAN", &frames)], |_| 0, |k| f64::from(k) * 0.002);
+    let refusal = read(&bench, None).unwrap_err();
     assert!(refusal.contains("is a CAN log") && refusal.contains("--dbc"), "{refusal}");
-    assert_eq!(bench.list().kind, "message");
+    assert_eq!(list(&bench).kind, "message");
     let frames = ["LIN_Frame", "LIN_Frame.ID", "LIN_Frame.DataLength"];
-    write(&bench.path(), &[group("LIN", &frames)], |_| 0, |k| f64::from(k) * 0.002);
-    let refusal = bench.read(None).unwrap_err();
+    write(&bench.path("drive.mf4"), &[group("LIN", &frames)], |_| 0, |k| f64::from(k) * 0.002);
+    let refusal = read(&bench, None).unwrap_err();
     assert!(refusal.contains("LIN.LIN_Frame is frames of another bus than CAN"), "{refusal}");
-    assert!(bench.list().unread[0].why.contains("frames of another bus"));
+    assert!(list(&bench).unread[0].why.contains("frames of another bus"));
 
-    write(&bench.path(), &[group("car", &NAMES)], |_| 0, |k| f64::from(k) * 0.002);
-    let mut bytes = fs::read(bench.path()).unwrap();
+    write(&bench.path("drive.mf4"), &[group("car", &NAMES)], |_| 0, |k| f64::from(k) * 0.002);
+    let mut bytes = fs::read(bench.path("drive.mf4")).unwrap();
     // The master becomes a channel like the others.
     let data = channel(&bytes, "time") + 24 + 8 * 8;
     bytes[data..data + 2].copy_from_slice(&[0, 0]);
-    fs::write(bench.path(), &bytes).unwrap();
-    let refusal = bench.read(None).unwrap_err();
+    bench.write("drive.mf4", &bytes);
+    let refusal = read(&bench, None).unwrap_err();
     assert!(refusal.contains("whose clock is missing"), "{refusal}");
-    let listing = bench.list();
+    let listing = list(&bench);
     assert!(
         listing.unread.iter().all(|unread| unread.why.contains("clock is missing")),
         "{:?}",

@@ -1,13 +1,13 @@
 //! Text behind gzip whose end is missing, padded or without an end; and what lies beside the parts of a table.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use std::fs;
 use std::io::Write as _;
-use std::path::PathBuf;
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
-use itpms_data::LogReader;
+use itpms_data::log::LogOptions;
+
+use crate::common::{Bench, found};
 
 fn table(rows: u32) -> String {
     let row = |k: u32| {
@@ -24,50 +24,43 @@ fn packed(text: &str) -> Vec<u8> {
     encoder.finish().unwrap()
 }
 
-struct Bench(tempfile::TempDir);
-
-impl Bench {
-    /// How many rows a file has, and what is said of it.
-    fn read(&self, bytes: &[u8]) -> Result<(u64, String), String> {
-        let path: PathBuf = self.0.path().join("drive.csv.gz");
-        fs::write(&path, bytes).unwrap();
-        let mut log = LogReader::open(&path).map_err(|error| error.to_string())?;
-        while log.next_row().map_err(|error| error.to_string())?.is_some() {}
-        Ok((log.repairs().rows_read, log.repairs().warnings().join("\n")))
-    }
+/// How many rows a file has, and what is said of it.
+fn read(bench: &Bench, bytes: &[u8]) -> Result<(usize, String), String> {
+    let found = found(&bench.write("drive.csv.gz", bytes), &LogOptions::default())?;
+    Ok((found.rows.len(), found.warnings.join("\n")))
 }
 
 #[test]
 fn a_packed_table_is_read_up_to_its_last_whole_row() {
-    let bench = Bench(tempfile::tempdir().unwrap());
+    let bench = Bench::new();
     let text = table(20_000);
     let whole = packed(&text);
-    assert_eq!(bench.read(&whole).unwrap(), (20_000, String::new()));
+    assert_eq!(read(&bench, &whole).unwrap(), (20_000, String::new()));
     for share in [0.3, 0.7, 0.99] {
-        let (rows, said) = bench.read(&whole[..(share * whole.len() as f64) as usize]).unwrap();
+        let (rows, said) = read(&bench, &whole[..(share * whole.len() as f64) as usize]).unwrap();
         // Deflate holds back some kilobytes.
         let expected = share * 20_000.0;
         assert!((rows as f64) < expected * 1.05 && rows as f64 > expected - 3000.0, "{share}: {rows}");
         assert!(said.contains("cut off"), "{said}");
     }
     // Only the checksum is missing: every row is there, and so is the word.
-    let (rows, said) = bench.read(&whole[..whole.len() - 6]).unwrap();
+    let (rows, said) = read(&bench, &whole[..whole.len() - 6]).unwrap();
     assert!(rows == 20_000 && said.contains("cut off"), "{rows} {said}");
     // Padding, and members one after the other, as pigz and loggers write them.
     let padded = |zeros: usize| [whole.clone(), vec![0; zeros]].concat();
     for zeros in [1, 511, 200_000] {
-        assert_eq!(bench.read(&padded(zeros)).unwrap(), (20_000, String::new()), "{zeros}");
+        assert_eq!(read(&bench, &padded(zeros)).unwrap(), (20_000, String::new()), "{zeros}");
     }
     let (first, second) = text.split_at(text.len() / 2);
     let members = [packed(first), vec![0; 100], packed(second)].concat();
-    assert_eq!(bench.read(&members).unwrap(), (20_000, String::new()));
-    let text = bench.read(&[whole.clone(), b"rest".to_vec()].concat()).unwrap_err();
+    assert_eq!(read(&bench, &members).unwrap(), (20_000, String::new()));
+    let text = read(&bench, &[whole.clone(), b"rest".to_vec()].concat()).unwrap_err();
     assert!(text.contains("something else than gzip follows"), "{text}");
 }
 
 #[test]
 fn what_unpacks_without_an_end_is_refused() {
-    let bench = Bench(tempfile::tempdir().unwrap());
+    let bench = Bench::new();
     let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
     encoder.write_all(table(4000).as_bytes()).unwrap();
     let comment = [&b"#"[..], &[b' '; 4094], b"\n"].concat().repeat(256);
@@ -75,7 +68,7 @@ fn what_unpacks_without_an_end_is_refused() {
         encoder.write_all(&comment).unwrap();
     }
     let bytes = encoder.finish().unwrap();
-    let text = bench.read(&bytes).unwrap_err();
+    let text = read(&bench, &bytes).unwrap_err();
     assert!(text.contains("bytes unpack to more than") && text.contains("gunzip"), "{text}");
 }
 
@@ -104,7 +97,7 @@ fn a_folder_names_what_it_leaves_out() {
     };
     convert(&request, &mut |_| ControlFlow::Continue(())).unwrap().unwrap().file.commit().unwrap();
     let said = || {
-        let mut log = LogReader::open(&parts).unwrap();
+        let mut log = itpms_data::LogReader::open(&parts).unwrap();
         while log.next_row().unwrap().is_some() {}
         log.repairs().warnings().join("\n")
     };

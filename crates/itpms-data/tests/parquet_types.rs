@@ -1,15 +1,13 @@
 //! Every type and codec of Parquet that holds numbers or times is read as those, and a folder of part files as one table. That what
 //! pyarrow, polars and DuckDB write is read, too, `.ci/parquet_judge.py` checks.
 #![cfg(feature = "parquet")]
-#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests may fail as tests do")]
 
 use std::fs::{self, File};
 use std::path::Path;
 use std::sync::Arc;
 
-use itpms_data::LogReader;
 use itpms_data::log::{LogOptions, UnitCheck};
-use itpms_data::signals::Lister;
+use itpms_data::{LogReader, LogRow};
 use parquet::basic::{BrotliLevel, Compression, GzipLevel, ZstdLevel};
 use parquet::data_type::{
     BoolType, ByteArray, ByteArrayType, DataType, DoubleType, FixedLenByteArray, FixedLenByteArrayType,
@@ -18,6 +16,8 @@ use parquet::data_type::{
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::schema::parser::parse_message_type;
+
+use crate::common::{self, listed};
 
 const ROWS: i32 = 400;
 
@@ -49,14 +49,11 @@ fn doubles(group: &mut Group<'_>, value: impl Fn(i32) -> f64) {
 }
 
 fn read(path: &Path) -> Result<Vec<(f64, f64, f64)>, String> {
-    let options = LogOptions::from(UnitCheck::Trusting);
-    let mut log = LogReader::open_with(path, &options).map_err(|error| error.to_string())?;
-    let mut rows = Vec::new();
-    while let Some(row) = log.next_row().map_err(|error| error.to_string())? {
+    let values = |row: &LogRow| {
         let corner = row.corners[0].unwrap();
-        rows.push((row.time_s, corner.body_accel_m_s2, corner.wheel_accel_m_s2));
-    }
-    Ok(rows)
+        (row.time_s, corner.body_accel_m_s2, corner.wheel_accel_m_s2)
+    };
+    Ok(common::read(path)?.0.iter().map(values).collect())
 }
 
 fn bytes(value: &[u8]) -> FixedLenByteArray {
@@ -117,9 +114,7 @@ fn clocks_of_every_type_are_seconds() {
             // Seconds since 1970 in 64 bits have steps of 0.24 us.
             assert!((time_s - from_s - f64::from(i) / 100.0).abs() < 3e-7, "{schema}: {time_s}");
         }
-        let mut lister = Lister::open(&path, None, &[]).unwrap();
-        while lister.step().unwrap() {}
-        let listing = lister.finish();
+        let listing = listed(&path);
         assert_eq!(
             (listing.clock.as_deref(), listing.groups[0].rate_hz),
             (Some("time_s"), Some(100.0)),
@@ -294,9 +289,7 @@ fn an_index_without_a_name_is_the_clock_and_the_written_map_says_so() {
         column::<Int64Type>(group, &stamps(1_000_000_000, true));
     });
     assert_eq!(read(&path).unwrap().len(), ROWS as usize);
-    let mut lister = Lister::open(&path, None, &[]).unwrap();
-    while lister.step().unwrap() {}
-    let listing = lister.finish();
+    let listing = listed(&path);
     let resolved = itpms_data::signals::resolve(&listing.candidates(), None).unwrap();
     let map = dir.path().join("map.toml");
     fs::write(&map, resolved.to_toml(listing.clock.as_deref())).unwrap();

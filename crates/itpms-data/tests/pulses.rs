@@ -1,5 +1,4 @@
 //! Tables of tooth pulses: in the order of time whatever the order of their rows, the same from text and Parquet, and refused in one line.
-#![allow(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
 use std::path::PathBuf;
 

@@ -1,6 +1,5 @@
 //! One recording, however a logger or a person has laid it down: each table gives the rows of its plain twin. Two recordings in one are
 //! refused, and what the refusal says, followed, gives the twin's rows.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests may fail as tests do")]
 
 mod made;
 
@@ -9,7 +8,9 @@ use std::fs;
 use itpms_core::model::Corner;
 use itpms_data::LogRow;
 
-use made::{Bench, NAMES, RATE_HZ, clocked, day, drive, number, plain, read, read_where, same, table};
+use made::{NAMES, RATE_HZ, clocked, day, drive, number, plain, read, read_where, same, table};
+
+use crate::common::Bench;
 
 #[test]
 fn every_clock_and_every_dialect_of_a_recording_is_its_plain_twin() {
@@ -285,7 +286,7 @@ fn folders_of_parts_hold_one_recording_or_say_which() {
     let [a, b] = [0, 1].map(|k| read(&bench.write("drive.csv", plain(&drive(k)))).unwrap().rows);
     bench.parquet("hive/car=A/part-0.parquet", &a, true);
     bench.parquet("hive/car=B/part-0.parquet", &b, true);
-    let hive = bench.0.path().join("hive");
+    let hive = bench.path("hive");
     let text = read(&hive).err().unwrap();
     assert!(text.contains("car=A, car=B") && text.contains("--where car=A"), "{text}");
     same(&read_where(&hive, "car=A").unwrap().rows, &a, "car=A");
@@ -296,28 +297,27 @@ fn folders_of_parts_hold_one_recording_or_say_which() {
     // Parts by their time are one drive, whatever the folders are called.
     bench.parquet("days/day=1/part-0.parquet", &a[..3000], true);
     bench.parquet("days/day=2/part-0.parquet", &a[3000..], true);
-    same(&read(&bench.0.path().join("days")).unwrap().rows, &a, "days");
+    same(&read(&bench.path("days")).unwrap().rows, &a, "days");
     // Beside each other, without a key.
     bench.parquet("beside/a.parquet", &a, true);
     bench.parquet("beside/b.parq", &b, true);
-    let text = read(&bench.0.path().join("beside")).err().unwrap();
+    let text = read(&bench.path("beside")).err().unwrap();
     assert!(text.contains("the parts a.parquet and b.parq have rows of the same time"), "{text}");
 
     // The same part under two names, and its rows in another file.
-    fs::create_dir_all(bench.0.path().join("twice/again")).unwrap();
+    fs::create_dir_all(bench.path("twice/again")).unwrap();
     bench.parquet("twice/a.parquet", &a, true);
-    fs::copy(bench.0.path().join("twice/a.parquet"), bench.0.path().join("twice/again/a (1).parquet"))
-        .unwrap();
-    let text = read(&bench.0.path().join("twice")).err().unwrap();
+    fs::copy(bench.path("twice/a.parquet"), bench.path("twice/again/a (1).parquet")).unwrap();
+    let text = read(&bench.path("twice")).err().unwrap();
     assert!(text.contains("a.parquet and") && text.contains("a (1).parquet have the same bytes"), "{text}");
     bench.parquet("twice/again/a (1).parquet", &a[1000..], true);
-    let text = read(&bench.0.path().join("twice")).err().unwrap();
+    let text = read(&bench.path("twice")).err().unwrap();
     assert!(text.contains("the parts a.parquet and a (1).parquet have rows of the same time"), "{text}");
 
     // What a later part has first.
     bench.parquet("later/part-0.parquet", &a[..3000], false);
     bench.parquet("later/part-1.parquet", &a[3000..], true);
-    let later = read(&bench.0.path().join("later")).unwrap();
+    let later = read(&bench.path("later")).unwrap();
     let front = |row: &LogRow| row.corners[Corner::FrontLeft.index()].unwrap().wheel_accel_m_s2;
     assert!(later.rows[..3000].iter().all(|row| front(row).is_nan()));
     assert!(later.rows[3000..].iter().zip(&a[3000..]).all(|(row, full)| front(row) == front(full)));
@@ -329,17 +329,17 @@ fn folders_of_parts_hold_one_recording_or_say_which() {
     {
         bench.parquet(&format!("{name}/data/part-0.parquet"), &a, true);
         bench.write(&format!("{name}/{log}"), "{}");
-        let text = read(&bench.0.path().join(name)).err().unwrap();
+        let text = read(&bench.path(name)).err().unwrap();
         assert!(
             text.contains(": a table of") && text.ends_with("'drive.parquet')\"") || name == "hudi",
             "{text}"
         );
     }
-    assert!(read(&bench.0.path().join("iceberg/data")).is_err());
+    assert!(read(&bench.path("iceberg/data")).is_err());
     // Also where they lie further down.
     bench.parquet("warehouse/db/drive/data/part-0.parquet", &a, true);
     bench.write("warehouse/db/drive/metadata/v1.metadata.json", "{}");
-    let text = read(&bench.0.path().join("warehouse")).err().unwrap();
+    let text = read(&bench.path("warehouse")).err().unwrap();
     assert!(text.contains("a table of Iceberg"), "{text}");
 
     // The time of day, over midnight: the parts before it come first, also where the clock goes over it within a part.
@@ -350,7 +350,7 @@ fn folders_of_parts_hold_one_recording_or_say_which() {
         for (name, part) in [("b", &rows[..3000]), ("a", &rows[3000..])] {
             bench.parquet(&format!("night-{midnight}/{name}.parquet"), part, true);
         }
-        let found = read(&bench.0.path().join(format!("night-{midnight}"))).unwrap();
+        let found = read(&bench.path(&format!("night-{midnight}"))).unwrap();
         same(&found.rows, &a, "over midnight");
         assert!(found.remarks.iter().any(|remark| remark.contains("midnight")), "{:?}", found.remarks);
     }
@@ -358,7 +358,7 @@ fn folders_of_parts_hold_one_recording_or_say_which() {
     let later = |row: &LogRow| LogRow { time_s: row.time_s + 50_000.0, ..*row };
     bench.parquet("day/a.parquet", &a[3000..].iter().map(later).collect::<Vec<_>>(), true);
     bench.parquet("day/b.parquet", &a[..3000], true);
-    assert!(read(&bench.0.path().join("day")).unwrap().rows[0].time_s < 1.0);
+    assert!(read(&bench.path("day")).unwrap().rows[0].time_s < 1.0);
 }
 
 #[test]

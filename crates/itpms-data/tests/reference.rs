@@ -1,5 +1,4 @@
 //! A stored reference: what goes in comes out, and nothing else ever does.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use crate::stored;
 

@@ -3,7 +3,6 @@
 //!
 //! What a kill cannot show is a power cut, where what the system still held in memory is lost. There the order counts (contents to the
 //! disk, then the name, then the directory; `AtomicFile`), and the checksum (tests/reference.rs tears files at every byte).
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use crate::stored;
 

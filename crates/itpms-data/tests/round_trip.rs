@@ -1,6 +1,5 @@
 //! Logs and results through files and back.
 #![cfg(feature = "parquet")]
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use std::fs;
 use std::path::Path;
@@ -8,17 +7,11 @@ use std::path::Path;
 use itpms_core::model::{Corner, CornerEstimate, Diagnostics, Level, Loss, Validity, Warning};
 use itpms_core::warning::{Doubt, WheelState};
 use itpms_data::log::{AirColumns, CornerColumns, LogColumns, LogCorner, LogMotion, UnitCheck};
-use itpms_data::out::{EstimateWriter, LogWriter, RoadPoint, RoadWriter, WheelSpeedUse};
+use itpms_data::out::{EstimateRow, EstimateWriter, RoadPoint, RoadWriter, WheelSpeedUse};
 use itpms_data::{DataError, LogReader, LogRow};
 use proptest::prelude::*;
 
-fn write(path: &Path, columns: LogColumns, rows: &[LogRow]) {
-    let mut writer = LogWriter::create(path, columns).unwrap();
-    for row in rows {
-        writer.write(row).unwrap();
-    }
-    writer.finish().unwrap().commit().unwrap();
-}
+use crate::common::write_log;
 
 fn read(path: &Path) -> (LogColumns, Vec<LogRow>) {
     let mut log = LogReader::open_with(path, &UnitCheck::Trusting.into()).unwrap();
@@ -83,12 +76,12 @@ proptest! {
             ],
             ..LogColumns::default()
         };
-        write(&first, columns, &rows);
+        write_log(&first, columns, &rows);
         for (from, to) in [(&first, &middle), (&middle, &last)] {
             let (columns_read, rows_read) = read(from);
             prop_assert_eq!(columns_read, columns);
             prop_assert_eq!(rows_read.iter().map(bits).collect::<Vec<_>>(), rows.iter().map(bits).collect::<Vec<_>>());
-            write(to, columns_read, &rows_read);
+            write_log(to, columns_read, &rows_read);
         }
         prop_assert_eq!(fs::read(&first).unwrap(), fs::read(&last).unwrap());
     }
@@ -122,7 +115,7 @@ fn a_long_drive_crosses_row_groups_and_batches() {
             motion: LogMotion::UNKNOWN,
         })
         .collect();
-    write(&path, columns, &rows);
+    write_log(&path, columns, &rows);
     let mut log = LogReader::open(&path).unwrap();
     for row in &rows {
         assert_eq!(bits(&log.next_row().unwrap().unwrap()), bits(row));
@@ -182,10 +175,11 @@ fn estimates_have_the_promised_columns_and_words() {
     let low = CornerEstimate { loss: Some(loss), ..estimate(180.5, Validity::Valid, Warning::Low) };
     let broken = estimate(f64::NAN, Validity::BadSignal, Warning::Malfunction);
     let states = [Some(WheelState::Low), None, None, Some(WheelState::Unknown(Doubt::Uncertain))];
-    writer.write(0.1, &[Some(low), None, None, None], &states, None).unwrap();
-    writer
-        .write(0.2, &[Some(low), None, None, Some(broken)], &[Some(WheelState::Malfunction); 4], None)
-        .unwrap();
+    let mut write = |time_s, estimates: [_; 4], states: [_; 4]| {
+        writer.write(&EstimateRow { time_s, estimates: &estimates, states: &states, radii: None }).unwrap();
+    };
+    write(0.1, [Some(low), None, None, None], states);
+    write(0.2, [Some(low), None, None, Some(broken)], [Some(WheelState::Malfunction); 4]);
     let file = writer.finish().unwrap();
     assert!(!path.exists());
     file.commit().unwrap();
@@ -224,7 +218,8 @@ fn a_full_disk_is_reported_by_name_in_both_formats() {
                 EstimateWriter::create(path, &Corner::ALL, WheelSpeedUse::None, AirColumns::default())?;
             for i in 0..5000 {
                 let e = Some(estimate(f64::from(i).sqrt(), Validity::Valid, Warning::None));
-                writer.write(f64::from(i), &[e; 4], &[None; 4], None)?;
+                let (time_s, estimates, states) = (f64::from(i), &[e; 4], &[None; 4]);
+                writer.write(&EstimateRow { time_s, estimates, states, radii: None })?;
             }
             Ok::<_, DataError>(writer.finish()?.commit()?)
         };

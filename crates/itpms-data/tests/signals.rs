@@ -1,5 +1,4 @@
 //! Which signal becomes which column: by a map, by names, and what is reported where that is not clear.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use std::path::Path;
 

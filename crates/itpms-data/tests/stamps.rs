@@ -1,16 +1,17 @@
 //! The order of the stamps is the order of the data: tables, bus logs and MDF4 files whose order, clocks or stamps are odd give the rows of
 //! their plain twins, or one sentence.
 #![cfg(all(feature = "can", feature = "mdf4"))]
-#![allow(clippy::unwrap_used, reason = "a test ends where something is wrong")]
 
 use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use itpms_core::model::Corner;
+use itpms_data::LogRow;
 use itpms_data::log::{LogOptions, UnitCheck};
 use itpms_data::mdf4::{ChannelSpec, Compression, GroupSpec, Mdf4Writer, SampleFormat};
-use itpms_data::{LogReader, LogRow};
+
+use crate::common::{Bench, Found, found};
 
 const CORNERS: [Corner; 2] = [Corner::FrontLeft, Corner::RearLeft];
 const RATE_HZ: f64 = 500.0;
@@ -57,34 +58,19 @@ fn frames() -> Vec<Frame> {
     frames
 }
 
-struct Found {
-    rows: Vec<LogRow>,
-    warnings: Vec<String>,
-    remarks: Vec<String>,
-}
-
 fn read(path: &Path, dbc: Option<PathBuf>) -> Result<Found, String> {
-    let options = LogOptions { units: UnitCheck::Trusting, dbc, signals: None, rows: vec![] };
-    let mut log = LogReader::open_with(path, &options).map_err(|error| error.to_string())?;
-    let mut rows = Vec::new();
-    while let Some(row) = log.next_row().map_err(|error| error.to_string())? {
-        rows.push(row);
-    }
-    Ok(Found { rows, warnings: log.repairs().warnings(), remarks: log.remarks() })
+    found(path, &LogOptions { units: UnitCheck::Trusting, dbc, signals: None, rows: vec![] })
 }
 
 /// Writes the frames by their places and reads them.
 fn bus(mut frames: Vec<Frame>) -> Result<Found, String> {
-    let folder = tempfile::tempdir().unwrap();
-    let (log, dbc) = (folder.path().join("bus.log"), folder.path().join("car.dbc"));
+    let bench = Bench::new();
     frames.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut text = String::new();
     for (_, stamp_s, rest) in frames {
         writeln!(text, "({:.6}) {rest}", 1_772_352_000.0 + stamp_s).unwrap();
     }
-    fs::write(&log, text).unwrap();
-    fs::write(&dbc, DBC).unwrap();
-    read(&log, Some(dbc))
+    read(&bench.write("bus.log", text), Some(bench.write("car.dbc", DBC)))
 }
 
 /// The rows of the drive, `skip` of them left out at the beginning, times within `within_s` of their own after a common offset.

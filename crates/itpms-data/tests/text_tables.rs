@@ -1,15 +1,15 @@
 //! Text tables as programs of many kinds write them: each has to give the very rows of its plain twin.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests may fail as tests do")]
 
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use itpms_data::log::{LogOptions, UnitCheck};
-use itpms_data::signals::Lister;
 use itpms_data::{LogReader, LogRow};
+
+use crate::common::{Bench, found, listed};
 
 const NAMES: [&str; 4] = ["time_s", "speed_m_s", "fl_body_accel_m_s2", "fl_wheel_accel_m_s2"];
 const ROWS: u32 = 300;
@@ -35,28 +35,9 @@ fn plain() -> String {
     table(",", |_, value| value.to_string())
 }
 
-struct Bench(tempfile::TempDir);
-
-impl Bench {
-    fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
-    }
-
-    fn write(&self, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
-        let path = self.0.path().join(name);
-        fs::write(&path, content).unwrap();
-        path
-    }
-}
-
 fn read(path: &Path, map: Option<&Path>) -> Result<(Vec<LogRow>, Vec<String>), String> {
     let options = LogOptions { signals: map.map(Path::to_owned), ..LogOptions::from(UnitCheck::Trusting) };
-    let mut log = LogReader::open_with(path, &options).map_err(|error| error.to_string())?;
-    let mut rows = Vec::new();
-    while let Some(row) = log.next_row().map_err(|error| error.to_string())? {
-        rows.push(row);
-    }
-    Ok((rows, log.repairs().warnings()))
+    found(path, &options).map(|found| (found.rows, found.warnings))
 }
 
 fn same(found: &[LogRow], expected: &[LogRow], what: &str) {
@@ -89,9 +70,7 @@ fn every_dialect_gives_the_rows_of_its_plain_twin() {
         let (rows, warnings) = read(&path, None).unwrap_or_else(|text| panic!("{name}: {text}"));
         same(&rows, &expected, name);
         assert_eq!(warnings, Vec::<String>::new(), "{name}");
-        let mut lister = Lister::open(&path, None, &[]).unwrap();
-        while lister.step().unwrap() {}
-        let listing = lister.finish();
+        let listing = listed(&path);
         assert_eq!((listing.samples, listing.clock.as_deref()), (u64::from(ROWS), Some("time_s")), "{name}");
     }
 }
@@ -101,7 +80,7 @@ fn a_packed_table_is_read_as_it_is() {
     let bench = Bench::new();
     let (expected, _) = read(&bench.write("plain.csv", plain()), None).unwrap();
     for name in ["drive.csv.gz", "drive.TSV.GZ", "called.csv"] {
-        let path = bench.0.path().join(name);
+        let path = bench.path(name);
         let mut packer = GzEncoder::new(File::create(&path).unwrap(), Compression::default());
         packer.write_all(plain().as_bytes()).unwrap();
         packer.finish().unwrap();

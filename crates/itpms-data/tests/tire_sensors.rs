@@ -1,6 +1,5 @@
 //! The car's own tire sensors in a log: sparse in time, in steps of a kPa, witnesses and no truth.
 #![cfg(feature = "can")]
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use std::fmt::Write as _;
 

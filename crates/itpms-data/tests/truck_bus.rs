@@ -1,11 +1,12 @@
 //! A truck's bus (SAE J1939): wheel speeds as differences from the front axle's (EBC2) or one by one (HRW), and tires by their location (TIRE).
 #![cfg(feature = "can")]
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use std::fmt::Write as _;
 
+use itpms_data::LogRow;
 use itpms_data::log::LogOptions;
-use itpms_data::{LogReader, LogRow};
+
+use crate::common::{Bench, found};
 
 const EBC2: &str = r#"
 BO_ 2566832126 EBC2: 8 X
@@ -80,17 +81,10 @@ fn log(mut frames: impl FnMut(u32) -> Vec<(u32, [u8; 8])>) -> String {
 
 /// Its rows, what was repaired, and which signal became what.
 fn read(dbc: &str, log: &str) -> (Vec<LogRow>, String, String) {
-    let dir = tempfile::tempdir().unwrap();
-    let [dbc_path, path] = ["truck.dbc", "truck.log"].map(|name| dir.path().join(name));
-    std::fs::write(&dbc_path, dbc).unwrap();
-    std::fs::write(&path, log).unwrap();
-    let options = LogOptions { dbc: Some(dbc_path), ..LogOptions::default() };
-    let mut log = LogReader::open_with(&path, &options).unwrap();
-    let mut rows = Vec::new();
-    while let Some(row) = log.next_row().unwrap() {
-        rows.push(row);
-    }
-    (rows, log.repairs().warnings().join("\n"), log.mapping().join("\n"))
+    let bench = Bench::new();
+    let options = LogOptions { dbc: Some(bench.write("truck.dbc", dbc)), ..LogOptions::default() };
+    let found = found(&bench.write("truck.log", log), &options).unwrap();
+    (found.rows, found.warnings.join("\n"), found.mapping.join("\n"))
 }
 
 fn compare(rows: &[LogRow], most_kmh: f64) {

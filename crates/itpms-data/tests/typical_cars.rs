@@ -1,5 +1,4 @@
 //! `vehicle init` against cars whose parameters are published: is what it writes within the deviation that it states?
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use itpms_core::model::Corner;
 use itpms_data::Vehicle;

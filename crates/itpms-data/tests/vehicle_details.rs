@@ -1,5 +1,4 @@
 //! The optional keys of the vehicle file: read, refused, written back, and resolved to standard deviations.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use itpms_core::model::Corner;
 use itpms_data::Vehicle;

@@ -1,5 +1,4 @@
 //! The vehicle file: what it says, what it may not say, and the way back.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use itpms_core::model::{Confidence, Corner, CornerConfig, ParameterUncertainty, PressureMap};
 use itpms_data::Vehicle;

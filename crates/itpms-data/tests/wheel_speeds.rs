@@ -1,5 +1,4 @@
 //! Logs with wheel speeds alone: the same drive through every format, in makers' names and units.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};

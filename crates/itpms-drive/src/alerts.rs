@@ -19,7 +19,7 @@ pub struct Listed {
     pub ended_s: Option<f64>,
 }
 
-/// Who receives a transition, with its time in s.
+/// Callback for a transition, with its time in s.
 pub type Note<'a> = &'a mut dyn FnMut(f64, &Change<f64>) -> Result<(), DriveError>;
 
 /// The transitions of a drive.

@@ -8,8 +8,9 @@ use itpms_core::torsion::{CarTorsion, TorsionChange};
 use itpms_core::warning::MonitorReport;
 use itpms_data::out::{RadiusRow, WheelSpeedUse};
 use itpms_data::pulses::Pulse;
+use itpms_data::reference::StoredReference;
 use itpms_data::{LogRow, Vehicle};
-use itpms_road::{RepeatedRoads, RoadUnderCar};
+use itpms_road::{RepeatedRoads, RoadRepetition, RoadUnderCar};
 
 use crate::car::AnyCar;
 use crate::error::DriveError;
@@ -64,8 +65,21 @@ impl Drive {
         sample_rate_hz: f64,
     ) -> Result<Self, DriveError> {
         let stored = reference::read(settings, vehicle)?;
-        let vehicle = stored.as_ref().map_or(vehicle, |(vehicle, _)| vehicle);
-        let taught = stored.as_ref().map(|(_, stored)| stored);
+        let (vehicle, stored) =
+            stored.as_ref().map_or((vehicle, None), |(vehicle, stored)| (vehicle, Some(stored)));
+        Self::with_reference(settings, stored, vehicle, corners, wheel_speeds, sample_rate_hz)
+    }
+
+    /// The same with the contents of the settings' reference, and the vehicle from which that counts.
+    /// Errors: as [`Drive::new`].
+    pub fn with_reference(
+        settings: &Settings,
+        stored: Option<&StoredReference>,
+        vehicle: &Vehicle,
+        corners: &[Corner],
+        wheel_speeds: WheelSpeedUse,
+        sample_rate_hz: f64,
+    ) -> Result<Self, DriveError> {
         let alone = corners.is_empty();
         let wheel_speeds = (wheel_speeds != WheelSpeedUse::None)
             .then(|| vehicle.wheel_speed_config().map_err(|key| lacks(vehicle, key)))
@@ -84,7 +98,7 @@ impl Drive {
             return Err(DriveError::Mismatch(what.to_owned()));
         }
         let mut car = AnyCar::new(settings.estimator, &config, sample_rate_hz)?;
-        if let Some((_, stored)) = stored.as_ref().filter(|(_, stored)| !alone && stored.has_corners()) {
+        if let Some(stored) = stored.filter(|stored| !alone && stored.has_corners()) {
             reference::load(settings, &stored.reference, &mut car)?;
         }
         if settings.pulses.is_some() {
@@ -93,9 +107,10 @@ impl Drive {
         if let Some(seconds) = settings.calibrate_s {
             car.begin_calibration(seconds, &settings.pressure_shares(vehicle))?;
         }
-        let wheels = wheel_speeds.map(|_| WheelSpeeds::new(settings, vehicle, alone, taught, &mut car));
+        let wheels = wheel_speeds.map(|_| WheelSpeeds::new(settings, vehicle, alone, stored, &mut car));
         let wheels = wheels.transpose()?;
-        let repeated = (!alone && car.estimator().is_some())
+        let repeats = settings.road_repeats != RoadRepetition::Never;
+        let repeated = (!alone && repeats && car.estimator().is_some())
             .then(|| RepeatedRoads::new(&corners, sample_rate_hz, settings.road_repeats).map(Box::new))
             .transpose()?;
         Ok(Self {
@@ -131,7 +146,7 @@ impl Drive {
     }
 
     /// The estimator, but for those of the paper.
-    pub(crate) fn estimator(&self) -> Option<&CarEstimator<f64>> {
+    pub fn estimator(&self) -> Option<&CarEstimator<f64>> {
         self.car.estimator()
     }
 
@@ -218,6 +233,11 @@ impl Drive {
     /// How many rows have a speed in m/s that no car has, and the first such speed, if there are any.
     pub fn absurd_speeds(&self) -> Option<(u64, f64)> {
         self.absurd
+    }
+
+    /// Whether the speed says that the car stands while its wheels roll.
+    pub fn denies_standstill(&self) -> bool {
+        self.car.denies_standstill()
     }
 
     /// Seconds for which the speed was zero while its wheels rolled, if there were any.

@@ -9,13 +9,12 @@ use itpms_core::warning::Change;
 #[cfg(feature = "mcap")]
 use itpms_data::out::mcap::McapResults;
 use itpms_data::out::{
-    AtomicFile, EstimateWriter, RadiusRow, RateGate, RoadPoint, RoadWriter, States, WheelSpeedUse,
+    AtomicFile, EstimateRow, EstimateWriter, RateGate, RoadPoint, RoadWriter, WheelSpeedUse,
     transition_object,
 };
 use itpms_data::{LogReader, LogRow, Vehicle};
 use serde_json::{Map, Value};
 
-use crate::drive::Estimates;
 use crate::error::DriveError;
 use crate::reference::Saving;
 use crate::road::LateRow;
@@ -134,13 +133,7 @@ impl Files {
 }
 
 impl Sink for Files {
-    fn row(
-        &mut self,
-        row: &LogRow,
-        estimates: &Estimates,
-        states: &States,
-        radii: Option<&RadiusRow>,
-    ) -> Result<(), DriveError> {
+    fn row(&mut self, row: &LogRow, known: &EstimateRow<'_>) -> Result<(), DriveError> {
         #[cfg(feature = "mcap")]
         if let Some(mcap) = &mut self.mcap {
             mcap.write_signals(row)?;
@@ -149,11 +142,11 @@ impl Sink for Files {
             return Ok(());
         }
         if let Some(writer) = &mut self.estimates {
-            writer.write(row.time_s, estimates, states, radii)?;
+            writer.write(known)?;
         }
         #[cfg(feature = "mcap")]
         if let Some(mcap) = &mut self.mcap {
-            mcap.write_estimate(row.time_s, estimates, states, radii)?;
+            mcap.write_estimate(known)?;
         }
         Ok(())
     }

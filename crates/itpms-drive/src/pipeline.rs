@@ -56,7 +56,7 @@ pub fn estimate_in_pipeline(
         scope.spawn(move || read(log, &to_estimator));
         let recording = scope.spawn(move || follow(&steps, &empty, record, sink));
         let estimated = work((&mut drive, &mut pulses), job, rows, to_record, &emptied, watch);
-        // What went wrong with an earlier row comes first.
+        // The error of an earlier row comes first.
         recording.join().unwrap_or_else(|panic| resume_unwind(panic)).and(estimated)
     })?;
     conclude(log, job, (drive, &pulses), record, sink, watch)
@@ -151,7 +151,7 @@ mod tests {
     use super::*;
     use itpms_data::Vehicle;
     use itpms_data::log::LogOptions;
-    use itpms_data::out::States;
+    use itpms_data::out::EstimateRow;
 
     use crate::simulated::{log_row, vehicle_of};
     use crate::{LateRow, Settings, common_corners, estimate};
@@ -169,18 +169,13 @@ mod tests {
     }
 
     impl Sink for Kept {
-        fn row(
-            &mut self,
-            row: &LogRow,
-            estimates: &Estimates,
-            states: &States,
-            _radii: Option<&RadiusRow>,
-        ) -> Result<(), DriveError> {
+        fn row(&mut self, row: &LogRow, known: &EstimateRow<'_>) -> Result<(), DriveError> {
             if self.refuses == Some(self.rows) {
                 return Err(DriveError::Mismatch(format!("row {}", self.rows)));
             }
             self.rows += 1;
-            writeln!(self.text, "{row:?} {estimates:?} {states:?}").map_err(|_| DriveError::Stopped)
+            writeln!(self.text, "{row:?} {:?} {:?}", known.estimates, known.states)
+                .map_err(|_| DriveError::Stopped)
         }
 
         fn road(&mut self, late: &LateRow) -> Result<(), DriveError> {

@@ -270,7 +270,7 @@ mod tests {
         // A tone ring of 44 teeth in the place of 48; a small spare wheel turns less than 3 % faster.
         assert!(odd(|_| 44.0 / 48.0).is_some());
         assert_eq!(odd(|_| 1.025), None);
-        // What comes and goes is a sensor out of order, and found where it is so.
+        // An intermittent mismatch is a faulty sensor, which the monitor finds.
         assert_eq!(odd(|k| if k % 4 == 0 { 0.6 } else { 1.0 }), None);
     }
 

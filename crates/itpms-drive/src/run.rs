@@ -7,7 +7,7 @@ use itpms_analysis::report::{CornerRow, Provenance, ReportCollector, ReportData,
 use itpms_core::model::{BodyFit, Corner, Misfit};
 use itpms_core::torsion::TorsionChange;
 use itpms_core::warning::{Cause, Change, MonitorReport};
-use itpms_data::out::{RadiusRow, States};
+use itpms_data::out::{EstimateRow, RadiusRow};
 use itpms_data::{LogReader, LogRow};
 use serde_json::{Map, Value};
 
@@ -28,17 +28,10 @@ use crate::wheel_speeds::{YawFault, wheel_speed_use};
 /// Rows between two looks at whoever may want to stop or to know how far it is.
 pub(crate) const ROWS_PER_LOOK: u64 = 1024;
 
-/// Who gets the results of a drive as they come.
+/// Receiver of a drive's results as they come.
 pub trait Sink {
-    /// A row of the log, what was estimated after it, what the monitor says of each wheel, and what the wheel speeds say where they are
-    /// used. Errors: the sink's own; they end the drive.
-    fn row(
-        &mut self,
-        row: &LogRow,
-        estimates: &Estimates,
-        states: &States,
-        radii: Option<&RadiusRow>,
-    ) -> Result<(), DriveError>;
+    /// A row of the log, and what is known after it. Errors: the sink's own; they end the drive.
+    fn row(&mut self, row: &LogRow, known: &EstimateRow<'_>) -> Result<(), DriveError>;
 
     /// The same half a minute later, when its road is there; only where the road is wanted. Errors: the sink's own; they end the drive.
     fn road(&mut self, _late: &LateRow) -> Result<(), DriveError> {
@@ -257,7 +250,8 @@ impl Record {
         if let Some(radii) = radii {
             self.collector.push_radii(row.time_s, &radii.radii);
         }
-        sink.row(row, estimates, &report.wheels.map(|wheel| wheel.map(|wheel| wheel.state)), radii)?;
+        let states = &report.wheels.map(|wheel| wheel.map(|wheel| wheel.state));
+        sink.row(row, &EstimateRow { time_s: row.time_s, estimates, states, radii })?;
         match (&mut self.track, cars) {
             (Some(track), Some(cars)) => {
                 track.push(row, estimates, cars);

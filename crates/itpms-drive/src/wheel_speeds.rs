@@ -47,7 +47,7 @@ pub(crate) struct WheelSpeeds {
 
 impl WheelSpeeds {
     /// This vehicle's, whose monitor and analysis of tooth pulses begin with what was stored.
-    /// Errors: a stored reference without wheel speeds where there is nothing else.
+    /// Errors: a stored reference with wheel speeds that no car has, or without any where there is nothing else.
     pub(crate) fn new(
         settings: &Settings,
         vehicle: &Vehicle,
@@ -57,19 +57,23 @@ impl WheelSpeeds {
     ) -> Result<Self, DriveError> {
         let radii = stored.and_then(|stored| stored.wheel_speeds.as_ref());
         let monitor = car.wheels_mut();
-        let loaded = monitor.zip(radii).is_some_and(|(monitor, radii)| monitor.load_calibration(radii));
+        let loaded = monitor.zip(radii).map(|(monitor, radii)| monitor.load_calibration(radii));
+        let problem = match loaded {
+            Some(false) => Some("wheel speeds that no car has"),
+            None if alone => Some("nothing of wheel speeds, and the log nothing else"),
+            _ => None,
+        };
+        if let (Some(path), Some(problem)) = (&settings.reference, problem) {
+            let path = path.display();
+            return Err(DriveError::Mismatch(format!("{path}: the learned reference has {problem}")));
+        }
+        let loaded = loaded.is_some();
         let learned_unix_s = stored.filter(|_| loaded).map(|stored| stored.learned_unix_s as f64);
         if let (Some(monitor), Some(stored)) = (car.wheels_mut(), stored.filter(|_| loaded)) {
             let _ = monitor.load_days(&stored.days);
         }
         if let (Some(torsion), Some(stored)) = (car.torsion_mut(), stored) {
             let _ = torsion.load_calibration(&stored.torsion);
-        }
-        if let Some(path) = settings.reference.as_ref().filter(|_| alone && !loaded) {
-            return Err(DriveError::Mismatch(format!(
-                "{}: the learned reference has nothing of wheel speeds, and the log nothing else",
-                path.display()
-            )));
         }
         let rolling_radius_m = vehicle.rolling_radius_m().unwrap_or(f64::NAN);
         let track_rear_m = vehicle.wheel_speed_config().map_err(|key| lacks(vehicle, key))?.track_rear_m;

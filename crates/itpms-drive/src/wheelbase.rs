@@ -39,7 +39,7 @@ pub(crate) fn find(
     let weight = |one: &FoundWheelbase| one.sd_m.powi(-2);
     let weights: f64 = found.iter().map(weight).sum();
     let mean = found.iter().map(|one| weight(one) * one.wheelbase_m).sum::<f64>() / weights;
-    // What is systematic about them they have in common.
+    // Their systematic error is common to them.
     let least = found.iter().map(|one| one.sd_m).fold(f64::INFINITY, f64::min);
     Ok((!found.is_empty()).then_some(FoundWheelbase { wheelbase_m: mean, sd_m: least }))
 }

@@ -133,6 +133,27 @@ impl AtomicFile {
         Ok(Self { target: target.to_owned(), temporary: Some(temporary), file: BufWriter::new(file) })
     }
 
+    /// The complete file, to be [committed](Self::commit) together with others.
+    ///
+    /// # Errors
+    /// As for [`create`](Self::create) and [`settle`](Self::settle).
+    pub fn settled(target: &Path, bytes: &[u8]) -> Result<Self, FileError> {
+        let mut file = Self::create(target)?;
+        file.append(bytes)?;
+        file.settle()?;
+        Ok(file)
+    }
+
+    /// The same with its name.
+    ///
+    /// # Errors
+    /// As for [`create`](Self::create) and [`commit`](Self::commit).
+    pub fn save(target: &Path, bytes: &[u8]) -> Result<(), FileError> {
+        let mut file = Self::create(target)?;
+        file.append(bytes)?;
+        file.commit()
+    }
+
     /// The name the file will have.
     #[must_use]
     pub fn target(&self) -> &Path {

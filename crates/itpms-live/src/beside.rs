@@ -7,15 +7,13 @@ use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 
 use itpms_analysis::beside::{Beside, Findings, Identified};
-use itpms_core::model::Corner;
-use itpms_data::out::RadiusRow;
 use itpms_data::{LogRow, Vehicle};
+use itpms_drive::Drive;
 use serde_json::{Map, Value, json};
 
 use crate::clock::Clock;
 use crate::options::DriveOptions;
 use crate::reported::Reported;
-use crate::wheels::Car;
 
 /// Seconds between two looks at what the rows have shown.
 const LOOK_S: f64 = 60.0;
@@ -39,7 +37,8 @@ pub(crate) struct BesideWatch {
 impl BesideWatch {
     pub(crate) fn new(vehicle: &Vehicle, clock: &Clock, options: &DriveOptions) -> Self {
         let step_s = clock.sample_rate_hz.recip();
-        let blank = Beside::new(vehicle, &clock.corners, step_s, options.suspension_reference);
+        let healthy = options.reference.as_ref().and_then(|stored| stored.suspension);
+        let blank = Beside::new(vehicle, &clock.corners, step_s, healthy);
         let shown = shown(&blank.conclude(&Identified::default()));
         let (watch, looked_s, moved_s) = (blank.clone(), f64::NAN, f64::NAN);
         Self { blank, watch, working: None, looked_s, moved_s, shown, standing: Vec::new() }
@@ -51,7 +50,7 @@ impl BesideWatch {
         row: &LogRow,
         speed_m_s: f64,
         estimates: &[Option<itpms_core::CornerEstimate<f64>>; 4],
-        car: &Car,
+        drive: &Drive,
         reported: &mut impl FnMut(f64, Reported),
     ) {
         // A speed that is not known is none of a car that stands.
@@ -61,13 +60,8 @@ impl BesideWatch {
             }
             self.moved_s = row.time_s;
         }
-        let radii = car.wheels().map(|wheels| RadiusRow {
-            radii: *wheels.radii(),
-            states: Corner::ALL.map(|corner| Some(wheels.state_of(corner))),
-            slow_leak: *wheels.slow_leak(),
-        });
         let standing = &mut self.standing;
-        self.watch.take(row, estimates, radii.as_ref(), |event| {
+        self.watch.take(row, estimates, drive.radii().as_ref(), |event| {
             let alert = alert(event, row.time_s);
             // A wheel's sensor has one verdict: the newest.
             if let Some(place) = standing.iter().position(|before| is_of_the_same(before, &alert)) {
@@ -84,15 +78,15 @@ impl BesideWatch {
         }
         if row.time_s - self.looked_s >= LOOK_S && self.working.is_none() {
             self.looked_s = row.time_s;
-            let (watch, car) = (self.watch.clone(), Identified::by(Some(car.estimator())));
+            let (watch, car) = (self.watch.clone(), Identified::by(drive.estimator()));
             self.working = thread::Builder::new().spawn(move || watch.conclude(&car)).ok();
         }
     }
 
     /// There is nothing more: what all rows have shown.
-    pub(crate) fn finish(&mut self, car: &Car) {
+    pub(crate) fn finish(&mut self, drive: &Drive) {
         self.working = None;
-        self.shown = shown(&self.watch.conclude(&Identified::by(Some(car.estimator()))));
+        self.shown = shown(&self.watch.conclude(&Identified::by(drive.estimator())));
     }
 
     /// `dampers`, `load`, `once_per_turn` and `tire_sensors`, as in `itpms estimate --json`.
@@ -152,7 +146,9 @@ fn is_of_the_same(a: &Map<String, Value>, b: &Map<String, Value>) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::drive::Drive;
+    use itpms_core::model::Corner;
+
+    use crate::drive::LiveDrive;
 
     fn row(time_s: f64, speed_m_s: f64) -> LogRow {
         let still = itpms_data::log::LogCorner {
@@ -167,7 +163,7 @@ mod tests {
     /// A drive of a minute, a stop of so many seconds and two seconds more: what is reported of what had been found before the stop.
     fn stopped_for(seconds: u32) -> Vec<String> {
         let clock = Clock { sample_rate_hz: 100.0, corners: Corner::ALL.to_vec(), wheel_speeds: false };
-        let mut drive = Drive::new(&Vehicle::paper(), clock, &DriveOptions::default()).unwrap();
+        let mut drive = LiveDrive::new(&Vehicle::paper(), clock, &DriveOptions::default()).unwrap();
         let found = json!({ "kind": "unbalance-rising", "wheels": ["fl"], "text": "" });
         drive.beside.standing.extend(found.as_object().cloned());
         let mut over = Vec::new();

@@ -7,11 +7,11 @@ use itpms_data::log::{Field, Slot};
 use itpms_data::out::alert_object;
 use serde_json::{Map, Value};
 
-use crate::drive::Drive;
+use crate::drive::LiveDrive;
 use crate::snapshot::{SensorHealth, Track, Wheel};
 
 /// The wheels of a drive, in the order of [`Corner::ALL`].
-pub(crate) fn wheels(drive: &Drive, vehicle: &Vehicle) -> Vec<Wheel> {
+pub(crate) fn wheels(drive: &LiveDrive, vehicle: &Vehicle) -> Vec<Wheel> {
     if drive.clock.corners.is_empty() {
         return Corner::ALL.into_iter().filter_map(|corner| rolling(drive, vehicle, corner)).collect();
     }
@@ -19,9 +19,9 @@ pub(crate) fn wheels(drive: &Drive, vehicle: &Vehicle) -> Vec<Wheel> {
 }
 
 /// A wheel of which the speed alone is known: no pressure.
-fn rolling(drive: &Drive, vehicle: &Vehicle, corner: Corner) -> Option<Wheel> {
-    let radius = drive.car.wheels()?.radii().wheels[corner.index()];
-    let report = drive.car.report().wheels[corner.index()]?;
+fn rolling(drive: &LiveDrive, vehicle: &Vehicle, corner: Corner) -> Option<Wheel> {
+    let radius = drive.drive.radii()?.radii.wheels[corner.index()];
+    let report = drive.report().wheels[corner.index()]?;
     let (nan, placard_kpa) = (f64::NAN, vehicle.placard_kpa(corner).unwrap_or(f64::NAN));
     Some(Wheel {
         corner: corner.label(),
@@ -56,12 +56,12 @@ fn known(value: f64) -> Option<f64> {
 /// Why a wheel is not known, if it is not.
 fn doubt(state: WheelState) -> Option<&'static str> {
     match state {
-        WheelState::Unknown(doubt) => Some(doubt_label(doubt)),
+        WheelState::Unknown(doubt) => Some(doubt.label()),
         _ => None,
     }
 }
 
-fn wheel(drive: &Drive, vehicle: &Vehicle, corner: Corner) -> Option<Wheel> {
+fn wheel(drive: &LiveDrive, vehicle: &Vehicle, corner: Corner) -> Option<Wheel> {
     let i = corner.index();
     let estimate = drive.latest.as_ref()?.corners[i]?;
     let placard_kpa = vehicle.corner(corner).map_or(f64::NAN, |config| config.placard_kpa);
@@ -102,18 +102,7 @@ fn wheel(drive: &Drive, vehicle: &Vehicle, corner: Corner) -> Option<Wheel> {
     })
 }
 
-fn doubt_label(doubt: Doubt) -> &'static str {
-    match doubt {
-        Doubt::Starting => "starting",
-        Doubt::NoInformation => "no-information",
-        Doubt::Uncertain => "uncertain",
-        Doubt::Suspicion => "suspicion",
-        Doubt::Misfit => "misfit",
-        Doubt::Standing => "standing",
-    }
-}
-
-pub(crate) fn tracks(drive: &Drive) -> Vec<Track> {
+pub(crate) fn tracks(drive: &LiveDrive) -> Vec<Track> {
     let Some(estimate) = &drive.latest else { return Vec::new() };
     let sides =
         [("left", [Corner::FrontLeft, Corner::RearLeft]), ("right", [Corner::FrontRight, Corner::RearRight])];
@@ -124,13 +113,13 @@ pub(crate) fn tracks(drive: &Drive) -> Vec<Track> {
         .collect()
 }
 
-pub(crate) fn alerts(drive: &Drive) -> Vec<Map<String, Value>> {
+pub(crate) fn alerts(drive: &LiveDrive) -> Vec<Map<String, Value>> {
     let beside = drive.beside.standing().iter().cloned();
     drive.report().alerts().map(alert_object).chain(beside).collect()
 }
 
 /// Both accelerometers of every corner. A malfunction that names none of its sensors is one of all it could be.
-pub(crate) fn sensors(drive: &Drive) -> Vec<SensorHealth> {
+pub(crate) fn sensors(drive: &LiveDrive) -> Vec<SensorHealth> {
     let corners = drive.clock.corners.iter();
     let both = corners.flat_map(|corner| [(*corner, Field::BodyAccel), (*corner, Field::WheelAccel)]);
     both.map(|(corner, field)| sensor(drive.report(), corner, field)).collect()

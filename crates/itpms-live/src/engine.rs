@@ -16,7 +16,7 @@ use itpms_data::signals::doubt_of;
 use itpms_data::{LogRow, Vehicle};
 
 use crate::describe;
-use crate::drive::{Clock, Drive, DriveOptions, Reported};
+use crate::drive::{Clock, DriveOptions, LiveDrive, Reported};
 use crate::error::LiveError;
 use crate::input::{Note, NoteSink, SourceName};
 use crate::latency::LatencyWindow;
@@ -70,7 +70,7 @@ pub struct Engine {
 enum Stage {
     /// The first rows wait until their rate is known.
     Surveying(Vec<LogRow>),
-    Running(Box<Drive>),
+    Running(Box<LiveDrive>),
 }
 
 impl Engine {
@@ -270,15 +270,17 @@ impl Engine {
     }
 
     /// The saved drive if the rows fit it, else a new one, and that is reported.
-    fn begin(&mut self, clock: Clock) -> Result<Drive, LiveError> {
+    fn begin(&mut self, clock: Clock) -> Result<LiveDrive, LiveError> {
         self.source.rate_hz = clock.sample_rate_hz;
-        let Some(saved) = self.saved.take() else { return Drive::new(&self.vehicle, clock, &self.options) };
+        let Some(saved) = self.saved.take() else {
+            return LiveDrive::new(&self.vehicle, clock, &self.options);
+        };
         let rate_hz = saved.sample_rate_hz();
         let same_rate = (clock.sample_rate_hz / rate_hz - 1.0).abs() <= SAME_RATE;
         if saved.corners() == clock.corners && saved.has_wheel_speeds() == clock.wheel_speeds && same_rate {
             let drive = saved.resume(&self.vehicle, &self.options)?;
             let time_s = drive.time_s();
-            if self.options.pulses && !saved.has_pulses() {
+            if self.options.settings.pulses.is_some() && !saved.has_pulses() {
                 self.warn("the saved state has nothing of tooth pulses, and goes on without them");
             }
             (self.say)(Note::Remark(format!("goes on from the saved state, at {time_s:.1} s")));
@@ -291,7 +293,7 @@ impl Engine {
             labels(&clock.corners),
             clock.sample_rate_hz
         )));
-        Drive::new(&self.vehicle, clock, &self.options)
+        LiveDrive::new(&self.vehicle, clock, &self.options)
     }
 
     fn estimate(
@@ -305,7 +307,7 @@ impl Engine {
             Place::Next => {}
             Place::Late => return Ok(()),
             Place::SetBack(back_s) => {
-                drive.gate = RateGate::new(self.options.rate_hz);
+                drive.gate = RateGate::new(self.options.settings.rate_hz);
                 (self.say)(Note::Warning(format!(
                     "{}: time went back by {back_s:.1} s to {:.1} s: the clock was set, what is known of the car stays",
                     self.source.name, row.time_s
@@ -377,7 +379,7 @@ impl Engine {
         Arc::new(snapshot)
     }
 
-    pub fn drive(&self) -> Option<&Drive> {
+    pub fn drive(&self) -> Option<&LiveDrive> {
         match &self.stage {
             Stage::Surveying(_) => None,
             Stage::Running(drive) => Some(drive),

@@ -5,6 +5,7 @@ use std::io;
 use itpms_data::DataError;
 use itpms_data::can::CanError;
 use itpms_data::error::FileError;
+use itpms_drive::DriveError;
 use thiserror::Error;
 
 /// The end of the monitor.
@@ -38,6 +39,15 @@ pub enum LiveError {
 impl From<FileError> for LiveError {
     fn from(error: FileError) -> Self {
         Self::Data(error.into())
+    }
+}
+
+impl From<DriveError> for LiveError {
+    fn from(error: DriveError) -> Self {
+        match error {
+            DriveError::Data(error) => Self::Data(error),
+            other => Self::Refused(other.to_string()),
+        }
     }
 }
 

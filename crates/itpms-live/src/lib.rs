@@ -6,7 +6,7 @@
 //! | [`input`], [`queue`] | what a source tells, and the bounded way it goes |
 //! | [`broker`], `tls` | where an MQTT broker is, and whom to believe that it is this one |
 //! | [`feed`] | frames to rows |
-//! | [`drive`], `options` | the running estimate, and how it is made |
+//! | [`drive`], `options` | the running estimate (an `itpms_drive::Drive`), and how it is made |
 //! | `past`, `units` | rows that are late, clocks that are set back; numbers in another unit |
 //! | [`speed`] | why the speed of the car is unknown, and when that is reported |
 //! | [`engine`] | what came in becomes snapshots and transitions |
@@ -47,6 +47,5 @@ pub mod speed;
 pub mod state;
 mod tls;
 mod units;
-mod wheels;
 
 pub use error::LiveError;

@@ -107,7 +107,7 @@ impl Monitor {
     }
 
     fn estimate(&mut self, inputs: &Queue<Input>, stop: impl Fn() -> bool) -> Result<End, LiveError> {
-        // What came before this, loading and starting, is no silence of the source.
+        // Time spent on loading and starting before this is no silence of the source.
         self.last_row = Instant::now();
         let mut taken = VecDeque::new();
         loop {

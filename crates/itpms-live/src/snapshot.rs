@@ -103,11 +103,11 @@ pub struct Wheel {
     pub change_sd_kpa: f64,
     /// Standard deviation in kPa of its difference from the axle's other tire; `null` without one.
     pub axle_difference_sd_kpa: Option<f64>,
-    /// What was lost in this drive in kPa, and its standard deviation; `null` while that is not counted, and where the tire was low
+    /// Pressure lost in this drive in kPa, and its standard deviation; `null` while that is not counted, and where the tire was low
     /// before that. By wheel speeds alone: against the other tires since the calibration.
     pub lost_kpa: Option<f64>,
     pub lost_sd_kpa: Option<f64>,
-    /// What the tire would have once it had cooled down to the air around the car, in kPa, and its standard deviation; absent while the
+    /// The tire's pressure once it has cooled down to the air around the car, in kPa, and its standard deviation; absent while the
     /// temperature of the air is not known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cold_pressure_kpa: Option<f64>,
@@ -117,7 +117,7 @@ pub struct Wheel {
     /// Temperature in degrees Celsius of the air that it was computed with.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ambient_temperature_c: Option<f64>,
-    /// What is to be added in kPa, cold, up to the placard's pressure; absent where that is less than its standard deviation or hardly
+    /// Air to add in kPa, cold, up to the placard's pressure; absent where that is less than its standard deviation or hardly
     /// any, and while the pressure is not valid.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cold_add_kpa: Option<f64>,
@@ -126,7 +126,7 @@ pub struct Wheel {
     pub lost_share: Option<f64>,
     pub lost_share_sd: Option<f64>,
     pub detectable_loss: Option<f64>,
-    /// What its level rests on: `file`, `calibration`, `reference` or, by wheel speeds alone, `other-tires`: then there is no pressure.
+    /// Basis of its level: `file`, `calibration`, `reference` or, by wheel speeds alone, `other-tires`: then there is no pressure.
     pub level: &'static str,
     pub stiffness_n_per_m: f64,
     pub reference_kpa: f64,

@@ -5,21 +5,13 @@
 /// Seconds for which a speed has to be missing before that is reported: a bus that wakes up tells some signals later than others.
 const LASTS_S: f64 = 5.0;
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum SpeedDoubt {
-    /// For more than half a second nothing was sent that a car can drive.
-    Missing,
-    /// It says that the car stands while its wheels roll.
-    Contradicted,
-}
-
-impl SpeedDoubt {
-    /// One word: `missing` or `contradicted`.
-    pub fn label(self) -> &'static str {
-        match self {
-            SpeedDoubt::Missing => "missing",
-            SpeedDoubt::Contradicted => "contradicted",
-        }
+itpms_core::labelled! {
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+    pub enum SpeedDoubt {
+        /// For more than half a second nothing was sent that a car can drive.
+        Missing = "missing",
+        /// It says that the car stands while its wheels roll.
+        Contradicted = "contradicted",
     }
 }
 

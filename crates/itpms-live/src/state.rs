@@ -1,7 +1,7 @@
 //! A drive kept in a file from one start of the monitor to the next, bit by bit.
 //!
 //! ```text
-//! itpms-live-state 31 f6d0c1f2a5a1b1c3\n     format, checksum of the format and of everything below
+//! itpms-live-state 32 f6d0c1f2a5a1b1c3\n     format, checksum of the format and of everything below
 //! postcard of the vehicle's identity, the regulation and the drive
 //! ```
 //!
@@ -17,17 +17,16 @@ use itpms_core::model::Corner;
 use itpms_data::Vehicle;
 use itpms_data::out::{AtomicFile, RateGate};
 use itpms_data::reference::{Unsealed, VehicleIdentity, seal, unsealed};
-use itpms_road::RoadUnderCar;
+use itpms_drive::Drive;
 use serde::{Deserialize, Serialize};
 
 use crate::beside::BesideWatch;
-use crate::drive::{Clock, Drive, DriveOptions, Progress};
+use crate::drive::{Clock, DriveOptions, LiveDrive, Progress};
 use crate::error::LiveError;
 use crate::roughness::Roughness;
-use crate::wheels::Car;
 
 /// The format that is written, and the only one that is read.
-pub const FORMAT: u32 = 31;
+pub const FORMAT: u32 = 32;
 
 const MAGIC: &str = "itpms-live-state ";
 /// The largest car takes some 400 kB.
@@ -44,22 +43,20 @@ pub struct SavedDrive {
     gate: (f64, Option<f64>, f64),
     iri_m_per_km: [f64; 4],
     progress: Progress,
-    car: Box<Car>,
-    road: RoadUnderCar<f64>,
+    drive: Box<Drive>,
 }
 
 impl SavedDrive {
-    pub(crate) fn of(drive: &Drive, options: &DriveOptions) -> Self {
+    pub(crate) fn of(drive: &LiveDrive, options: &DriveOptions) -> Self {
         Self {
             vehicle: Default::default(),
-            regulation: options.regulation.label().to_owned(),
+            regulation: options.settings.regulation.label().to_owned(),
             sample_rate_hz: drive.clock.sample_rate_hz,
             corners: drive.clock.corners.clone(),
-            gate: (options.rate_hz, drive.gate.start_s, drive.gate.due),
+            gate: (options.settings.rate_hz, drive.gate.start_s, drive.gate.due),
             iri_m_per_km: drive.roughness.iri_m_per_km,
             progress: drive.progress.clone(),
-            car: drive.car.clone(),
-            road: drive.road.clone(),
+            drive: drive.drive.clone(),
         }
     }
 
@@ -96,7 +93,7 @@ impl SavedDrive {
                 format!("is of the vehicle {name:?}, expected {:?}", ours.name)
             });
         }
-        let wanted = options.regulation.label();
+        let wanted = options.settings.regulation.label();
         if saved.regulation != wanted {
             return Err(format!("was made with {}, expected {wanted}", saved.regulation));
         }
@@ -135,7 +132,7 @@ impl SavedDrive {
     }
 
     /// The drive, to go on with the next row.
-    pub(crate) fn resume(&self, vehicle: &Vehicle, options: &DriveOptions) -> Result<Drive, LiveError> {
+    pub(crate) fn resume(&self, vehicle: &Vehicle, options: &DriveOptions) -> Result<LiveDrive, LiveError> {
         let clock = Clock {
             sample_rate_hz: self.sample_rate_hz,
             corners: self.corners.clone(),
@@ -143,28 +140,27 @@ impl SavedDrive {
         };
         let mut roughness = Roughness::new(&clock)?;
         roughness.iri_m_per_km = self.iri_m_per_km;
-        let mut gate = RateGate::new(options.rate_hz);
+        let mut gate = RateGate::new(options.settings.rate_hz);
         let (rate_hz, start_s, due) = self.gate;
         // Published at another rate, the estimates begin a new count.
-        if rate_hz == options.rate_hz {
+        if rate_hz == options.settings.rate_hz {
             (gate.start_s, gate.due) = (start_s, due);
         }
-        let (car, progress) = (self.car.clone(), self.progress.clone());
-        let (road, rolling_radius_m) = (self.road.clone(), vehicle.rolling_radius_m().unwrap_or(f64::NAN));
+        let (drive, progress) = (self.drive.clone(), self.progress.clone());
         let beside = BesideWatch::new(vehicle, &clock, options);
-        Ok(Drive { clock, car, road, rolling_radius_m, gate, progress, roughness, beside, latest: None })
+        Ok(LiveDrive { clock, drive, gate, progress, roughness, beside, latest: None })
     }
 
     pub(crate) fn has_wheel_speeds(&self) -> bool {
-        self.car.wheels().is_some()
+        self.drive.radii().is_some()
     }
 
     pub(crate) fn has_pulses(&self) -> bool {
-        self.car.torsion().is_some()
+        self.drive.torsion().is_some()
     }
 
-    pub fn car(&self) -> &Car {
-        &self.car
+    pub fn drive(&self) -> &Drive {
+        &self.drive
     }
 
     pub(crate) fn sample_rate_hz(&self) -> f64 {
@@ -178,7 +174,5 @@ impl SavedDrive {
 
 /// Writes the bytes of a state. Killed or without power at any moment, the file is the one before or this, whole.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), LiveError> {
-    let mut file = AtomicFile::create(path)?;
-    file.append(bytes)?;
-    Ok(file.commit()?)
+    Ok(AtomicFile::save(path, bytes)?)
 }

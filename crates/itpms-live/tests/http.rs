@@ -1,5 +1,4 @@
 //! The web server from outside: plain requests over a socket, as a browser, a scraper or someone with bad intentions sends them.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail like tests")]
 
 use crate::{http_client, made_up};
 

@@ -1,7 +1,4 @@
 //! The estimating thread: it says when nothing comes, goes on bit by bit from a saved state, and waits for no output.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail like tests")]
-
-use crate::common;
 
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -9,7 +6,6 @@ use std::sync::{Arc, Mutex, mpsc};
 use std::thread;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-use common::{rows, say, snapshot, transition, with_large_stack};
 use itpms_core::model::Corner;
 use itpms_data::can::{CanFrame, CanId};
 use itpms_data::dbc::{Dbc, Decoder};
@@ -24,6 +20,8 @@ use itpms_live::output::{JsonLines, WhenSlow};
 use itpms_live::queue::Queue;
 use itpms_live::snapshot::SourceState;
 use itpms_live::state::SavedDrive;
+
+use crate::common::{rows, say, snapshot, transition, with_large_stack};
 
 fn engine(saved: Option<SavedDrive>) -> Engine {
     let source = SourceName { name: "test".to_owned(), kind: "replay" };
@@ -86,7 +84,7 @@ fn resumed() {
     assert_eq!(plain(&[first, second].concat()), plain(&all));
     // The estimator itself, every bit of it, is in the state.
     let car = |bytes: &[u8]| SavedDrive::parse(bytes, &Vehicle::paper(), &options).unwrap();
-    assert_eq!(format!("{:?}", car(&last).car()), format!("{:?}", car(&last_again).car()));
+    assert_eq!(format!("{:?}", car(&last).drive()), format!("{:?}", car(&last_again).drive()));
 }
 
 #[test]
@@ -205,8 +203,10 @@ fn refused() {
     let mut other = vehicle.clone();
     other.corners[0].as_mut().unwrap().placard_kpa = 250.0;
     assert!(refusal(&bytes, &other).contains("with another id or other parameters"));
-    let regulation = itpms_core::warning::Regulation::ALL.into_iter().find(|r| *r != options.regulation);
-    let others = DriveOptions { regulation: regulation.unwrap(), ..options.clone() };
+    let regulation =
+        itpms_core::warning::Regulation::ALL.into_iter().find(|r| *r != options.settings.regulation);
+    let mut others = options.clone();
+    others.settings.regulation = regulation.unwrap();
     assert!(SavedDrive::parse(&bytes, &vehicle, &others).unwrap_err().contains("was made with"));
     assert!(SavedDrive::parse(&bytes, &vehicle, &options).is_ok());
 }

@@ -1,7 +1,4 @@
 //! A real broker that is stopped and started again in the middle: every warning arrives.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail like tests")]
-
-use crate::common;
 
 use std::collections::BTreeSet;
 use std::io::{Write as _, stderr};
@@ -12,7 +9,6 @@ use std::sync::mpsc::{self, Receiver};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use common::{say, snapshot, transition};
 use itpms_live::broker::{BrokerAddress, Password};
 use itpms_live::engine::Published;
 use itpms_live::input::Input;
@@ -23,6 +19,8 @@ use rumqttc::{Client, Event, MqttOptions, Packet, QoS};
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+
+use crate::common::{say, snapshot, transition};
 
 /// A Mosquitto of this test alone.
 struct Broker {

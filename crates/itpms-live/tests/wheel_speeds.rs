@@ -1,5 +1,6 @@
 //! A source with wheel speeds alone: the live monitor names the tire that lost air, and goes on with a saved state.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
+
+use std::path::PathBuf;
 
 use itpms_core::model::Corner;
 use itpms_data::log::LogMotion;
@@ -44,7 +45,14 @@ fn engine(saved: Option<SavedDrive>) -> Engine {
 }
 
 fn options() -> DriveOptions {
-    DriveOptions { calibrate_s: Some(40.0), ..DriveOptions::default() }
+    calibrating(40.0, None)
+}
+
+fn calibrating(seconds: f64, pulses: Option<&str>) -> DriveOptions {
+    let mut options = DriveOptions::default();
+    options.settings.calibrate_s = Some(seconds);
+    options.settings.pulses = pulses.map(PathBuf::from);
+    options
 }
 
 fn engine_with(saved: Option<SavedDrive>, options: DriveOptions) -> Engine {
@@ -113,7 +121,7 @@ fn pulses_count_once_however_often_the_monitor_starts() {
         let others = ["fl", "fr", "rl"].map(|c| format!("[corner.{c}]\nplacard_kpa = 240.0\n")).concat();
         let file = format!("{WHEELS}{others}[tire]\nrolling_radius_m = 0.3\n");
         let vehicle = Vehicle::parse(&file).unwrap();
-        let with_pulses = || DriveOptions { pulses: true, ..options() };
+        let with_pulses = || calibrating(40.0, Some("pulses.csv"));
         let start = |saved: Option<Vec<u8>>, options: DriveOptions| {
             let saved = saved.map(|bytes| SavedDrive::parse(&bytes, &vehicle, &options).unwrap());
             let source = SourceName { name: "bus".to_owned(), kind: "replay" };
@@ -141,9 +149,9 @@ fn pulses_count_once_however_often_the_monitor_starts() {
 #[test]
 fn pulses_without_wheel_speeds_or_placards_are_refused() {
     with_large_stack(|| {
-        let with_pulses = DriveOptions { pulses: true, ..options() };
+        let with_pulses = calibrating(40.0, Some("pulses.csv"));
         let word = engine_with(None, with_pulses.clone()).open(RATE_HZ, &[], true).unwrap_err().to_string();
-        assert!(word.contains("the vehicle file has no placard_kpa of all four corners"), "{word}");
+        assert!(word.contains("has no placard_kpa of all four corners"), "{word}");
         let car = Vehicle::paper();
         let source = SourceName { name: "bus".to_owned(), kind: "replay" };
         let mut engine = Engine::new(car, with_pulses.clone(), source, None, say());
@@ -156,7 +164,7 @@ fn pulses_without_wheel_speeds_or_placards_are_refused() {
 #[test]
 fn days_of_a_saved_state_name_a_slow_leak() {
     with_large_stack(|| {
-        let options = DriveOptions { calibrate_s: Some(150.0), ..DriveOptions::default() };
+        let options = calibrating(150.0, None);
         let mut saved = None;
         let mut named = Vec::new();
         for day in (0..32u32).step_by(4) {

@@ -1,6 +1,5 @@
 //! MDF4 files that are cut, changed or nothing of the kind: no panic, no hang, no memory beyond bounds; an error with a
 //! name, or what is readable and a word on what is not.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests may fail as tests do")]
 
 use std::fs;
 use std::path::{Path, PathBuf};

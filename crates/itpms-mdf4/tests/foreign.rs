@@ -1,6 +1,5 @@
 //! MDF4 files of another program, and files built block by block, against the formulas they were made from. All of them
 //! are made and held against the same formulas by `data/make.py`.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests may fail as tests do")]
 
 use std::path::{Path, PathBuf};
 

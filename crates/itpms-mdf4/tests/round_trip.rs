@@ -1,6 +1,5 @@
 //! MDF4 written by us is read by us: names, units, comments and every value, at native rates, compressed or not. (That
 //! others read it too is for .ci/mdf4_judge.py.)
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use std::path::Path;
 

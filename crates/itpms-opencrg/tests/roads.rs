@@ -1,5 +1,4 @@
 //! OpenCRG files: made here by hand in every format, refused when wrong, and the real ones where they are there.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use std::io::{Write as _, stderr};
 use std::path::PathBuf;

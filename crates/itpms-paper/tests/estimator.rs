@@ -1,11 +1,9 @@
 //! The paper's filters as estimators of a corner: calibrated, over holes, saved, and fed with what no sensor gives.
-// Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
-#![allow(clippy::unwrap_used)]
-use crate::common;
 
-use common::ride::{Ride, Row};
 use itpms_core::model::{CornerConfig, CornerEstimate, Validity};
 use itpms_paper::{EstimatorKind, PaperEstimator};
+
+use crate::common::ride::{Ride, Row};
 
 const PAPER: [EstimatorKind; 3] =
     [EstimatorKind::AekfUiInformed, EstimatorKind::AekfUi, EstimatorKind::EkfUi];

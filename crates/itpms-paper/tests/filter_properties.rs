@@ -1,6 +1,4 @@
 //! What holds for the filters whatever they are fed.
-// Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
-#![allow(clippy::unwrap_used)]
 
 use itpms_core::Real;
 use itpms_core::model::{CornerConfig, CornerSample, QuarterCar};

@@ -1,12 +1,12 @@
 //! The corrected filter in the Fig. 7 scenario, given the stiffness every 0.1 s by a measurement of sd 40 kPa.
-// Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
-#![allow(clippy::unwrap_used)]
-use crate::common;
 
-use common::band::band_pass;
-use common::quarter_plant::{Drive, Random, SLOPE, drive, fig_6_kpa, pressure, quantiles, rms, stiffness};
 use itpms_core::model::{CornerConfig, CornerSample};
 use itpms_paper::{AekfUiInformed, InformedConfig, InformedStatus, ParameterForgetting, StiffnessUpdate};
+
+use crate::common::band::band_pass;
+use crate::common::quarter_plant::{
+    Drive, Random, SLOPE, drive, fig_6_kpa, pressure, quantiles, rms, stiffness,
+};
 
 const SEEDS: u64 = 20;
 const MEASUREMENT_SD_KPA: f64 = 40.0;

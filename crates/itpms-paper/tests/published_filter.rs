@@ -1,10 +1,7 @@
 //! The finding about the published filters, as tests: two accelerations and an arbitrary road fix the tire's force,
 //! not its stiffness. See `docs/math/ekf-ui.md`, section 4.
-// Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
-#![allow(clippy::unwrap_used)]
-use crate::common;
 
-use common::quarter_plant::{MB, MW, Random, drive, fig_6_kpa, pressure, rms, stiffness};
+use crate::common::quarter_plant::{MB, MW, Random, drive, fig_6_kpa, pressure, rms, stiffness};
 use itpms_core::model::{CornerSample, QuarterCar};
 use itpms_paper::quarter_car::{self, state};
 use itpms_paper::{

@@ -1,10 +1,6 @@
 //! The published filter in closed form against the dense one it is derived from (`docs/math/lean-aekf-ui.md`): step by step in `f64`, over
 //! minutes in `f32`, and on input that no sensor should give. Against the numpy transcription: `tests/published_transcription.rs`.
-// Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
-#![allow(clippy::unwrap_used)]
-use crate::common;
 
-use common::quarter_plant::{Drive, Random, drive, fig_6_kpa};
 use itpms_core::Real;
 use itpms_core::model::{CornerSample, ParameterError, QuarterCar};
 use itpms_paper::{
@@ -12,6 +8,8 @@ use itpms_paper::{
     LeanRecord, StepRecord, StepStatus,
 };
 use nalgebra::{Matrix5, Vector2, Vector5};
+
+use crate::common::quarter_plant::{Drive, Random, drive, fig_6_kpa};
 
 /// Uncertain of the stiffness, sure of the motion: the factor acts, the stiffness moves, and rounding grows little
 /// (`tests/published_transcription.rs`).

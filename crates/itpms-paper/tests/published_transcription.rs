@@ -1,8 +1,6 @@
 //! The published filters against the paper's equations transcribed a second time, in numpy
 //! (`tests/data/published_filters/generate.py`, which says how and under which conditions): 2000 steps, both readings
 //! of (17) and (18), without forgetting and with both factors. The closed form is held against it where it exists.
-// Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
-#![allow(clippy::unwrap_used)]
 
 use itpms_core::model::{CornerSample, QuarterCar};
 use itpms_paper::{

@@ -1,14 +1,12 @@
 //! A filter saved in the middle of a drive and restored goes on as if nothing had happened, bit by bit.
-// Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
-#![allow(clippy::unwrap_used)]
 #![cfg(feature = "serde")]
-use crate::common;
 
-use common::quarter_plant::{drive, fig_6_kpa};
 use itpms_core::model::{CornerConfig, QuarterCar};
 use itpms_paper::{
     AekfUi, AekfUiInformed, AekfUiLean, FilterConfig, Forgetting, GradientDescent, InformedConfig,
 };
+
+use crate::common::quarter_plant::{drive, fig_6_kpa};
 
 #[test]
 fn the_published_filter_resumes_bit_identically() {

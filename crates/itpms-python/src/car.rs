@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use itpms_core::model::Corner;
 use itpms_data::log::{Field, LogColumns, SLOTS, Slot};
-use itpms_data::out::{WheelSpeedUse, alert_object, state_label};
+use itpms_data::out::{EstimateRow, WheelSpeedUse, alert_object, state_label};
 use itpms_data::reference::crc64;
 use itpms_data::{LogRow, Vehicle as CarFile};
 use itpms_drive::reference::Saving;
@@ -68,7 +68,12 @@ impl Car {
                     let mut row = samples.row(i);
                     let estimate = self.drive.update(&mut row);
                     let states = self.drive.report().wheels.map(|wheel| wheel.map(|wheel| wheel.state));
-                    found.push(row.time_s, &estimate.corners, &states, self.drive.radii().as_ref());
+                    found.push(&EstimateRow {
+                        time_s: row.time_s,
+                        estimates: &estimate.corners,
+                        states: &states,
+                        radii: self.drive.radii().as_ref(),
+                    });
                 }
             });
             from = to;

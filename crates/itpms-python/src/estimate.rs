@@ -6,9 +6,8 @@ use itpms_analysis::report::render_report;
 use itpms_core::model::Corner;
 use itpms_core::warning::Change;
 use itpms_data::log::PositionColumns;
-use itpms_data::out::{RadiusRow, RateGate, States, transition_object};
+use itpms_data::out::{EstimateRow, RateGate, transition_object};
 use itpms_data::{LogReader, LogRow};
-use itpms_drive::drive::Estimates;
 use itpms_drive::fleet::wheels::{Begun, wheels};
 use itpms_drive::reference::Saving;
 use itpms_drive::{
@@ -159,17 +158,11 @@ impl Kept {
 }
 
 impl Sink for Kept {
-    fn row(
-        &mut self,
-        row: &LogRow,
-        estimates: &Estimates,
-        states: &States,
-        radii: Option<&RadiusRow>,
-    ) -> Result<(), DriveError> {
+    fn row(&mut self, row: &LogRow, known: &EstimateRow<'_>) -> Result<(), DriveError> {
         self.first_s.get_or_insert(row.time_s);
-        self.begun.take(estimates);
+        self.begun.take(known.estimates);
         if self.gate.lets_through(row.time_s) {
-            self.found.push(row.time_s, estimates, states, radii);
+            self.found.push(known);
         }
         Ok(())
     }

@@ -1,8 +1,9 @@
 //! Estimates over time, in the columns of `itpms estimate -o`.
 
 use itpms_core::model::{Corner, Level, Warning};
-use itpms_data::out::{COLD_COLUMNS, Cell, Kind, RadiusRow, States, WheelSpeedUse, cold_values, state_label};
-use itpms_drive::Estimates;
+use itpms_data::out::{
+    COLD_COLUMNS, Cell, EstimateRow, Kind, RadiusRow, WheelSpeedUse, cold_values, state_label,
+};
 
 use crate::columns::{Columns, Words};
 
@@ -60,23 +61,17 @@ impl Found {
         Self { corners, wheel_speeds, per_corner, cells: Vec::new(), numbers, words }
     }
 
-    pub(crate) fn push(
-        &mut self,
-        time_s: f64,
-        estimates: &Estimates,
-        states: &States,
-        radii: Option<&RadiusRow>,
-    ) {
-        self.push_radii(radii);
+    pub(crate) fn push(&mut self, row: &EstimateRow<'_>) {
+        self.push_radii(row.radii);
         let (time, corners) = self.numbers.split_at_mut(1);
-        time[0].1.push(time_s);
+        time[0].1.push(row.time_s);
         for ((corner, words), numbers) in self
             .corners
             .iter()
             .zip(self.words.chunks_exact_mut(WORDS.len()))
             .zip(corners.chunks_exact_mut(self.per_corner))
         {
-            let estimate = estimates[corner.index()].as_ref();
+            let estimate = row.estimates[corner.index()].as_ref();
             const NAN: f64 = f64::NAN;
             let nothing = [NAN, NAN, NAN, 0.0, NAN, NAN, NAN, NAN];
             let values = estimate.map_or(nothing, |e| {
@@ -92,7 +87,7 @@ impl Found {
             }
             words[0].1.push(estimate.map_or(Warning::None, |e| e.warning).label());
             words[1].1.push(estimate.map_or(Level::VehicleFile, |e| e.level).label());
-            words[2].1.push(state_label(states[corner.index()]));
+            words[2].1.push(state_label(row.states[corner.index()]));
         }
     }
 

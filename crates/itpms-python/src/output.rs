@@ -16,10 +16,6 @@ pub(crate) fn write(py: Python<'_>, path: PathBuf, content: Vec<u8>) -> PyResult
 
 /// The same for this crate.
 pub(crate) fn file(py: Python<'_>, path: &Path, content: &[u8]) -> PyResult<()> {
-    let write = || -> Result<(), DataError> {
-        let mut file = AtomicFile::create(path)?;
-        file.append(content)?;
-        Ok(file.commit()?)
-    };
+    let write = || -> Result<(), DataError> { Ok(AtomicFile::save(path, content)?) };
     py.detach(write).map_err(|error| errors::data(py, Kind::Output, &error))
 }

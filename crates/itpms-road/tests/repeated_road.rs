@@ -1,12 +1,10 @@
 //! A road that repeats itself: the wheel meets its own past, and the estimator uses it.
-// Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
-#![allow(clippy::unwrap_used)]
-use crate::common;
 
-use common::ride::{Ride, Row, normalised};
 use itpms_core::Real;
 use itpms_core::model::{CornerConfig, CornerEstimate, Validity};
 use itpms_road::{EstimatorOnRepeatedRoad, RoadPeriod, RoadRepetition};
+
+use crate::common::ride::{Ride, Row, normalised};
 
 const PERIOD_S: f64 = 0.66;
 

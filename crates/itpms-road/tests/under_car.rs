@@ -1,12 +1,10 @@
 //! The roads under a car that is being estimated.
-// Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
-#![allow(clippy::unwrap_used)]
-use crate::common;
 
-use common::car_ride::{CarRide, RATE_HZ, car, config};
 use itpms_core::conditioning::SampleClock;
 use itpms_core::model::{CarSample, Corner};
 use itpms_road::{RoadConfig, RoadFilter, RoadUnderCar};
+
+use crate::common::car_ride::{CarRide, RATE_HZ, car, config};
 
 /// Under a car whose stiffnesses are fed into single filters by hand, the roads are the same to the last digit.
 #[test]

@@ -1,5 +1,4 @@
 //! The test bed: a road that repeats, an actuator with a bandwidth, sensors with the stated noise, a slow reference.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail like tests")]
 
 use std::f64::consts::TAU;
 

@@ -1,5 +1,4 @@
 //! Drives of a whole car, through the public face: what the built-in ones are, and what a car must do.
-#![allow(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
 use itpms_core::model::Corner;
 use itpms_sim::antialias::AntiAliasSpec;

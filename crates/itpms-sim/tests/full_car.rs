@@ -1,5 +1,4 @@
 //! The full car against independent physics: quarter cars, eigenvalues, statics, closed forms.
-#![allow(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
 use std::f64::consts::TAU;
 

@@ -1,6 +1,5 @@
 //! What a real car has beyond its file, against closed forms: mounts, hop dampers, a body that twists, a rim, soft ground,
 //! roads that repeat, sensors that lean.
-#![allow(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
 use std::f64::consts::TAU;
 

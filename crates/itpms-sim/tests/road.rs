@@ -1,5 +1,4 @@
 //! Roads against the standard's spectrum, through the public face.
-#![allow(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
 use std::f64::consts::{PI, SQRT_2, TAU};
 use std::io::{Write as _, stderr};

@@ -1,5 +1,4 @@
 //! Scenario files: what is accepted, what is refused, and with which words.
-#![allow(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
 use itpms_sim::error::ScenarioError;
 use itpms_sim::road::{Extension, RoadClass, Segment, Surface};

@@ -1,5 +1,4 @@
 //! Whole drives, through the public face.
-#![allow(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
 use std::f64::consts::TAU;
 

@@ -1,5 +1,4 @@
 //! Torsional analysis on simulated tooth pulses: as sharp as the spectrum allows, honest, silent where nothing is to be seen.
-#![allow(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
 #[path = "../examples/corner_with_pulses.rs"]
 #[allow(dead_code, reason = "the example prints what the test does not need")]

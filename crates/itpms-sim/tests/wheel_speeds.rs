@@ -1,5 +1,4 @@
 //! The wheels' speeds through the crate's public face, against closed forms.
-#![allow(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
 use itpms_sim::scenario::Scenario;
 use itpms_sim::simulation::Simulation;

@@ -1,12 +1,9 @@
 //! Whatever advice the program gives about a log, followed, works: one drive under many names, units and formats.
 #![cfg(all(feature = "can", feature = "mdf4", feature = "parquet"))]
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use std::path::Path;
 
-use crate::common;
-
-use common::{Bench, Outcome, table};
+use crate::common::{Bench, Outcome, table};
 
 /// Characters that a person reads of a refusal at most.
 const LONGEST: usize = 400;

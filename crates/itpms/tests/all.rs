@@ -1,6 +1,7 @@
 //! The command from outside: arguments in, files, text and exit codes out.
 //!
 //! One program: the estimators are generic, and every program that uses them compiles them anew.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests may fail as tests do")]
 
 mod advice;
 mod cold_pressure;

@@ -1,5 +1,4 @@
 //! Cold pressures from outside: a simulated drive in the cold, its tires warmed by driving, with and without what the car says of the air.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use serde_json::Value;
 
@@ -45,8 +44,7 @@ fn with_air(bench: &Bench, columns: &[(&str, &str)]) {
 }
 
 fn json(bench: &Bench, more: &str) -> Value {
-    let outcome = bench.run(&format!("estimate drive.csv --vehicle car.toml --json {more}"));
-    serde_json::from_str(outcome.success()).unwrap()
+    bench.json(&format!("estimate drive.csv --vehicle car.toml --json {more}"))
 }
 
 #[test]

@@ -1,10 +1,8 @@
 //! `itpms estimate --events`: what the monitor says of a drive, line by line, and that `est.csv` says the same.
-#![allow(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
-use crate::common;
-
-use common::Bench;
 use serde_json::Value;
+
+use crate::common::Bench;
 
 /// The puncture at 200 Hz, which is as much as the monitor needs.
 fn puncture() -> String {
@@ -18,7 +16,7 @@ fn estimated(bench: &Bench, scenario: &str, options: &str) -> Vec<Value> {
     bench.run("simulate scenario.toml --seed 1 -o drive.csv --vehicle-out car.toml").success();
     let line = format!("estimate drive.csv --vehicle car.toml -o est.csv --events events.jsonl {options}");
     bench.run(&line).success();
-    bench.read("events.jsonl").lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+    bench.json_lines("events.jsonl")
 }
 
 /// Times in s at which a column of `est.csv` holds a text.

@@ -1,5 +1,4 @@
 //! `itpms vehicle check --field`: an owner's log is judged, and packed without what tells whose it is and where it was.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use std::fmt::Write as _;
 use std::fs::File;

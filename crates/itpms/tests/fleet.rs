@@ -1,15 +1,13 @@
 //! `itpms fleet`: every drive as `itpms estimate` has it, failures listed, a killed run goes on, nothing is done twice.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests may fail as tests do")]
-
-use crate::common;
 
 use std::collections::BTreeMap;
 use std::fs;
 use std::process::Stdio;
 use std::time::Duration;
 
-use common::{Bench, table};
 use serde_json::Value;
+
+use crate::common::{Bench, Outcome, table};
 
 /// Twelve seconds of a whole car; the rear right tire at the pressure that is put in, from 6 s on.
 const DRIVE: &str = r#"
@@ -118,7 +116,7 @@ fn a_dozen_drives_are_what_estimate_makes_of_each_and_three_fail() {
         let line = format!(
             "estimate {name} --vehicle cars/{car}.toml {how} -o all.csv --rate 200 --report r.html --json"
         );
-        let json: Value = serde_json::from_str(bench.run(&line).success()).unwrap();
+        let json: Value = bench.json(&line);
         bench.run(&format!("estimate {name} --vehicle cars/{car}.toml {how} -o est.csv")).success();
         assert_eq!(bench.read(&format!("out/estimates/{name}.csv")), bench.read("est.csv"), "{name}");
         for row in fleet.iter().filter(|row| row["file"] == name) {
@@ -185,7 +183,7 @@ fn a_killed_run_goes_on_where_it_was_and_a_third_does_nothing() {
     // As if the power had failed in the middle of a line.
     let torn = bench.read("out/drives.jsonl") + "{\"file\":\"logs/al";
     bench.write("out/drives.jsonl", torn);
-    let last = |outcome: &common::Outcome| outcome.success().trim_end().lines().last().unwrap().to_owned();
+    let last = |outcome: &Outcome| outcome.success().trim_end().lines().last().unwrap().to_owned();
     let again = bench.run(FLEET);
     assert!(last(&again).contains(&format!("({before} of them before)")), "{again:?}");
     assert_eq!(bench.read("out/fleet.csv"), bench.read("whole/fleet.csv"));
@@ -228,7 +226,7 @@ fn what_is_not_as_it_was_written_is_estimated_again_and_odd_names_are_harmless()
     symlink("/nowhere.csv", bench.path("logs/dangling.csv")).unwrap();
     symlink("..", bench.path("logs/up")).unwrap();
     let line = "--quiet fleet logs/*.csv logs/up/*/*.csv --vehicle car.toml --out out --estimates --reports";
-    let last = |outcome: &common::Outcome| outcome.success().trim_end().lines().last().unwrap().to_owned();
+    let last = |outcome: &Outcome| outcome.success().trim_end().lines().last().unwrap().to_owned();
     let first = bench.run(line);
     assert_eq!(last(&first), "3 of 4 drives of 1 car estimated; 1 failed: out/failed.csv", "{first:?}");
     assert!(bench.read("out/failed.csv").contains("logs/dangling.csv: leads to no file"));

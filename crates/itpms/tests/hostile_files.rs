@@ -1,8 +1,5 @@
 //! Files that never end, that never begin, or whose names are not for a terminal.
 #![cfg(unix)]
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
-
-use crate::common;
 
 use std::fs::{self, File};
 use std::io::Write as _;
@@ -11,7 +8,7 @@ use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use common::{Bench, Outcome, interrupt};
+use crate::common::{Bench, Outcome, interrupt};
 
 const AT_ONCE: Duration = Duration::from_secs(1);
 

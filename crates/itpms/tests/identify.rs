@@ -1,12 +1,9 @@
 //! `itpms lab identify` and `itpms lab calibrate` on the measurements under `examples/identify/`, and on damaged ones.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
-
-use crate::common;
 
 use std::fs;
 use std::path::Path;
 
-use common::Bench;
+use crate::common::Bench;
 
 fn bench() -> Bench {
     let bench = Bench::new();
@@ -18,7 +15,7 @@ fn bench() -> Bench {
 }
 
 fn json(bench: &Bench, line: &str) -> serde_json::Value {
-    serde_json::from_str(bench.run(&format!("{line} --json")).success()).unwrap()
+    bench.json(&format!("{line} --json"))
 }
 
 fn within(estimate: &serde_json::Value, truth: f64) {

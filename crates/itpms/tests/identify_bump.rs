@@ -1,14 +1,12 @@
 //! `itpms lab identify bump` on drops from a small simulator of its own, on a real rig where its data are there, and on damaged records.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
-
-use crate::common;
 
 use std::fmt::Write as _;
 use std::io::{Write as _, stderr};
 use std::path::PathBuf;
 
-use common::Bench;
 use serde_json::Value;
+
+use crate::common::Bench;
 
 /// A corner that is let down off a block, or whose body is let go on its spring.
 #[derive(Clone, Copy)]
@@ -120,7 +118,7 @@ fn accelerations(rows: &Rows) -> String {
 }
 
 fn identified(bench: &Bench, line: &str) -> Value {
-    serde_json::from_str(bench.run(&format!("identify bump {line} --json")).success()).unwrap()
+    bench.json(&format!("identify bump {line} --json"))
 }
 
 fn masses(drop: &Drop) -> String {

@@ -1,13 +1,11 @@
 //! MCAP of `estimate --mcap` and `monitor --mcap`: what is in it is what the other files of the same drive say.
 #![cfg(all(feature = "mcap", feature = "live"))]
-#![allow(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
-
-use crate::common;
 
 use std::collections::BTreeMap;
 
-use common::{Bench, table};
 use serde_json::{Map, Value};
+
+use crate::common::{Bench, table};
 
 type Topics = BTreeMap<String, Vec<Map<String, Value>>>;
 

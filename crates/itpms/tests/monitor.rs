@@ -1,21 +1,19 @@
 //! `itpms monitor`: a replay says what `itpms estimate` says, row for row; frames through a pipe the same; a state that is
 //! saved goes on; warnings come once.
 #![cfg(all(feature = "live", feature = "can"))]
-#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail like tests")]
-
-use crate::common;
 
 use std::fs::File;
 use std::path::Path;
 use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 
-use common::{Bench, interrupt, table};
 use itpms_data::LogReader;
 use itpms_data::can::FrameWriter;
 use itpms_data::dbc::{Dbc, Encoder};
 use itpms_data::signals::SignalMap;
 use serde_json::Value;
+
+use crate::common::{Bench, interrupt, table};
 
 /// The puncture at 200 Hz and its vehicle: `drive.csv` and `car.toml`.
 fn puncture() -> Bench {

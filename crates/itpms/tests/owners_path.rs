@@ -1,11 +1,9 @@
 //! README's own path: a file by `vehicle init` without a wheelbase, a first drive that teaches and calibrates, a later one on which a tire
 //! loses a third. The tables are as most exports are: 200 rows a second, of which every tenth has a speed.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
-use crate::common;
-
-use common::{Bench, table};
 use serde_json::Value;
+
+use crate::common::{Bench, table};
 
 struct Car {
     init: &'static str,
@@ -95,7 +93,7 @@ fn follow(car: &Car) {
     bench.run(&format!("estimate first.csv --vehicle car.toml -o est.csv {calibrate}")).success();
 
     let later = "estimate later.csv --vehicle car.toml -o est.csv --reference car.reference --json -q";
-    let later: Value = serde_json::from_str(bench.run(later).success()).unwrap();
+    let later: Value = bench.json(later);
     let corner = |corner: &str| &later["corners"][corner];
     let fl = corner("fl");
     assert_eq!(fl["state"], "low", "{later}");

@@ -1,10 +1,8 @@
 //! `itpms plot`: a log looked at without a vehicle file.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
-use crate::common;
-
-use common::Bench;
 use serde_json::Value;
+
+use crate::common::Bench;
 
 fn simulated() -> Bench {
     let bench = Bench::new();

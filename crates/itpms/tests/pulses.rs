@@ -1,5 +1,4 @@
 //! Tooth pulses from the scenario to what is reported of the tires: all four low, from one drive to the next, and what is refused.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests may fail as tests do")]
 
 use serde_json::Value;
 

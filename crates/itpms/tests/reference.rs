@@ -1,11 +1,9 @@
 //! `--save-reference` and `--reference`: what a reset taught goes from one drive to the next, or the command says why not.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
-use crate::common;
-
-use common::Bench;
 use itpms_data::Vehicle;
 use itpms_data::reference::StoredReference;
+
+use crate::common::Bench;
 
 const ESTIMATE: &str = "estimate drive.csv --vehicle car.toml -o est.csv";
 

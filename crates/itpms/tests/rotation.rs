@@ -1,5 +1,4 @@
 //! What turns with the wheels, from outside: imbalances that are put in, found by `itpms estimate`.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use serde_json::Value;
 
@@ -31,10 +30,7 @@ fn swept() -> Bench {
 #[test]
 fn the_forces_of_a_sweep_are_those_that_are_there() {
     let bench = swept();
-    let summary: Value = serde_json::from_str(
-        bench.run("estimate drive.csv --vehicle car.toml --report drive.html --json").success(),
-    )
-    .unwrap();
+    let summary: Value = bench.json("estimate drive.csv --vehicle car.toml --report drive.html --json");
     for (corner, kg_m) in IMBALANCE {
         let found = &summary["once_per_turn"][corner];
         if kg_m == 0.0 {
@@ -74,7 +70,7 @@ fn in_bends_each_wheel_is_known_by_its_own_speed() {
     bench.write("car.csv", format!("{}\n{rows}", head.replace("_wheel_speed_m_s", "_unused")));
     let found = |log: &str| -> Value {
         let line = format!("estimate {log} --vehicle car.toml --json");
-        serde_json::from_str::<Value>(bench.run(&line).success()).unwrap()["once_per_turn"].clone()
+        bench.json(&line)["once_per_turn"].clone()
     };
     let (by_own, by_car) = (found("own.csv"), found("car.csv"));
     for (corner, kg_m) in IMBALANCE.into_iter().filter(|(_, kg_m)| *kg_m > 0.0) {

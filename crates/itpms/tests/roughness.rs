@@ -1,11 +1,8 @@
 //! `itpms roughness`: profiles, OpenCRG and drives in, tables and JSON out; unusable inputs refused.
 
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
-
-use crate::common;
-
-use common::Bench;
 use serde_json::Value;
+
+use crate::common::Bench;
 
 fn ok(bench: &Bench, line: &str) -> String {
     bench.run(line).success().to_owned()

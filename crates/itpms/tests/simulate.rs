@@ -1,9 +1,6 @@
 //! `itpms lab simulate` from outside.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
-use crate::common;
-
-use common::{Bench, interrupt, table};
+use crate::common::{Bench, interrupt, table};
 
 const LONG: &str = r#"
 name = "long"

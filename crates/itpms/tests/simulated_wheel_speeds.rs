@@ -1,5 +1,4 @@
 //! Simulated wheel speeds from the scenario to what is reported of them.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use serde_json::Value;
 
@@ -35,10 +34,9 @@ fn a_simulated_loss_is_found_by_the_wheel_speeds_alone() {
                    yaw_rate_rad_s accel_x_m_s2 accel_y_m_s2 brake";
     assert_eq!(head, columns.split(' ').collect::<Vec<_>>());
     assert_eq!(rows.len(), 55_000);
-    let outcome = bench.run(
+    let summary: Value = bench.json(
         "estimate drive.csv --vehicle car.toml -o est.csv --calibrate-s 600 --report report.html --json",
     );
-    let summary: Value = serde_json::from_str(outcome.success()).unwrap();
     let alert = &summary["alerts"][0];
     assert_eq!((&alert["kind"], &alert["wheels"]), (&"differs".into(), &serde_json::json!(["rl"])));
     // It is two fifths, which is found while it is lost or soon after.
@@ -89,8 +87,7 @@ fn radii_over_pressures_are_learned_from_two_known_pressures() {
     let learn = "vehicle learn full.csv soft.csv --from wheels.toml -o learned.toml";
     let line =
         format!("{learn} --pressure-kpa 241.3 --pressure-kpa fl=170,fr=241.3,rl=241.3,rr=241.3 --json");
-    let outcome = bench.run(&line);
-    let told: Value = serde_json::from_str(outcome.success()).unwrap();
+    let told: Value = bench.json(&line);
     let of = |when: &str, what: &str| told["radius_per_ln_pressure"][when][what].as_f64().unwrap();
     assert_eq!((of("before", "value"), of("before", "sd")), (0.007, 0.0042));
     // Tires differ by a tenth in it, and a front passenger makes .3e-3 of the 3.9e-3 that this loss does.

@@ -1,5 +1,4 @@
 //! A tire that leaks over weeks: no day shows it, and the days together do.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use serde_json::Value;
 

@@ -1,11 +1,9 @@
 //! A table whose speed stands in every tenth row, as exports of a slow signal beside fast ones have it: whatever is made of it is what
 //! the full table gives.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
-use crate::common;
-
-use common::{Bench, Outcome, table};
 use serde_json::Value;
+
+use crate::common::{Bench, Outcome, table};
 
 /// Two and a half minutes with a puncture, at speeds that lie on straight lines: `full.csv`, `slow.csv` and `car.toml`, of which the
 /// wheelbase is assumed.

@@ -3,15 +3,12 @@
 //!
 //! The road's points lie 0.25 m apart with a cubic spline between, so that below half a meter it is smoother
 //! than any real one. That is a hard case: an estimator that reads stiffness from roughness sees it as another spectrum.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
-
-use crate::common;
 
 use std::fmt;
 use std::io::{Write as _, stderr};
 use std::path::{Path, PathBuf};
 
-use common::{Bench, table};
+use crate::common::{Bench, table};
 
 /// Nothing is asked of the first half minute, and of the half minute after a loss.
 const SETTLE_S: f64 = 30.0;

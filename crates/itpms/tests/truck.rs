@@ -1,5 +1,4 @@
 //! A truck's bus from outside (SAE J1939): wheel speeds of EBC2 and tire sensors of TIRE into events, summary and report.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use std::fmt::Write as _;
 
@@ -94,7 +93,7 @@ fn drive(bench: &Bench, lost: f64, sent: impl Fn(f64, f64) -> f64) {
 /// The summary, the kinds of events of tire sensors and the report.
 fn estimate(bench: &Bench) -> (Value, Vec<String>, String) {
     let line = "estimate truck.log --dbc truck.dbc --vehicle car.toml --calibrate-s 300 --pressure-kpa 241.3 --events events.jsonl --report truck.html --json";
-    let summary = serde_json::from_str(bench.run(line).success()).unwrap();
+    let summary = bench.json(line);
     let events = bench.read("events.jsonl");
     let kinds = events.lines().map(|line| serde_json::from_str::<Value>(line).unwrap());
     let kinds = kinds
@@ -192,7 +191,7 @@ fn accelerations_tell_a_drift_of_a_few_steps() {
         }
     });
     let line = "estimate drive.csv --vehicle car.toml --calibrate-s 60 --json";
-    let summary: Value = serde_json::from_str(bench.run(line).success()).unwrap();
+    let summary: Value = bench.json(line);
     assert_eq!(
         ["fl", "fr", "rl", "rr"].map(|corner| state(&summary, corner)),
         ["fine", "fine", "fine", "drift"],

@@ -1,9 +1,6 @@
 //! `itpms vehicle`: a file of typical values that every command takes, and what a file says.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
-use crate::common;
-
-use common::Bench;
+use crate::common::Bench;
 
 const INIT: &str = "vehicle init --mass 1500 --front-share 0.55 --tire 205/55R16 --wheelbase-m 2.7";
 
@@ -11,8 +8,7 @@ const INIT: &str = "vehicle init --mass 1500 --front-share 0.55 --tire 205/55R16
 fn show_gives_frequencies_and_what_a_per_cent_costs() {
     let bench = Bench::new();
     bench.run(&format!("{INIT} -o car.toml")).success();
-    let shown: serde_json::Value =
-        serde_json::from_str(bench.run("vehicle show car.toml --json").success()).unwrap();
+    let shown: serde_json::Value = bench.json("vehicle show car.toml --json");
     let front = &shown["corners"]["fl"];
     let number = |value: &serde_json::Value| value.as_f64().unwrap();
     // The corners carry the car: half of 55 % of 1500 kg.
@@ -37,9 +33,8 @@ fn check_finds_the_damper_that_is_not_the_files() {
     let bench = Bench::new();
     bench.run(&format!("{INIT} -o car.toml")).success();
     bench.run("simulate drive-puncture --seed 1 -o drive.csv --vehicle car.toml").success();
-    let report = |line: &str| -> serde_json::Value {
-        serde_json::from_str(bench.run(&format!("vehicle check drive.csv {line} --json")).success()).unwrap()
-    };
+    let report =
+        |line: &str| -> serde_json::Value { bench.json(&format!("vehicle check drive.csv {line} --json")) };
     let told = report("--vehicle car.toml --report check.html");
     for corner in ["fl", "fr", "rl", "rr"] {
         let check = &told["corners"][corner];

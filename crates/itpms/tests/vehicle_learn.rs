@@ -1,10 +1,8 @@
 //! `itpms vehicle learn`: a file that is better for a drive whose pressures are known.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
-use crate::common;
-
-use common::Bench;
 use serde_json::Value;
+
+use crate::common::Bench;
 
 const INIT: &str =
     "vehicle init --mass 1500 --front-share 0.55 --tire 205/55R16 --wheelbase-m 2.7 -o car.toml";
@@ -66,8 +64,7 @@ fn a_drive_at_a_known_pressure_teaches_the_file() {
         assert!(text.contains(part), "{text}");
     }
     let sd = |file: &str| {
-        let shown: Value =
-            serde_json::from_str(bench.run(&format!("vehicle show {file} --json")).success()).unwrap();
+        let shown: Value = bench.json(&format!("vehicle show {file} --json"));
         shown["corners"]["rl"]["derived"]["uncalibrated_pressure_sd_kpa"].as_f64().unwrap()
     };
     assert!(sd("car.toml") > 50.0 && sd("learned.toml") < 10.0, "{} {}", sd("car.toml"), sd("learned.toml"));

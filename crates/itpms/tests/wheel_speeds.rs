@@ -1,5 +1,4 @@
 //! A drive with wheel speeds alone, from the bus to the report: the example of the book, and what is reported where something is missing.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use std::path::{Path, PathBuf};
 

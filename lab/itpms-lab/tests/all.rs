@@ -1,6 +1,7 @@
 //! Studies through the crate's public face, and the program from outside.
 //!
 //! One program: the estimators are generic, and every program that uses them compiles them anew.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests may fail as tests do")]
 
 mod command_certify;
 mod command_faults;

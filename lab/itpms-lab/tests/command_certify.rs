@@ -1,13 +1,10 @@
 //! `itpms lab certify` from outside. What the tests themselves give is tested in `itpms-analysis`, shortened; here are the words
 //! around them.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
-
-use crate::common;
 
 use std::process::Stdio;
 use std::time::Duration;
 
-use common::{Bench, interrupt};
+use crate::common::{Bench, interrupt};
 
 /// Asked once it ends as soon as it looks; asked twice it is ended without.
 #[cfg(unix)]

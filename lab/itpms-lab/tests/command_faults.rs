@@ -1,16 +1,12 @@
 //! `itpms-lab faults`: the faults that take nothing.
 #![cfg(unix)]
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
-use crate::common;
-
-use common::Bench;
+use crate::common::Bench;
 
 #[test]
 fn faults_are_tried_and_take_nothing() {
     let bench = Bench::new();
-    let outcome = bench.run("--quiet faults --effort 5 --json");
-    let value: serde_json::Value = serde_json::from_str(outcome.success()).unwrap();
+    let value: serde_json::Value = bench.json("--quiet faults --effort 5 --json");
     let faults = value["faults"].as_array().unwrap();
     assert_eq!(faults.len(), 11);
     for fault in faults {

@@ -1,9 +1,8 @@
 //! `itpms lab reproduce`: a page that needs nothing, figures and data beside it, the same each time.
 
-use crate::common;
-
-use common::Bench;
 use serde_json::Value;
+
+use crate::common::{Bench, table};
 
 /// Figures with numbers; 1, 2 and 4 are diagrams.
 const FIGURES: [u32; 13] = [3, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16];
@@ -48,7 +47,7 @@ fn every_figure_and_table_is_there_and_the_page_needs_nothing_else() {
 
 #[allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 fn columns(bench: &Bench, name: &str) {
-    let (header, rows) = common::table(&bench.read(&format!("study/{name}.csv")));
+    let (header, rows) = table(&bench.read(&format!("study/{name}.csv")));
     let json: Value = serde_json::from_str(&bench.read(&format!("study/{name}.json"))).unwrap();
     assert_eq!(json["name"], name);
     let columns = json["columns"].as_object().unwrap();

@@ -1,9 +1,8 @@
 //! `itpms lab score`: a table for people, JSON for scripts.
 
-use crate::common;
-
-use common::Bench;
 use serde_json::Value;
+
+use crate::common::Bench;
 
 #[test]
 fn a_row_as_json() {

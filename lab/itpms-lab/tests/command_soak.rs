@@ -1,14 +1,12 @@
 //! `itpms lab soak`: hours are kept one by one, and a run goes on where it was stopped, however it was stopped.
-#![allow(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
-
-use crate::common;
 
 use std::process::Stdio;
 use std::thread::sleep;
 use std::time::Duration;
 
-use common::Bench;
 use serde_json::Value;
+
+use crate::common::{Bench, interrupt};
 
 /// Six drives of a minute: each takes some tenths of a second.
 const LINE: &str = "soak --hours 0.1 --drive-s 60 --out soak";
@@ -27,7 +25,7 @@ fn hours(bench: &Bench) -> Vec<Value> {
 #[test]
 fn six_minutes_are_driven_and_added_up() {
     let bench = Bench::new();
-    let sums: Value = serde_json::from_str(bench.run(&format!("{LINE} --json")).success()).unwrap();
+    let sums: Value = bench.json(&format!("{LINE} --json"));
     assert_eq!(sums["drives"], 6);
     assert!((sums["hours"].as_f64().unwrap() - 0.1).abs() < 1e-9);
     let seeds: Vec<u64> = hours(&bench).iter().map(|hour| hour["seed"].as_u64().unwrap()).collect();
@@ -77,7 +75,7 @@ fn an_interrupted_run_says_that_it_can_go_on() {
     while !bench.path("soak/hours.jsonl").exists() {
         sleep(Duration::from_millis(2));
     }
-    let outcome = common::interrupt(run, "INT");
+    let outcome = interrupt(run, "INT");
     assert_eq!(outcome.code, Some(130));
     assert!(outcome.stderr.contains("what is finished is kept"), "{outcome:?}");
     // The lock went with the program.

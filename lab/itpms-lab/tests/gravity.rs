@@ -1,5 +1,4 @@
 //! Sensors that show gravity: a car on a road so rough that its wheels leave it is read as if they did not.
-#![allow(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
 use itpms_core::model::{CarConfig, CarEstimate};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};

@@ -1,5 +1,4 @@
 //! The numbers printed in docs/math/identifiability.md are those of the study.
-#![allow(clippy::unwrap_used, reason = "a test may fail")]
 
 use std::fs;
 use std::ops::ControlFlow;

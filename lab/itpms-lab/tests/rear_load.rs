@@ -1,6 +1,5 @@
 //! A rear axle that carries two fifths more than at the calibration, of which a car with wheel speeds alone knows nothing: it rolls on
 //! smaller radii, as tires do that have lost air, and must not be taken for that.
-#![allow(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
 use itpms_core::monitor::MonitoredWheels;
 use itpms_core::warning::Alert;

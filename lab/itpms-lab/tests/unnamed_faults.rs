@@ -1,5 +1,4 @@
 //! Sensors that are wrong in ways no detector looks for: what no pressure of a tire explains must not become one.
-#![allow(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
 use itpms_core::model::{CarConfig, CarSample, Corner, Misfit};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};

@@ -32,7 +32,8 @@ pub const PLOT_LICENSE: &str = include_str!("../../assets/uplot/LICENSE");
 /// The charting library uPlot: a script that defines the global `uPlot`.
 pub const PLOT_SCRIPT: &str = include_str!("../../assets/uplot/uPlot.iife.min.js");
 
-pub(super) fn page(data: &ReportData) -> io::Result<String> {
+/// The page as text. Errors: only if the curves cannot be written as JSON.
+pub fn page(data: &ReportData) -> io::Result<String> {
     let headline = escape(&title(data));
     let curves = json::curves(data)?;
     let (roads, wheels, parameters) = (roads_section(data), wheels::section(data), parameters::section(data));

@@ -1,7 +1,7 @@
 //! One self-contained HTML page about a drive: what was found, how sure it is, and on what grounds.
 //!
 //! A [`ReportCollector`] takes the estimates as they come and stays small however long the drive; its
-//! [`finish`](ReportCollector::finish) gives the [`ReportData`] that [`write_report`] turns into a page. The page
+//! [`finish`](ReportCollector::finish) gives the [`ReportData`] that [`render_report`] turns into a page. The page
 //! needs no network and no other file. Knows nothing of log files, command lines or estimators.
 
 mod alerts;
@@ -28,14 +28,13 @@ mod words;
 pub use cold::cold_words;
 pub use collector::{CornerRow, ReportCollector, ReportOptions};
 pub use figures::{CornerFigures, DriveFigures, Reading, TruthFigures};
-pub use html::{PLOT_LICENSE, PLOT_SCRIPT, PLOT_STYLE};
+pub use html::{PLOT_LICENSE, PLOT_SCRIPT, PLOT_STYLE, page as render_report};
 pub use parameters::Parameter;
+pub use title::title as headline;
 pub use track::{Keep, Track};
 pub use watch::{AlertSpan, WatchReport};
 pub use wheels::{BandCurve, WheelSpeedReport, found, unseen, wheel_line};
 pub use witness::TireSensor;
-
-use std::io;
 
 use itpms_core::model::{Corner, CornerConfig, Level, PressureUnit};
 use itpms_core::warning::WheelState;
@@ -188,20 +187,4 @@ pub struct SpectrumCurves {
     /// Density of the true road in m³; empty when unknown.
     pub truth_m3: Vec<f64>,
     pub segments: usize,
-}
-
-/// What was found, in one line: the page's title. Numbers and their units are held together by no-break spaces.
-pub fn headline(data: &ReportData) -> String {
-    title::title(data)
-}
-
-/// The page as text. Errors: only if the curves cannot be written as JSON.
-pub fn render_report(data: &ReportData) -> io::Result<String> {
-    html::page(data)
-}
-
-/// Writes the page. Errors: those of the writer.
-pub fn write_report(mut out: impl io::Write, data: &ReportData) -> io::Result<()> {
-    out.write_all(render_report(data)?.as_bytes())?;
-    out.flush()
 }

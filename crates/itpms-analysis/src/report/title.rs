@@ -3,8 +3,9 @@
 use super::words::{Status, corner_name, lower, reading, sentence};
 use super::{CornerReport, ReportData, wheels};
 
-/// The page's title: the most urgent corner, and how many more there are.
-pub(super) fn title(data: &ReportData) -> String {
+/// What was found, in one line, the page's title: the most urgent corner, and how many more there are. Numbers and their units are held together
+/// by no-break spaces.
+pub fn title(data: &ReportData) -> String {
     let mut corners: Vec<&CornerReport> = data.corners.iter().collect();
     corners.sort_by_key(|corner| Status::of(corner));
     let Some(first) = corners.first() else {

@@ -26,31 +26,30 @@ impl PowerLaw {
     }
 }
 
-/// ISO 8608 road class, by the geometric means and limits of its Table C.1 (displacement, `n0` = 0.1 cycle/m).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum IsoClass {
-    /// Below 32e-6 m³, as a good motorway.
-    A,
-    /// 32e-6 to 128e-6 m³.
-    B,
-    /// 128e-6 to 512e-6 m³.
-    C,
-    /// 512e-6 to 2048e-6 m³.
-    D,
-    /// 2048e-6 to 8192e-6 m³.
-    E,
-    /// 8192e-6 to 32 768e-6 m³.
-    F,
-    /// 32 768e-6 to 131 072e-6 m³.
-    G,
-    /// Above 131 072e-6 m³.
-    H,
+itpms_core::labelled! {
+    /// ISO 8608 road class, by the geometric means and limits of its Table C.1 (displacement, `n0` = 0.1 cycle/m).
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+    pub enum IsoClass {
+        /// Below 32e-6 m³, as a good motorway.
+        A = "A",
+        /// 32e-6 to 128e-6 m³.
+        B = "B",
+        /// 128e-6 to 512e-6 m³.
+        C = "C",
+        /// 512e-6 to 2048e-6 m³.
+        D = "D",
+        /// 2048e-6 to 8192e-6 m³.
+        E = "E",
+        /// 8192e-6 to 32 768e-6 m³.
+        F = "F",
+        /// 32 768e-6 to 131 072e-6 m³.
+        G = "G",
+        /// Above 131 072e-6 m³.
+        H = "H",
+    }
 }
 
 impl IsoClass {
-    /// All classes, the smoothest first.
-    pub const ALL: [IsoClass; 8] = [Self::A, Self::B, Self::C, Self::D, Self::E, Self::F, Self::G, Self::H];
-
     /// The class of a level `Gd(n0)` in m³; `None` unless it is positive and finite.
     pub fn of_level(gd_n0_m3: f64) -> Option<Self> {
         if !(gd_n0_m3 > 0.0 && gd_n0_m3.is_finite()) {
@@ -67,19 +66,6 @@ impl IsoClass {
     /// Upper limit of the class's `Gd(n0)` in m³: twice the geometric mean. Class H has none in the standard.
     pub fn upper_limit_m3(self) -> f64 {
         2.0 * self.geometric_mean_m3()
-    }
-
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::A => "A",
-            Self::B => "B",
-            Self::C => "C",
-            Self::D => "D",
-            Self::E => "E",
-            Self::F => "F",
-            Self::G => "G",
-            Self::H => "H",
-        }
     }
 }
 

@@ -1,37 +1,26 @@
 //! Why a drive says nothing of dampers or load.
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Because {
-    /// Too short so far.
-    Short,
-    /// The struts hardly move: friction holds them.
-    Smooth,
-    /// They move faster or further than dampers and springs are alike.
-    Rough,
-    /// The forces of struts as they are modeled do not move the body as it moves.
-    Unexplained,
-    /// The dampers are adaptive: their damping follows a controller.
-    Adaptive,
-    /// There is nothing to compare with.
-    NoReference,
-    /// Springs that follow the load do not show it.
-    LevelControl,
+itpms_core::labelled! {
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Because {
+        /// Too short so far.
+        Short = "short",
+        /// The struts hardly move: friction holds them.
+        Smooth = "smooth",
+        /// They move faster or further than dampers and springs are alike.
+        Rough = "rough",
+        /// The forces of struts as they are modeled do not move the body as it moves.
+        Unexplained = "unexplained",
+        /// The dampers are adaptive: their damping follows a controller.
+        Adaptive = "adaptive",
+        /// There is nothing to compare with.
+        NoReference = "no reference",
+        /// Springs that follow the load do not show it.
+        LevelControl = "level control",
+    }
 }
 
 impl Because {
-    #[must_use]
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Short => "short",
-            Self::Smooth => "smooth",
-            Self::Rough => "rough",
-            Self::Unexplained => "unexplained",
-            Self::Adaptive => "adaptive",
-            Self::NoReference => "no reference",
-            Self::LevelControl => "level control",
-        }
-    }
-
     /// As the end of a sentence.
     #[must_use]
     pub fn words(self) -> &'static str {

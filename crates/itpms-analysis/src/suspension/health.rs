@@ -14,33 +14,21 @@ pub struct Measured {
     pub sd: f64,
 }
 
-/// What a drive says of a damper.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum DamperState {
-    /// Too little has been driven so far.
-    Learning,
-    /// As it was.
-    Fine,
-    /// It damps less than it did, by 18 % or more.
-    Weak,
-    /// By half or more.
-    Worn,
-    /// It damps more than it did, by a quarter or more.
-    Stiff,
-    Unknown,
-}
-
-impl DamperState {
-    #[must_use]
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Learning => "learning",
-            Self::Fine => "fine",
-            Self::Weak => "weak",
-            Self::Worn => "worn",
-            Self::Stiff => "stiff",
-            Self::Unknown => "unknown",
-        }
+itpms_core::labelled! {
+    /// What a drive says of a damper.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum DamperState {
+        /// Too little has been driven so far.
+        Learning = "learning",
+        /// As it was.
+        Fine = "fine",
+        /// It damps less than it did, by 18 % or more.
+        Weak = "weak",
+        /// By half or more.
+        Worn = "worn",
+        /// It damps more than it did, by a quarter or more.
+        Stiff = "stiff",
+        Unknown = "unknown",
     }
 }
 

@@ -16,26 +16,16 @@ const AXLE_SD: f64 = 0.011;
 const FRICTION_SHARE: f64 = 0.4;
 const MOST_FRICTION: f64 = 0.5;
 
-/// What is known of it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LoadState {
-    Known,
-    /// An axle carries more than it may.
-    Overload,
-    /// Too little has been driven so far.
-    Learning,
-    Unknown,
-}
-
-impl LoadState {
-    #[must_use]
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Known => "known",
-            Self::Overload => "overload",
-            Self::Learning => "learning",
-            Self::Unknown => "unknown",
-        }
+itpms_core::labelled! {
+    /// What is known of it.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum LoadState {
+        Known = "known",
+        /// An axle carries more than it may.
+        Overload = "overload",
+        /// Too little has been driven so far.
+        Learning = "learning",
+        Unknown = "unknown",
     }
 }
 

@@ -1,11 +1,12 @@
 //! Calibration: all tires have just been set to their placard pressures and keep them for a while. What it teaches of the
 //! car, on its way from the belief to a [`VehicleCalibration`] and back.
 
+use super::Belief;
 use super::state::{
     BAR, COMMON_BIAS, DAMPING, GAIN, MASS, OWN_BIAS, ROAD_BIAS, SKEW, SKEW_UNIT_S, SPRING, State, TIRE,
     WHEELBASE,
 };
-use super::{Belief, ENOUGH_S};
+use crate::conditioning::pauses::ENOUGH_S;
 use crate::memory::{Blank, Placed};
 use crate::model::{CalibrationError, Corner, CornerCalibration, Learned, VehicleCalibration};
 use crate::real::Real;

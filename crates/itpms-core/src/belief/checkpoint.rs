@@ -4,18 +4,14 @@
 use super::gaussian::Hypothesis;
 use super::state::{LEVEL, TIRE};
 use super::{Belief, LONGEST_PAUSE_S};
+use crate::conditioning::pauses::PAUSE_S;
 use crate::memory::{Blank, Placed};
-use crate::model::{Corner, Learned};
+use crate::model::{Corner, Learned, SURELY_SD};
 use crate::real::Real;
 
 /// Seconds between two checkpoints: the one that is restored is once to twice as old. A gain that changes at once is noticed
 /// within three seconds, sensors that change places within six.
 const INTERVAL_S: f64 = 6.0;
-/// What is learned in twelve seconds moves a belief by less than one of its standard deviations; by so many, either a tire has
-/// lost air, which is found again within a second, or a sensor was wrong.
-const CONTRADICTED: f64 = 3.0;
-/// Seconds for which frames may still come after a sensor was taken away.
-const SETTLING_S: f64 = 1.0;
 
 /// The belief at a time, as one Gaussian.
 #[derive(Debug, Clone, PartialEq, Blank)]
@@ -37,7 +33,8 @@ pub(super) struct PreFaultEstimate<T> {
 impl<T: Real> PreFaultEstimate<T> {
     /// Whether frames of this time tell what the tire is: those under way when its sensors were taken away do not.
     pub(super) fn is_settled(&self, time_s: f64) -> bool {
-        !(time_s - self.since_s < SETTLING_S)
+        // Frames may still come for a while after a sensor was taken away.
+        !(time_s - self.since_s < PAUSE_S)
     }
 }
 
@@ -45,7 +42,7 @@ impl<T: Real> Checkpoint<T> {
     /// By how much a quantity has changed, if learning alone could not have made it do so.
     fn contradicted(&self, now: &Hypothesis<T>, i: usize) -> Option<T> {
         let change = now.mean[i] - self.belief.mean[i];
-        let far = change * change > T::lit(CONTRADICTED * CONTRADICTED) * self.belief.covariance[(i, i)];
+        let far = change * change > T::lit(SURELY_SD * SURELY_SD) * self.belief.covariance[(i, i)];
         far.then_some(change.abs())
     }
 

@@ -13,9 +13,8 @@ use crate::real::Real;
 /// Seconds within which dampings and springs become what friction that is not known makes of them. Friction is constant in newtons; what it makes of
 /// a strut changes with the road.
 const FRICTION_S: f64 = 600.0;
-/// Mean and sd in 1/s of the rate at which a compliance begins to grow: 0.08/s is a tire that loses some 26 kPa/s.
-const RATE_MEAN: f64 = 0.08;
-const RATE_SD: f64 = 0.08;
+/// Mean, and as large an sd, in 1/s of the rate at which a compliance begins to grow: 0.08/s is a tire that loses some 26 kPa/s.
+const BEGINNING: f64 = 0.08;
 /// Growth per square root of a second of the sd that all tires' compliances have in common: air warms up, cools down and seeps out of all of
 /// them alike. A fifth of the pressure in an hour is two sds.
 const IN_COMMON_SD: f64 = 1.2e-3;
@@ -46,8 +45,8 @@ impl<T: Real> Part<'_, T> {
     /// A constant one as it is when a change begins, `at_a_rate` or any way.
     pub(crate) fn with_onset(mut self, at_a_rate: bool) -> Self {
         if at_a_rate {
-            self.mean[RATE] = T::lit(RATE_MEAN);
-            self.rate_variance = T::lit(RATE_SD * RATE_SD);
+            self.mean[RATE] = T::lit(BEGINNING);
+            self.rate_variance = T::lit(BEGINNING * BEGINNING);
         }
         self
     }

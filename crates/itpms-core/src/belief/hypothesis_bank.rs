@@ -11,11 +11,11 @@ use super::instruments::Instruments;
 use super::measurement::{AxleResidual, SideMeasurement, UpdateRecord};
 use super::state::{MASS, RATE, SIZE, State, TIRE};
 use super::tires::Tires;
-use super::transition::Transition;
+use super::transition::{NOTICED, Transition};
 use super::update::{Likelihood, OwnCovariance, score};
 use crate::memory::{Blank, Placed};
 use crate::model::{Corner, Learned, Side};
-use crate::real::Real;
+use crate::real::{Real, SMALLEST};
 
 /// Log-likelihood of a hypothesis that cannot say how likely a frame is.
 const IMPOSSIBLE: f64 = -1e6;
@@ -23,13 +23,10 @@ const IMPOSSIBLE: f64 = -1e6;
 /// from its file only, and once a calibration has taught what it is.
 const FADING: f64 = 0.03;
 const FADING_TAUGHT: f64 = 0.01;
-/// Below the first weight, hypotheses of several wheels are updated every third frame only; below the second those of the opposite side,
+/// Below this weight hypotheses of several wheels are updated every third frame only; below [`NOTICED`] those of the opposite side,
 /// of which a frame shows hardly anything. An odd number of frames, as the sides take turns.
 const RARE: f64 = 1e-5;
-const RARE_OPPOSITE: f64 = 1e-3;
 const RARE_FRAMES: usize = 3;
-/// Least weight of the constant hypothesis.
-const SMALLEST_WEIGHT: f64 = 1e-30;
 /// Chance that a tire was filled or let down during a stop, and the sd of its compliance then.
 const FILLED: f64 = 1e-3;
 const FILLED_SD: f64 = 0.15;
@@ -62,7 +59,7 @@ impl<T: Real> FrameUpdate<T> {
     /// several wheels change, or one of the other side, every third time.
     fn follows(&self, index: usize, weight: T, side: Side) -> bool {
         let always_from = match single(index) {
-            Some(wheel) if wheel.side() != side => RARE_OPPOSITE,
+            Some(wheel) if wheel.side() != side => NOTICED,
             None if index >= SIDE => RARE,
             _ => 0.0,
         };
@@ -240,7 +237,7 @@ impl<T: Real> HypothesisBank<T> {
         }
         // The others are weighed against it while they are not followed.
         let constant = &mut self.hypotheses[CONSTANT].weight;
-        *constant = constant.max(T::lit(SMALLEST_WEIGHT));
+        *constant = constant.max(T::lit(SMALLEST));
         if total > T::zero() && total.is_finite() {
             self.hypotheses.iter_mut().for_each(|hypothesis| hypothesis.weight /= total);
         }

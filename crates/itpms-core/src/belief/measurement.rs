@@ -10,8 +10,6 @@ use crate::real::Real;
 pub(crate) const BINS: usize = 5;
 /// Real numbers in a frame's residual: real and imaginary part of every bin.
 pub(crate) const ROWS: usize = 2 * BINS;
-/// Share of a frame's log-likelihood that counts: frames overlap by half.
-pub(crate) const OVERLAP: f64 = 0.5;
 
 /// Rows and columns over a side's quantities.
 pub(crate) type Gram<T> = SMatrix<T, SIDE_SIZE, SIDE_SIZE>;

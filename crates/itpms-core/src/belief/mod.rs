@@ -54,22 +54,18 @@ use self::state::{State, TIRE};
 pub(crate) use self::tire_scale::{LEAST_COMPLIANCE, TireScale};
 pub(crate) use self::tires::Tires;
 pub(crate) use self::transition::PARTS as PREDICTION_PARTS;
+use crate::cold_pressure::STANDING_S;
 use crate::memory::{Blank, Placed};
 use crate::model::{CarConfig, Corner, CornerConfig, Inflation, Learned, Level, Side};
 use crate::real::Real;
 
-/// Longest time in s over which a change is followed without a frame, and between pseudo-measurements where there are no frames.
-pub(crate) const LONGEST_STEP_S: f64 = 1.0;
+/// Longest time in s over which a change is followed between pseudo-measurements where there are no frames; elsewhere it is a pause.
 pub(crate) const LONGEST_SILENCE_S: f64 = 3.0;
 /// Pauses count for so many seconds at most, and from [`FILLING_S`] on a tire may have been filled.
 const LONGEST_PAUSE_S: f64 = 600.0;
 const FILLING_S: f64 = 20.0;
-/// Sd of the common change of all pressures while a car was parked for long, as a share of them, and the time constant in s with which
-/// tires take the air's temperature: 20 K are 23 kPa.
+/// Sd of the common change of all pressures while a car was parked for long, as a share of them: 20 K are 23 kPa.
 const PARKED_SD: f64 = 0.06;
-const PARKED_S: f64 = 1800.0;
-/// Seconds of shared road after which the belief counts.
-pub(crate) const ENOUGH_S: f64 = 2.0;
 /// Sd to which unsprung masses are held until a calibration teaches them, as a share of them: mass and stiffness of a wheel are not known
 /// apart, and what the vehicle file leaves open of both is considered outside.
 const HELD_MASS_SD: f64 = 0.01;
@@ -155,7 +151,7 @@ impl<T: Real> Belief<T> {
             self.bank.predict_gap(T::lit(seconds.min(LONGEST_PAUSE_S)), filled);
             if seconds > LONGEST_PAUSE_S && !self.is_calibrating() {
                 self.losses.end(self.learned_s);
-                let sd = T::lit(PARKED_SD) * (T::one() - T::lit(-seconds / PARKED_S).exp());
+                let sd = T::lit(PARKED_SD) * (T::one() - T::lit(-seconds / STANDING_S).exp());
                 self.bank.change_temperature(&Corner::ALL.map(|corner| sd * self.scale.share(corner)));
             }
             return;

@@ -13,8 +13,8 @@ use crate::real::Real;
 const BEGIN: [f64; HYPOTHESES] = [0.0, 2e-4, 2e-4, 2e-4, 2e-4, 1e-6, 1e-6, 1e-8];
 /// Chance per second that a wheel which loses pressure is joined by the other one of its side: a kerb meets both.
 const JOIN: f64 = 1e-2;
-/// Share of the side's own weight below which that is not followed.
-const NOTICED: f64 = 1e-3;
+/// Weight, over that of the side's own hypothesis or of all, below which a hypothesis is not followed, or only in some frames.
+pub(super) const NOTICED: f64 = 1e-3;
 /// Chance per second that a change ends.
 const END: f64 = 0.5;
 /// Growth of the rate's sd per square root of a second.

@@ -5,11 +5,12 @@ use nalgebra::{SMatrix, SVector};
 
 use super::covariance::{Covariance, product};
 use super::gaussian::Hypothesis;
-use super::measurement::{AxleResidual, BINS, Expectation, Gram, OVERLAP, ROWS, Score, Slope};
+use super::measurement::{AxleResidual, BINS, Expectation, Gram, ROWS, Score, Slope};
 use super::state::{ROAD_BIAS, SIDE_SIZE, SIDE_TIRES, SIZE, TIRE, side_indices};
 use crate::cholesky;
 use crate::model::Side;
 use crate::real::Real;
+use crate::spectrum::OVERLAP;
 
 /// Degrees of freedom of the residual's distribution: how heavy its tails are.
 const TAILS: f64 = 8.0;

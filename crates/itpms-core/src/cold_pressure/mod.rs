@@ -11,7 +11,9 @@
 mod drawn;
 mod warm_up;
 
+pub(crate) use self::warm_up::STANDING_S;
 use self::warm_up::WarmUp;
+use crate::conditioning::pauses::PAUSE_S;
 use crate::memory::Blank;
 use crate::model::{Air, ColdPressure, standard_atmosphere_kpa};
 use crate::real::Real;
@@ -20,8 +22,6 @@ use crate::real::Real;
 const ZERO_C_K: f64 = 273.15;
 /// For how long in s the last temperature and the last pressure of the air go on: they are sent seldom and change slowly.
 const HELD_S: f64 = 1800.0;
-/// Without a sample for so many s the car is taken to have stood.
-pub(crate) const LONGEST_STEP_S: f64 = 2.0;
 /// Standard deviations in kPa of the air's pressure: by a barometer; by a height, which knows no weather; unknown, as of places up to 300 m and
 /// their weather.
 const BAROMETER_SD_KPA: f64 = 0.5;
@@ -99,7 +99,7 @@ impl<T: Real> ColdTires<T> {
         }
         let Self { ambient_c, barometric_kpa, altitude_m, .. } = self;
         [ambient_c, barometric_kpa, altitude_m].into_iter().for_each(|sent| sent.grow_older(step_s));
-        let speed_m_s = if step_s > LONGEST_STEP_S { T::zero() } else { speed_m_s };
+        let speed_m_s = if step_s > PAUSE_S { T::zero() } else { speed_m_s };
         self.warm_up.advance(step_s, speed_m_s, self.ambient_c.get());
     }
 

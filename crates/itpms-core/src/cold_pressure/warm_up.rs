@@ -1,17 +1,16 @@
 //! By how much a tire is warmer than the air: a first-order lag behind speed and air, and all that is not known of it.
 
+use crate::conditioning::STANDING_M_S;
 use crate::memory::Blank;
 use crate::real::Real;
 
 /// Rise in K per m/s in the long run: 22 K at 100 km/h. Flexing heats in proportion to the way, and the air that cools hardly goes by faster.
 const RISE_K_PER_M_S: f64 = 22.0 * 3.6 / 100.0;
-/// Its standard deviation between tires, loads and roads, as a share.
-const RISE_SD: f64 = 0.3;
-/// Time constants in s with which a tire follows while it rolls and while it stands, and the standard deviation of their logarithm.
+/// Standard deviation between tires, loads and roads, as a share, of this rise and of the time constants.
+const TIRES_SD: f64 = 0.3;
+/// Time constants in s with which a tire follows while it rolls and while it stands or crawls.
 const ROLLING_S: f64 = 660.0;
-const STANDING_S: f64 = 1800.0;
-const LAG_SD: f64 = 0.3;
-const ROLLS_M_S: f64 = 1.0;
+pub(crate) const STANDING_S: f64 = 1800.0;
 /// Standard deviation in K of a tire's temperature against the air's at the start: it may have been driven before, or have stood in a garage.
 const HISTORY_SD_K: f64 = 6.0;
 /// The same in K of the air's temperature: the sensor is in the warmth of engine and road.
@@ -44,7 +43,7 @@ impl<T: Real> WarmUp<T> {
     pub(super) fn advance(&mut self, step_s: f64, speed_m_s: T, ambient_c: Option<T>) {
         let known = speed_m_s.is_finite();
         let speed_m_s = if known { speed_m_s.abs() } else { T::lit(UNKNOWN_M_S) };
-        let lag_s = if speed_m_s < T::lit(ROLLS_M_S) { STANDING_S } else { ROLLING_S };
+        let lag_s = if speed_m_s < T::lit(STANDING_M_S) { STANDING_S } else { ROLLING_S };
         let steps = T::lit(step_s / lag_s);
         let kept = (-steps).exp_fast();
         let taken = T::one() - kept;
@@ -70,8 +69,8 @@ impl<T: Real> WarmUp<T> {
     pub(super) fn excess_k(&self, ambient_c: T) -> [T; 2] {
         let lag_of_air_k = if self.soaked_c.is_finite() { self.soaked_c - ambient_c } else { T::zero() };
         let square = |value: T| value * value;
-        let variance = square(T::lit(RISE_SD) * self.driven_k)
-            + square(T::lit(LAG_SD) * self.lag_k)
+        let variance = square(T::lit(TIRES_SD) * self.driven_k)
+            + square(T::lit(TIRES_SD) * self.lag_k)
             + square(self.history_k)
             + square(self.unknown_k)
             + T::lit(AMBIENT_SD_K * AMBIENT_SD_K);
@@ -97,8 +96,8 @@ mod tests {
             let x: f64 = minutes * 60.0 / ROLLING_S;
             let [excess_k, sd_k] = after((600.0 * minutes) as u32, speed_m_s, 10.0).excess_k(10.0);
             let expected_k = 22.0 * (1.0 - (-x).exp());
-            let lag_k = LAG_SD * 22.0 * x * (-x).exp();
-            let parts = [RISE_SD * expected_k, lag_k, HISTORY_SD_K * (-x).exp(), AMBIENT_SD_K];
+            let lag_k = TIRES_SD * 22.0 * x * (-x).exp();
+            let parts = [TIRES_SD * expected_k, lag_k, HISTORY_SD_K * (-x).exp(), AMBIENT_SD_K];
             let expected_sd_k = parts.iter().map(|part| part * part).sum::<f64>().sqrt();
             assert!((excess_k - expected_k).abs() < 1e-6, "{minutes}: {excess_k} {expected_k}");
             assert!((sd_k - expected_sd_k).abs() < 2e-3, "{minutes}: {sd_k} {expected_sd_k}");

@@ -5,6 +5,7 @@
 
 use crate::conditioning::pauses::PAUSE_S;
 use crate::memory::Blank;
+use crate::real::ROUND_F64;
 
 /// Least distance of two stamps, in sampling periods: closer ones are the same.
 pub(crate) const CLOSEST: f64 = 0.05;
@@ -12,8 +13,6 @@ pub(crate) const CLOSEST: f64 = 0.05;
 pub(crate) const LONGEST_BRIDGE: f64 = 3.5;
 /// Parts of a period to which stamps count, from the first one on: neither where a clock begins nor how its stamps are rounded decides anything.
 const PARTS: f64 = 1024.0;
-/// What is added and taken off again to round to a whole number: only those are there from here on.
-const WHOLE: f64 = 6_755_399_441_055_744.0;
 /// Steps, one after the other, after which stamps that are out of line are believed: where they lie in the past, and so
 /// could be old ones that come late, and where they lie ahead.
 const SET_BACK: u32 = 16;
@@ -21,7 +20,7 @@ const LEAPT: u32 = 1;
 
 /// The stamp in s of a steady time that is so much ahead of the stamps, to a microsecond.
 pub(crate) fn stamp_s(steady_s: f64, ahead_s: f64) -> f64 {
-    ((steady_s - ahead_s) * 1e6 + WHOLE - WHOLE) / 1e6
+    ((steady_s - ahead_s) * 1e6 + ROUND_F64 - ROUND_F64) / 1e6
 }
 
 /// The time in s before which a stamp's own rounding is smaller than the least distance of two; nor are infinite and NaN ones resolved.
@@ -118,7 +117,7 @@ impl SteadyClock {
     /// The steady time of the last stamp that was believed; minus infinity before the first.
     pub(crate) fn now_s(&self) -> f64 {
         let part_s = self.period_s / PARTS;
-        ((self.stamp_s + self.ahead_s) / part_s + WHOLE - WHOLE) * part_s
+        ((self.stamp_s + self.ahead_s) / part_s + ROUND_F64 - ROUND_F64) * part_s
     }
 
     /// The steady time at a stamp that may not have been believed, if it is right; infinite if unknown.

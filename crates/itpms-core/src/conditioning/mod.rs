@@ -16,3 +16,5 @@ pub use self::speed::{SpeedHold, is_a_cars};
 
 /// Least rate in Hz of the grid that estimators work on.
 pub const LEAST_GRID_HZ: f64 = 400.0;
+/// Rate in Hz to which signals of wheel hop and below are thinned: five times the band's upper edge.
+pub(crate) const THINNED_HZ: f64 = 100.0;

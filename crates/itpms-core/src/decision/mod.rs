@@ -35,6 +35,8 @@ pub(crate) const DECISIVE: f64 = 0.6;
 pub(crate) const SURELY_LOW: f64 = 0.99;
 pub(crate) const HARDLY_LOW: f64 = 0.5;
 pub(crate) const SURELY_NOT_LOW: f64 = 0.05;
+/// Probability of the contrary below which a low tire is reported sooner: a tenth of that of one that is only surely low.
+pub(crate) const BEYOND_DOUBT: f64 = 1e-3;
 
 /// Log of how probable it is before anything is seen that these tires are low, against none, if it is `one` of one tire.
 pub(crate) fn log_prior<T: Real>(set: usize, one: f64) -> T {

@@ -1,29 +1,26 @@
 //! What is wrong with the sensors, as far as it takes several of them to tell: swapped, or with a wrong gain.
 
-use crate::diagnosis::debounce::{DebounceTimes, Evidence};
+use crate::diagnosis::debounce::{COMPARED, DebounceTimes, Evidence};
 use crate::diagnosis::fault_latch::{FaultLatch, SwapPattern};
 use crate::diagnosis::matching::{Changed, Following, PAIRS, Plane, following, gathered, median};
 use crate::diagnosis::moments::Moments;
-use crate::diagnosis::signals::{Block, HOP_WIDTH_HZ};
+use crate::diagnosis::signals::{BOUNCE_HZ, Block, SLOW_HZ, width_hz};
 use crate::diagnosis::single_sensor::evidence;
 use crate::diagnosis::wheel_gain::balance::WheelGainBalance;
 use crate::diagnosis::wheel_gain::jump::{Hop, WheelGainJump, jumps};
 use crate::diagnosis::wheel_gain::shift::WheelGainShift;
 use crate::diagnosis::{Fault, Malfunction, Place, Sensor};
 use crate::memory::Blank;
-use crate::model::{Corner, Wheels};
+use crate::model::{Corner, HOP_BAND_HZ, Wheels};
 use crate::real::Real;
 
 /// Blocks over which hop and bounce are averaged.
-const HOP_BLOCKS: f64 = 12.0;
+pub(crate) const HOP_BLOCKS: f64 = 12.0;
 const BOUNCE_BLOCKS: f64 = 5.0;
 /// Blocks over which the ratio of a corner's wheel to its body is averaged.
 const RATIO_BLOCKS: f64 = 4.0;
 /// Power over the sensors' noise in a band from which it counts.
 const OVER_NOISE: f64 = 10.0;
-/// Bandwidths in Hz of the other bands, for that noise.
-const BOUNCE_WIDTH_HZ: f64 = 5.0;
-const SLOW_WIDTH_HZ: f64 = 0.5;
 
 /// Log of wheel over body power in the hop band below which a body moves like a wheel or a wheel like a body; above
 /// which it does not; and below which both do. A healthy corner has 4 to 6.
@@ -35,7 +32,6 @@ const ABOVE_NOISE: f64 = 3.0;
 /// How much more than the other bodies a body moves that is a wheel, and how much less than the other wheels
 /// a wheel that is a body, as a log of powers.
 const LIKE_A_WHEEL: f64 = 2.0;
-const RATIO: DebounceTimes = DebounceTimes { set_s: 3.0, clear_s: 5.0 };
 
 /// Log of how much better bodies follow their own wheels than each other's, below which two are swapped and above which
 /// not. A healthy car has more than 1.1.
@@ -124,13 +120,13 @@ impl<T: Real> CrossSensorPlausibility<T> {
         self.wheel_gains.judge(at, plane.is_some_and(|plane| plane.warp < T::lit(FLAT)));
     }
 
-    fn noise(&self, i: Corner, width_hz: f64) -> T {
-        self.noise_density[i] * T::lit(width_hz * OVER_NOISE)
+    fn noise(&self, i: Corner, band_hz: [f64; 2]) -> T {
+        self.noise_density[i] * T::lit(width_hz(band_hz) * OVER_NOISE)
     }
 
     fn average(&mut self, block: &Block<T>) {
-        let all = |width_hz| move |cross_sensor: &Self| Corner::ALL.map(|i| cross_sensor.noise(i, width_hz));
-        let (hop, bounce) = (all(HOP_WIDTH_HZ)(self), all(BOUNCE_WIDTH_HZ)(self));
+        let all = |band_hz| move |cross_sensor: &Self| Corner::ALL.map(|i| cross_sensor.noise(i, band_hz));
+        let (hop, bounce) = (all(HOP_BAND_HZ)(self), all(BOUNCE_HZ)(self));
         // What the struts make of the wheels is what bodies should do: both must be there.
         if (0..4).all(|i| block.hop[(4 + i, 4 + i)] > T::lit(0.3) * hop[i]) {
             let wheels = block.hop.fixed_view::<4, 4>(4, 4).trace();
@@ -141,7 +137,7 @@ impl<T: Real> CrossSensorPlausibility<T> {
         }
         let slow = block.slow.iter().fold(T::zero(), |sum, power| sum + *power);
         // A body's sensor and a wheel's at each corner.
-        let noise = all(SLOW_WIDTH_HZ)(self).into_iter().fold(T::zero(), |sum, noise| sum + noise);
+        let noise = all(SLOW_HZ)(self).into_iter().fold(T::zero(), |sum, noise| sum + noise);
         self.wheel_gains.average(block, slow > T::lit(2.0) * noise);
     }
 
@@ -161,7 +157,7 @@ impl<T: Real> CrossSensorPlausibility<T> {
         };
         for corner in Corner::ALL.into_iter().filter(|&corner| alive[corner]) {
             let (b, w) = (body(corner), block.wheel_hop[corner]);
-            if !(b.max(w) > self.noise(corner, HOP_WIDTH_HZ)) {
+            if !(b.max(w) > self.noise(corner, HOP_BAND_HZ)) {
                 continue;
             }
             let ratio = (w / b).ln();
@@ -186,7 +182,7 @@ impl<T: Real> CrossSensorPlausibility<T> {
                 SwapPattern::Crossed => Malfunction::Swapped(sensor(Place::Body), sensor(Place::Wheel)),
                 _ => Malfunction::Inconsistent(corner),
             };
-            self.odd[corner].update(at, evidence(odd, ratio > T::lit(NOT_ODD)), RATIO, || malfunction);
+            self.odd[corner].update(at, evidence(odd, ratio > T::lit(NOT_ODD)), COMPARED, || malfunction);
         }
     }
 
@@ -207,8 +203,7 @@ impl<T: Real> CrossSensorPlausibility<T> {
         }
         let is_above_noise = |corner: Corner| {
             let i = corner.index();
-            let loud =
-                block.hop[(i, i)] > T::lit(ABOVE_NOISE / OVER_NOISE) * self.noise(corner, HOP_WIDTH_HZ);
+            let loud = block.hop[(i, i)] > T::lit(ABOVE_NOISE / OVER_NOISE) * self.noise(corner, HOP_BAND_HZ);
             loud && self.newest_ratio[corner].is_finite() && block.hop[(4 + i, 4 + i)] > T::zero()
         };
         let latches = self.odd.iter().chain(&self.pairs).chain(&self.reversed).chain(&self.corners);

@@ -1,5 +1,6 @@
 //! Debouncing: a report that is set when a condition has held for a while, and cleared when another one has.
 
+use crate::conditioning::pauses::ROUNDING_S;
 use crate::memory::Blank;
 
 /// How long a condition has to hold, in s.
@@ -8,6 +9,11 @@ pub(crate) struct DebounceTimes {
     pub(crate) set_s: f64,
     pub(crate) clear_s: f64,
 }
+
+/// Set at the first sign, and cleared after a second without one.
+pub(crate) const AT_ONCE: DebounceTimes = DebounceTimes { set_s: 0.0, clear_s: 1.0 };
+/// Of a sensor that is held against others: six blocks are no chance.
+pub(crate) const COMPARED: DebounceTimes = DebounceTimes { set_s: 3.0, clear_s: 5.0 };
 
 /// What speaks for or against the report now.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -62,12 +68,10 @@ impl Debouncer {
             Evidence::Undecided => (self.prefailed_s, self.prepassed_s) = (0.0, 0.0),
             Evidence::NoData => {}
         }
-        // Steps add up with rounding.
-        const SLACK_S: f64 = 1e-6;
-        if !self.active && self.prefailed_s > 0.0 && self.prefailed_s + SLACK_S >= patience.set_s {
+        if !self.active && self.prefailed_s > 0.0 && self.prefailed_s + ROUNDING_S >= patience.set_s {
             self.active = true;
             self.reported_s = time_s;
-        } else if self.active && self.prepassed_s > 0.0 && self.prepassed_s + SLACK_S >= patience.clear_s {
+        } else if self.active && self.prepassed_s > 0.0 && self.prepassed_s + ROUNDING_S >= patience.clear_s {
             self.active = false;
         }
         self.active

@@ -3,13 +3,12 @@
 
 use crate::memory::Blank;
 use crate::real::Real;
+use crate::spectrum::LASTING_S;
 
 /// Incoherence near wheel hop above which tracks may be parting, and how many times what it was before. No puncture on a shared
 /// road brings it above 0.01; where it is higher anyway, no puncture quadruples it.
 const APART: f64 = 0.03;
 const TIMES: f64 = 5.0;
-/// Seconds in which what is usual grows to what is seen; it falls at once.
-const USUAL_S: f64 = 20.0;
 
 /// What the incoherence of a side usually is.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
@@ -30,7 +29,7 @@ impl<T: Real> DecorrelationDetector<T> {
         }
         let before = self.usual.unwrap_or(incoherence);
         let parting = incoherence > T::lit(APART) && incoherence > T::lit(TIMES) * before;
-        let grown = before + (incoherence - before) * T::lit((step_s / USUAL_S).min(1.0));
+        let grown = before + (incoherence - before) * T::lit((step_s / LASTING_S).min(1.0));
         self.usual = Some(grown.min(incoherence));
         parting
     }

@@ -2,6 +2,7 @@
 
 use crate::memory::Blank;
 use crate::real::Real;
+use crate::spectrum::butterworth::QUALITY;
 
 /// A second-order section (transposed direct form II).
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
@@ -45,9 +46,6 @@ impl<T: Real> Section<T> {
     }
 }
 
-/// Qualities of a fourth-order Butterworth filter's two sections.
-const BUTTERWORTH_4: [f64; 2] = [0.541_196_1, 1.306_562_96];
-
 /// A band: fourth-order Butterworth high-pass, then low-pass.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -57,7 +55,7 @@ pub(crate) struct Band<T> {
 
 impl<T: Real> Band<T> {
     pub(crate) fn new([low_hz, high_hz]: [f64; 2], rate_hz: f64) -> Self {
-        let [broad, sharp] = BUTTERWORTH_4;
+        let [broad, sharp] = QUALITY;
         Self {
             sections: [
                 Section::new(Pass::High, low_hz / rate_hz, broad),

@@ -8,20 +8,23 @@
 
 use nalgebra::SMatrix;
 
+use crate::conditioning::THINNED_HZ;
 use crate::diagnosis::filters::{Averager, Band, Triangle};
 use crate::diagnosis::moments::Moments;
 use crate::memory::Blank;
 use crate::model::{CarConfig, HOP_BAND_HZ};
 use crate::real::Real;
 
-pub(crate) const HOP_WIDTH_HZ: f64 = HOP_BAND_HZ[1] - HOP_BAND_HZ[0];
-const BOUNCE_HZ: [f64; 2] = [1.0, 6.0];
-const SLOW_HZ: [f64; 2] = [0.4, 0.9];
-/// Rates in Hz to which samples are averaged before hop, and before bounce and slow.
-const QUICK_RATE_HZ: f64 = 100.0;
+pub(crate) const BOUNCE_HZ: [f64; 2] = [1.0, 6.0];
+pub(crate) const SLOW_HZ: [f64; 2] = [0.4, 0.9];
+/// Rate in Hz to which samples are averaged before bounce and slow; before hop it is [`THINNED_HZ`].
 const SLOW_RATE_HZ: f64 = 25.0;
 /// Leak of the integrators in rad/s: far below the band.
 const LEAK_RAD_S: f64 = 6.0;
+
+pub(crate) const fn width_hz([low, high]: [f64; 2]) -> f64 {
+    high - low
+}
 
 /// Moments of a block. Bodies first, then wheels, each in the order of `Corner::ALL`.
 #[derive(Debug, Clone, PartialEq)]
@@ -69,7 +72,7 @@ pub(crate) struct Signals<T: Real> {
 
 impl<T: Real> Signals<T> {
     pub(crate) fn configure(&mut self, car: &CarConfig<T>, rate_hz: f64) {
-        let by = (rate_hz / QUICK_RATE_HZ).clamp(1.0, 1e6) as u32;
+        let by = (rate_hz / THINNED_HZ).clamp(1.0, 1e6) as u32;
         let quick_hz = rate_hz / f64::from(by);
         let slow_by = (quick_hz / SLOW_RATE_HZ).clamp(1.0, 1e6) as u32;
         let slow_hz = quick_hz / f64::from(slow_by);

@@ -1,7 +1,7 @@
 //! What is wrong with one sensor, as far as it shows by itself and from the same sensors at the other corners.
 
 use crate::conditioning::pauses::MISSING_S;
-use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
+use crate::diagnosis::debounce::{COMPARED, DebounceTimes, Debouncer, Evidence};
 use crate::diagnosis::sensor_statistics::{SensorBlock, SensorWatch};
 use crate::diagnosis::{FEW_MISSING, Fault, Malfunction, Motion, Sensor};
 use crate::memory::Blank;
@@ -21,7 +21,6 @@ const SPIKES: DebounceTimes = DebounceTimes { set_s: 0.0, clear_s: 15.0 };
 /// Noise power over that of the same sensors at the other corners that is too much, and that is fine again.
 const TOO_NOISY: f64 = 6.0;
 const NOT_NOISY: f64 = 3.0;
-const NOISE: DebounceTimes = DebounceTimes { set_s: 3.0, clear_s: 5.0 };
 
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -106,7 +105,7 @@ impl<T: Real> SingleSensorMonitor<T> {
         let noise = powers.map_or(Evidence::NoData, |[own, alike]| {
             evidence(own > T::lit(TOO_NOISY) * alike, own < T::lit(NOT_NOISY) * alike)
         });
-        self.noise.update(time_s, step_s, noise, NOISE);
+        self.noise.update(time_s, step_s, noise, COMPARED);
     }
 
     /// What is wrong with it, the most certain first.

@@ -4,8 +4,8 @@
 use super::concluded::CornerConclusion;
 use super::fused_stiffness::FusedStiffness;
 use super::pulses::PulseLevel;
-use super::reading::{Reading, STARTING_S, is_known};
-use crate::conditioning::pauses::PAUSE_S;
+use super::reading::{Reading, is_known};
+use crate::conditioning::pauses::{DECIDE_S, ENOUGH_S, PAUSE_S};
 use crate::conditioning::wheel_lift::ContactWatch;
 use crate::conditioning::{GridSample, LEAST_GRID_HZ, Resampler, SampleCounts};
 use crate::memory::{Blank, Placed};
@@ -18,9 +18,6 @@ use crate::single_wheel::{Informed, OutsideStiffness, Pace, StiffnessPseudoMeasu
 use crate::spectrum::SIGNALS;
 use crate::suspension::{BodyEquation, Strut, StrutFrame};
 use crate::torsion::TorsionChange;
-
-/// Seconds between two updates of the Bayes filter with a calibration.
-const TELL_S: f64 = 0.1;
 
 /// Longest time in s that an estimate waits for the verdict on body and wheel.
 const UNJUDGED_S: f64 = 20.0;
@@ -116,7 +113,7 @@ impl<T: Real> CornerEstimator<T> {
     /// neither meanwhile nor until it has seen as much again as an estimate takes.
     pub(crate) fn change_probability(&self) -> T {
         let seen_s = self.informed.learned_s() - self.learned_before_s;
-        if seen_s < T::lit(STARTING_S) { T::zero() } else { self.reading.change_probability }
+        if seen_s < T::lit(ENOUGH_S) { T::zero() } else { self.reading.change_probability }
     }
 
     /// Stiffness and its sd in N/m, as the corner by itself sees them.
@@ -292,7 +289,7 @@ impl<T: Real> CornerEstimator<T> {
         let ends_s = *self.calibration_ends_s.get_or_insert(time_s + self.calibration_s);
         if !(time_s < ends_s) {
             self.calibration_s = 0.0;
-        } else if !(time_s - self.pinned_s < TELL_S) {
+        } else if !(time_s - self.pinned_s < DECIDE_S) {
             self.pinned_s = time_s;
             self.informed.set_to_placard();
             self.reading = Reading::of(&self.config, &self.informed.belief());

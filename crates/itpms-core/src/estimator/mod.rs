@@ -153,8 +153,8 @@ impl<T: Real> Estimator<T> {
 
 #[cfg(test)]
 mod tests {
-    use super::reading::STARTING_S;
     use super::*;
+    use crate::conditioning::pauses::ENOUGH_S;
 
     const RATE_HZ: f64 = 200.0;
 
@@ -201,7 +201,7 @@ mod tests {
         // Half a second until it is known that nothing comes.
         assert!(drive(10.0, 11.0, f64::NAN) > 0.01);
         assert_eq!(drive(11.0, 30.0, f64::NAN), 0.0);
-        assert_eq!(drive(30.0, 30.0 + STARTING_S, 1.0), 0.0);
-        assert!(drive(30.0 + STARTING_S, 36.0, 1.0) > 0.01);
+        assert_eq!(drive(30.0, 30.0 + ENOUGH_S, 1.0), 0.0);
+        assert!(drive(30.0 + ENOUGH_S, 36.0, 1.0) > 0.01);
     }
 }

@@ -3,8 +3,9 @@
 
 use crate::conditioning::pauses::PAUSE_S;
 use crate::memory::Blank;
+use crate::model::OUTLIER_SD;
 use crate::real::Real;
-use crate::torsion::{OUTLIER, TorsionChange, level_variance_kpa2};
+use crate::torsion::{TorsionChange, level_variance_kpa2};
 
 /// Time in s over which the accelerations' reading is averaged: half a piece, so that both are of the same moment.
 const RECENT_S: f64 = 15.0;
@@ -48,7 +49,7 @@ impl<T: Real> PulseLevel<T> {
         let deviation = calibrated_kpa + piece.change_kpa - self.recent_kpa;
         let (expected, open) = self.excess(open_kpa2);
         let away = deviation - expected;
-        let usual = away * away < T::lit(OUTLIER * OUTLIER) * (noise + open);
+        let usual = away * away < T::lit(OUTLIER_SD * OUTLIER_SD) * (noise + open);
         if !(self.since_s >= RECENT_S && noise > T::zero() && usual) {
             return;
         }

@@ -1,13 +1,12 @@
 //! What a corner reads after a step, and whether that may be believed.
 
 use super::fused_stiffness::FusedStiffness;
+use crate::conditioning::pauses::ENOUGH_S;
 use crate::memory::Blank;
 use crate::model::{CornerConfig, Validity};
 use crate::real::Real;
 use crate::single_wheel::Belief;
 
-/// Seconds of full information before an estimate counts.
-pub(super) const STARTING_S: f64 = 2.0;
 /// Standard deviation, as a share of the placard pressure, beyond which an estimate says nothing.
 const WORTHLESS: f64 = 0.25;
 
@@ -58,7 +57,7 @@ impl<T: Real> Reading<T> {
 
 /// Whether a stiffness of this sd may be believed, given how much was learned.
 fn validity<T: Real>(config: &CornerConfig<T>, learned_s: T, pressure_sd_kpa: T) -> Validity {
-    if !(learned_s >= T::lit(STARTING_S)) {
+    if !(learned_s >= T::lit(ENOUGH_S)) {
         Validity::Starting
     } else if !is_known(config, pressure_sd_kpa) {
         Validity::NoInformation

@@ -20,9 +20,10 @@ const MOST_HOP_EXCESS: [f64; 2] = [5.0, 4.0];
 /// ones do, 0.57 to 1 where the sensors of an axle have another gain, another low pass or a mount that rings.
 const MOST_RESPONSE_ERROR: [f64; 2] = [0.55, 0.48];
 
-/// Bins over which the two shares are averaged.
-const COHERENCE_BINS: f64 = 5.0;
-const UNEXPLAINED_BINS: f64 = 7.0;
+/// Bins over which the two shares are averaged, 2.5 Hz apart: 5 to 16 Hz (below, pitch and roll move a corner with the others' wheels; above, bushings
+/// decide), and 5 to 20 Hz.
+pub(crate) const COHERENCE_BINS: core::ops::Range<usize> = 1..6;
+pub(crate) const UNEXPLAINED_BINS: core::ops::Range<usize> = 1..8;
 
 /// How well body and wheel of a corner go together.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
@@ -131,15 +132,18 @@ impl<T: Real> BodyFit<T> {
         if !(self.averages > T::zero()) {
             return false;
         }
-        let upper = |share: T, squared_spread: T, bins: f64| {
+        let upper = |share: T, squared_spread: T, bins: usize| {
             share
-                * (T::one() + T::lit(ONE_SIDED_95) * (squared_spread / (self.averages * T::lit(bins))).sqrt())
+                * (T::one()
+                    + T::lit(ONE_SIDED_95)
+                        * (squared_spread / (self.averages * T::whole(bins as u32))).sqrt())
         };
         let two = T::lit(2.0);
-        let incoherence = |share: T| upper(share, two * (T::one() - share).max(T::zero()), COHERENCE_BINS);
+        let incoherence =
+            |share: T| upper(share, two * (T::one() - share).max(T::zero()), COHERENCE_BINS.len());
         let largest = Self {
             incoherence: self.incoherence.map(incoherence),
-            unexplained: self.unexplained.map(|share| upper(share, two, UNEXPLAINED_BINS)),
+            unexplained: self.unexplained.map(|share| upper(share, two, UNEXPLAINED_BINS.len())),
             ..*self
         };
         largest.misfit(None).is_none_or(|misfit| misfit.doubt(level).is_some())

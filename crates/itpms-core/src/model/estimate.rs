@@ -106,31 +106,20 @@ impl Validity {
     }
 }
 
-/// What the level of a pressure rests on; changes show by themselves.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Blank)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Level {
-    /// On masses and the tire's stiffness in the vehicle file.
-    #[blank]
-    VehicleFile,
-    /// On a calibration of this drive, which set it.
-    Calibration,
-    /// On a calibration of an earlier drive: since then load, tires and whatever else may have changed.
-    StoredCalibration,
-    /// On nothing: what is known is how the tire differs from the others since a calibration. What all four lost alike is not seen.
-    OtherTires,
-}
-
-impl Level {
-    /// The word in files: `file`, `calibration`, `reference` or `other-tires`.
-    #[must_use]
-    pub fn label(self) -> &'static str {
-        match self {
-            Level::VehicleFile => "file",
-            Level::Calibration => "calibration",
-            Level::StoredCalibration => "reference",
-            Level::OtherTires => "other-tires",
-        }
+crate::labelled! {
+    /// What the level of a pressure rests on; changes show by themselves.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Blank)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    pub enum Level {
+        /// On masses and the tire's stiffness in the vehicle file.
+        #[blank]
+        VehicleFile = "file",
+        /// On a calibration of this drive, which set it.
+        Calibration = "calibration",
+        /// On a calibration of an earlier drive: since then load, tires and whatever else may have changed.
+        StoredCalibration = "reference",
+        /// On nothing: what is known is how the tire differs from the others since a calibration. What all four lost alike is not seen.
+        OtherTires = "other-tires",
     }
 }
 

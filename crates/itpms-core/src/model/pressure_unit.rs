@@ -2,38 +2,21 @@
 
 use core::fmt;
 
-/// Unit in which people read pressures; files stay in kPa.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum PressureUnit {
-    /// Kilopascal.
-    #[default]
-    Kpa,
-    /// Bar: 100 kPa.
-    Bar,
-    /// Pound-force per square inch: 6.895 kPa (NIST SP 811, appendix B.8).
-    Psi,
+crate::labelled! {
+    /// Unit in which people read pressures; files stay in kPa.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+    pub enum PressureUnit {
+        /// Kilopascal.
+        #[default]
+        Kpa = "kpa",
+        /// Bar: 100 kPa.
+        Bar = "bar",
+        /// Pound-force per square inch: 6.895 kPa (NIST SP 811, appendix B.8).
+        Psi = "psi",
+    }
 }
 
 impl PressureUnit {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Kpa, Self::Bar, Self::Psi];
-
-    /// The word in options: `kpa`, `bar` or `psi`.
-    #[must_use]
-    pub const fn label(self) -> &'static str {
-        match self {
-            Self::Kpa => "kpa",
-            Self::Bar => "bar",
-            Self::Psi => "psi",
-        }
-    }
-
-    /// The unit of this word.
-    #[must_use]
-    pub fn from_label(label: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|unit| unit.label() == label)
-    }
-
     /// What stands behind a number.
     #[must_use]
     pub const fn symbol(self) -> &'static str {

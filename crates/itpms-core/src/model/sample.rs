@@ -8,36 +8,24 @@ use crate::real::Real;
 /// An acceleration in m/s² that is none: a wheel on a kerb reaches some 500 m/s²; twice that is no car any more.
 pub(crate) const ABSURD_M_S2: f64 = 1000.0;
 
-/// A corner of the car.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Blank)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Corner {
-    /// Front left.
-    #[blank]
-    FrontLeft,
-    /// Front right.
-    FrontRight,
-    /// Rear left.
-    RearLeft,
-    /// Rear right.
-    RearRight,
+crate::labelled! {
+    /// A corner of the car, in the order of every four-element array here.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Blank)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    pub enum Corner {
+        /// Front left.
+        #[blank]
+        FrontLeft = "fl",
+        /// Front right.
+        FrontRight = "fr",
+        /// Rear left.
+        RearLeft = "rl",
+        /// Rear right.
+        RearRight = "rr",
+    }
 }
 
 impl Corner {
-    /// All corners, in the order of every four-element array here.
-    pub const ALL: [Corner; 4] = [Corner::FrontLeft, Corner::FrontRight, Corner::RearLeft, Corner::RearRight];
-
-    /// The prefix of this corner's columns: `fl`, `fr`, `rl` or `rr`.
-    #[must_use]
-    pub const fn label(self) -> &'static str {
-        match self {
-            Corner::FrontLeft => "fl",
-            Corner::FrontRight => "fr",
-            Corner::RearLeft => "rl",
-            Corner::RearRight => "rr",
-        }
-    }
-
     /// This corner's place in [`Corner::ALL`].
     #[must_use]
     pub fn index(self) -> usize {

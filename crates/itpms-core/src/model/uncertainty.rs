@@ -6,6 +6,10 @@ use crate::real::Real;
 
 /// One-sided 95 % quantile of a normal distribution: a quantity counts as past a limit when this many sds still are.
 pub(crate) const ONE_SIDED_95: f64 = 1.64;
+/// Sds beyond which a difference is surely none of chance: of a normal distribution one in 370 is. And beyond which even a healthy tire of
+/// an unknown car, or the scatter of pieces of driving, does not lie: one in 16 000.
+pub(crate) const SURELY_SD: f64 = 3.0;
+pub(crate) const OUTLIER_SD: f64 = 4.0;
 
 crate::labelled! {
     /// Where the parameters of a vehicle come from, and so how far to trust them.

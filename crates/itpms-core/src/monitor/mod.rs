@@ -23,7 +23,7 @@ pub use self::wheels::MonitoredWheels;
 use crate::cold_pressure::ColdTires;
 use crate::conditioning::Moment;
 use crate::conditioning::clock::stamp_s;
-use crate::conditioning::pauses::MISSING_S;
+use crate::conditioning::pauses::{DECIDE_S, MISSING_S};
 use crate::decision::{NOBODY_INFLATES, Probabilities};
 use crate::diagnosis::debounce::Debouncer;
 use crate::diagnosis::decorrelation::DecorrelationDetector;
@@ -43,8 +43,6 @@ use crate::warning::reference_pressure::ReferencePressure;
 use crate::warning::report::{ALL_LOW_SLOT, COMMON_SHIFT_SLOT, Slot};
 use crate::warning::{Alert, Cause, Doubt, MonitorReport, WheelReport, WheelState};
 
-/// Seconds between two decisions on pressures.
-const DECIDE_S: f64 = 0.1;
 /// Seconds for which a corner must not have been found wrong after the fact before it requests a rollback
 /// again.
 const ROLLBACK_HOLDOFF_S: f64 = 60.0;

@@ -4,7 +4,8 @@
 #[cfg(test)]
 mod tests;
 
-use crate::conditioning::pauses::PAUSE_S;
+use crate::conditioning::pauses::{PAUSE_S, ROUNDING_S};
+use crate::decision::{BEYOND_DOUBT, SURELY_LOW, SURELY_NOT_LOW};
 use crate::diagnosis::{Malfunction, Place, Sensor};
 use crate::memory::{Blank, Placed};
 use crate::model::{Corner, ParameterError, RadiusDifferences, Validity, Warning, Wheels};
@@ -17,22 +18,12 @@ use crate::wheel_speed::{
 };
 
 /// Usable driving in s after which what is more probable than .99 is reported, and after which a report that does not hold any more
-/// is taken back.
+/// is taken back. After as much unusable driving no tire is known to be fine any more: a loss in it would not have shown.
 const LASTING_S: f64 = 60.0;
-/// After so many seconds of unusable driving no tire is known to be fine any more: a loss in them would not have shown.
-const FORGOTTEN_S: f64 = 60.0;
-/// Largest rounding error of an hour of steps added up, in s.
-const ROUNDING_S: f64 = 1e-6;
-/// Probability of being low above which no tire is fine.
-const FINE_BELOW: f64 = 0.05;
 /// Share of its pressure above which a reading's loss makes a tire not fine, where the sd of the reading is smaller.
 const LOW_READING: f64 = 0.08;
-/// Probability above which days name a tire that leaks slowly.
-const SLOW_LEAK_SURE: f64 = 0.99;
-/// The same below which a named one is taken back.
+/// Probability below which a tire that days have named as leaking slowly no longer is.
 const SLOW_LEAK_HOLDS: f64 = 0.9;
-/// Probability of the contrary below which it is reported at once: a tenth of that of a state that has to last.
-const BEYOND_DOUBT: f64 = 1e-3;
 
 /// A radius analysis under its monitor; less than 5 kB in `f32`.
 #[derive(Debug, Clone, Blank)]
@@ -309,7 +300,7 @@ impl<T: Real> MonitoredWheels<T> {
         let (wheel, probability) = leak.likeliest();
         let named = |alert: &Alert<T>| is_slow(alert) && alert.wheels == wheel.into();
         let stands = self.alert.as_ref().is_some_and(named);
-        if !(probability > T::lit(if stands { SLOW_LEAK_HOLDS } else { SLOW_LEAK_SURE })) {
+        if !(probability > T::lit(if stands { SLOW_LEAK_HOLDS } else { SURELY_LOW })) {
             return None;
         }
         let (beta, beta_sd) = self.radii.radius_per_ln_pressure();
@@ -384,9 +375,9 @@ impl<T: Real> MonitoredWheels<T> {
             None if suspected.contains(corner) => return WheelState::Unknown(Doubt::Uncertain),
             None => {}
         }
-        let is_known = radii.unseen_s.get(corner.axle()).is_some_and(|s| *s < T::lit(FORGOTTEN_S));
+        let is_known = radii.unseen_s.get(corner.axle()).is_some_and(|s| *s < T::lit(LASTING_S));
         match radii.wheels.get(corner.index()).filter(|wheel| is_known && wheel.informed()) {
-            Some(wheel) if wheel.low_probability < T::lit(FINE_BELOW) && !reads_low(wheel) => {
+            Some(wheel) if wheel.low_probability < T::lit(SURELY_NOT_LOW) && !reads_low(wheel) => {
                 WheelState::Fine
             }
             Some(_) => WheelState::Unknown(Doubt::Uncertain),

@@ -5,7 +5,7 @@ use super::dynamics::LEVEL_MODES;
 use super::gate::SpeedKnowledge;
 use super::road_fits::RoadFits;
 use super::road_model::Evidence;
-use super::{Frame, HOP_S, Informed, OVERLAP};
+use super::{Frame, HOP_S, INDEPENDENT, Informed};
 use crate::conditioning::{LEAST_GRID_HZ, STANDING_M_S};
 use crate::memory::{Blank, Placed};
 use crate::real::Real;
@@ -137,7 +137,7 @@ impl<T: Real> Informed<T> {
         let road_near_hop = self.road_near_hop(frame, theta);
         self.persistence.take(road_near_hop);
         let counts = if self.persistence.is_line() { T::zero() } else { self.gate.open() };
-        evidence.weight = T::lit(OVERLAP) * counts;
+        evidence.weight = T::lit(INDEPENDENT) * counts;
         let ratio = speed_m_s / self.last_speed_m_s;
         self.last_speed_m_s = speed_m_s;
         // Where another source follows the tire frames say nothing new: the same road again has the same spectrum again.

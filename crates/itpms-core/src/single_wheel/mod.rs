@@ -40,12 +40,12 @@ use crate::single_wheel::grid_posterior::Posterior;
 pub use crate::single_wheel::outside::OutsideStiffness;
 use crate::single_wheel::road_model::Evidence;
 use crate::single_wheel::tables::{Grid, Tables};
-use crate::spectrum::FrameClock;
 use crate::spectrum::persistence::Persistence;
 use crate::spectrum::reconstruction::{
     RELATIVE_ACCELERATION, RELATIVE_VELOCITY, ROAD_SIGNALS, SIGNALS, WHEEL_JERK, WHEEL_VELOCITY,
 };
 use crate::spectrum::transfer::{Body, DescribingFunction};
+use crate::spectrum::{FrameClock, INDEPENDENT};
 
 /// Spectral bins of a frame: 8.3, 16.7, ... 100 Hz.
 const BINS: usize = 12;
@@ -56,9 +56,6 @@ const FRAMES_AT_ONCE: f64 = 2.0;
 /// A frame of the signals that make up the road velocity.
 type Frame<T> = crate::spectrum::Frame<T, BINS, ROAD_SIGNALS>;
 
-/// Share of a frame's log-likelihood that counts. Frames under a sine window that overlap by half say everything twice;
-/// a little less than half lets the interval cover what the model leaves out.
-const OVERLAP: f64 = 0.45;
 /// Highest frequency used, as a share of the sampling rate.
 const BAND: f64 = 0.25;
 /// Frequency times enveloping length over speed up to which enveloping is a smooth loss.
@@ -238,7 +235,7 @@ impl<T: Real> Informed<T> {
             envelope: [T::zero(); BINS],
             bins,
             noise_density: self.noise_density,
-            weight: T::lit(OVERLAP),
+            weight: T::lit(INDEPENDENT),
         };
         let unit = T::pi() * T::lit(0.1) / speed;
         for bin in 0..BINS {

@@ -6,7 +6,7 @@
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
 use crate::memory::Blank;
-use crate::real::Real;
+use crate::real::{Real, SMALLEST};
 use crate::single_wheel::BINS;
 use crate::single_wheel::dynamics::{ENVELOPE_SD, SLOPE_MEAN, SLOPE_SD};
 use crate::single_wheel::tables::{CELLS, CellTables, Tables};
@@ -24,8 +24,6 @@ const LOWEST: [f64; PARAMETERS] = [-19.0, 1.0, -1.0];
 const HIGHEST: [f64; PARAMETERS] = [20.0, 3.4, 20.0];
 const LARGEST_VARIANCE: [f64; PARAMETERS] = [9.0, 0.25, 16.0];
 const LARGEST_STEP: f64 = 1.0;
-/// Least determinant of a covariance: nearer to zero single precision ends.
-const SMALLEST_DETERMINANT: f64 = 1e-30;
 /// Steepest fall of the velocity power, as an exponent of frequency, that the window's tables are made for.
 const STEEPEST: f64 = -3.0;
 
@@ -238,7 +236,7 @@ pub(crate) struct Fitted<T: Real> {
 impl<T: Real> RoadPrior<T> {
     /// `None` where the covariance has lost its rank.
     pub(crate) fn new(covariance: &Matrix3<T>) -> Option<Self> {
-        let log_determinant = covariance.determinant().at_least(T::lit(SMALLEST_DETERMINANT)).ln_fast();
+        let log_determinant = covariance.determinant().at_least(T::lit(SMALLEST)).ln_fast();
         covariance.try_inverse().map(|information| Self { information, log_determinant })
     }
 
@@ -272,7 +270,7 @@ impl<T: Real> RoadPrior<T> {
 
     /// `ln det(P / P_post)`: what a frame's fit costs for having been free.
     fn occam(&self, fitted: &Matrix3<T>) -> T {
-        self.log_determinant - fitted.determinant().at_least(T::lit(SMALLEST_DETERMINANT)).ln_fast()
+        self.log_determinant - fitted.determinant().at_least(T::lit(SMALLEST)).ln_fast()
     }
 
     /// The belief and the evidence that this wider prior comes to by a frame that is as `other` had expected it, given the other's fit:

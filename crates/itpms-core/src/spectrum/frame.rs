@@ -8,6 +8,11 @@ use nalgebra::{Complex, SMatrix};
 use crate::memory::Blank;
 use crate::real::Real;
 
+/// New in a frame: frames overlap by half.
+pub(crate) const OVERLAP: f64 = 0.5;
+/// Independent frames among some that overlap by half under a sine window, which say everything twice: a little less than half lets
+/// an interval cover what a model leaves out.
+pub(crate) const INDEPENDENT: f64 = 0.45;
 /// Share of a frame below which it is not scaled up any further.
 const HARDLY_SEEN: f64 = 0.01;
 

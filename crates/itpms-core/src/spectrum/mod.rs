@@ -7,7 +7,8 @@ pub(crate) mod persistence;
 pub(crate) mod reconstruction;
 pub(crate) mod transfer;
 
-pub(crate) use self::frame::{Frame, FrameClock};
+pub(crate) use self::frame::{Frame, FrameClock, INDEPENDENT, OVERLAP};
+pub(crate) use self::persistence::{COHERENCE_S, LASTING_S};
 pub(crate) use self::reconstruction::SIGNALS;
 pub use self::reconstruction::{
     LEAK_RAD_S, RELATIVE_ACCELERATION, RELATIVE_VELOCITY, Reconstruction, WHEEL_JERK, WHEEL_VELOCITY,

@@ -13,8 +13,11 @@ use crate::real::Real;
 const NEAR_HOP: usize = 2;
 /// Frames from one to the next that shares no sample with it, and one more.
 const LAG: usize = 3;
-/// Time constant in s of the means: a line whose speed changes turns faster or slower meanwhile.
-const MEAN_S: f64 = 2.0;
+/// Time constant in s of a road's coherence, that of frames with earlier ones and that of both axles: a line whose speed changes turns faster
+/// or slower meanwhile, and bends begin.
+pub(crate) const COHERENCE_S: f64 = 2.0;
+/// Time constant in s in which incoherence becomes lasting, or usual; it ends at once.
+pub(crate) const LASTING_S: f64 = 20.0;
 /// Squared coherence from which on the road is a line. Of 33 independent frames it is exceeded once in 10^10 times; wheels out of balance on
 /// the smoothest road reach 0.4, a washboard at wheel hop has 0.75 while the speed changes.
 const LINE: f64 = 0.5;
@@ -40,7 +43,7 @@ impl<T: Real> Persistence<T> {
     }
 
     pub(crate) fn take(&mut self, road: [Complex<T>; NEAR_HOP]) {
-        let keep = T::lit(1.0 - self.hop_s / MEAN_S);
+        let keep = T::lit(1.0 - self.hop_s / COHERENCE_S);
         (self.product, self.power) = (self.product * keep, self.power * keep);
         let [newest, newer, oldest] = self.before;
         for (now, then) in road.iter().zip(&oldest) {

@@ -8,14 +8,16 @@ mod stiffness_error;
 
 use nalgebra::{Complex, SMatrix, SVector};
 
-use super::coherence::geometric_mean;
+use super::coherence::{MEMORY_S as POWER_S, geometric_mean};
 use super::rigid_body::{MODES, RigidBody};
-use super::strut::{ACCELERATION, BIN_SPACING_HZ, BINS, BODY, FRICTION, StrutFrame, VELOCITY, WHEEL};
+use super::strut::{ACCELERATION, BINS, BODY, ENOUGH_S, FRICTION, HOP_S, StrutFrame, VELOCITY, WHEEL};
+use crate::conditioning::pauses::ENOUGH_S as SETTLING_S;
 use crate::memory::Blank;
-use crate::model::{Corner, CornerConfig};
+use crate::model::{Corner, CornerConfig, UNEXPLAINED_BINS};
 use crate::real::Real;
+use crate::spectrum::OVERLAP;
 use crate::spectrum::front_end::ELEMENTS;
-use crate::spectrum::transfer::{Body, DescribingFunction};
+use crate::spectrum::transfer::{Body, DescribingFunction, FRICTION_SPACING_HZ};
 
 /// Unknown quantities: logarithmic deviations of mass, pitch and roll inertia, of dampers and springs; stiffness of the two anti-roll bars
 /// over the springs'; how freely the body warps, from zero for a rigid one to one; by how much each wheel's sensor is late, in units of
@@ -48,24 +50,13 @@ const LARGEST_STEP: f64 = 0.3;
 const FURTHEST: f64 = 1.0;
 /// Error of the equation as a share of the body's motion: no damper is linear.
 const MODEL_ERROR: f64 = 0.03;
-/// Memory in s of the products, and of the powers.
+/// Memory in s of the products.
 pub(crate) const MEMORY_S: f64 = 60.0;
-const POWER_S: f64 = 20.0;
-/// Seconds in which the fit finds its way, and which nothing is judged by.
-const SETTLING_S: f64 = 2.0;
-/// Share of a frame that is new: frames overlap by half.
-const OVERLAP: f64 = 0.5;
 /// Passes of a fit at most. With the bins and the rest they have to fit into a hop at 100 Hz.
 const PASSES: usize = 6;
 const _: () = assert!(BINS + 1 + PASSES <= 20);
-/// Seconds that a frame adds.
-const SECONDS: f64 = 0.5 / BIN_SPACING_HZ;
 /// Seconds within which frames of two corners are of the same time.
 const SAME_S: f64 = 0.006;
-/// Seconds of frames before friction is reported.
-const ENOUGH_S: f64 = 4.0;
-/// Bins over which misfit is averaged: 5 to 20 Hz.
-const MISFIT_BINS: core::ops::Range<usize> = 1..8;
 
 type Parameters<T> = SVector<T, SIZE>;
 
@@ -223,7 +214,7 @@ impl<T: Real> BodyEquation<T> {
     }
 
     fn begin_learning(&mut self) {
-        let seconds = T::lit(SECONDS);
+        let seconds = T::lit(HOP_S);
         self.learned_s += seconds;
         self.known |= self.learned_s >= T::lit(ENOUGH_S);
         let keep = (-seconds / T::lit(MEMORY_S).min(self.learned_s.max(T::lit(1.0)))).exp();
@@ -276,7 +267,7 @@ impl<T: Real> BodyEquation<T> {
             return None;
         }
         let powers = &self.powers[corner];
-        Some(geometric_mean(MISFIT_BINS.map(|bin| {
+        Some(geometric_mean(UNEXPLAINED_BINS.map(|bin| {
             let left = (powers.residual[bin] - powers.noise[bin]).max(T::zero());
             left / powers.body[bin].max(T::lit(1e-12))
         })))
@@ -295,13 +286,13 @@ impl<T: Real> BodyEquation<T> {
     /// Learns from a bin of the frames.
     #[inline(never)]
     fn accumulate(&mut self, frames: &[Option<&StrutFrame<T>>; 4], bin: usize) {
-        let (bin, seconds) = (bin.min(BINS - 1), T::lit(SECONDS));
+        let (bin, seconds) = (bin.min(BINS - 1), T::lit(HOP_S));
         let (parts, whole) = self.compliance();
         let x = self.parameters;
         let settled_s = (self.learned_s - T::lit(SETTLING_S)).max(seconds);
         let gain = T::one() - (-seconds / T::lit(POWER_S).min(settled_s)).exp();
         let forces = self.forces(frames, bin);
-        let omega = T::two_pi() * T::lit((bin + 1) as f64 * BIN_SPACING_HZ);
+        let omega = T::two_pi() * T::lit((bin + 1) as f64 * FRICTION_SPACING_HZ);
         for row in Corner::ALL.into_iter().filter(|&row| self.body.has(row)) {
             let Some(frame) = frames[row] else { continue };
             let body = frame.spectra.at(bin, BODY);
@@ -376,7 +367,7 @@ impl<T: Real> BodyEquation<T> {
         let at = |corner: Corner, signal: usize| {
             frames[corner].map_or(Complex::new(T::zero(), T::zero()), |frame| frame.spectra.at(bin, signal))
         };
-        let omega = T::two_pi() * T::lit((bin + 1) as f64 * BIN_SPACING_HZ);
+        let omega = T::two_pi() * T::lit((bin + 1) as f64 * FRICTION_SPACING_HZ);
         Corner::ALL.map(|corner| {
             if !self.body.has(corner) {
                 return Force::nothing();

@@ -4,12 +4,12 @@
 use nalgebra::{Complex, SMatrix, SVector};
 
 use crate::memory::Blank;
+use crate::model::COHERENCE_BINS;
 use crate::real::Real;
 use crate::spectrum::transfer::{FRICTION_BINS as BINS, FRICTION_SPACING_HZ};
 
-/// Bins looked at, 5 to 16 Hz: below, pitch and roll move a corner with the others' wheels; above, bushings decide.
-const USED: core::ops::Range<usize> = 1..6;
-const MEMORY_S: f64 = 20.0;
+/// Memory in s of the powers.
+pub(super) const MEMORY_S: f64 = 20.0;
 /// Power over that of the sensors' noise from which on a frame counts.
 const ABOVE_NOISE: f64 = 4.0;
 
@@ -39,8 +39,9 @@ impl<T: Real> Coherence<T> {
     /// Takes the bins of a frame, body and wheel, that is so many seconds newer than the last; `noise`: power of either sensor's noise,
     /// per bin.
     pub(super) fn learn(&mut self, frame: &[[Complex<T>; 2]; BINS], noise: &[T; BINS], seconds: T) {
-        let over_noise = USED.map(|bin| frame[bin][0].norm_sqr()).fold(T::zero(), |sum, power| sum + power)
-            / USED.map(|bin| noise[bin]).fold(T::zero(), |sum, power| sum + power);
+        let over_noise =
+            COHERENCE_BINS.map(|bin| frame[bin][0].norm_sqr()).fold(T::zero(), |sum, power| sum + power)
+                / COHERENCE_BINS.map(|bin| noise[bin]).fold(T::zero(), |sum, power| sum + power);
         if !(over_noise > T::lit(ABOVE_NOISE)) {
             return;
         }
@@ -57,7 +58,7 @@ impl<T: Real> Coherence<T> {
             follow(&mut self.cross[(bin, 0)], cross.re);
             follow(&mut self.cross[(bin, 1)], cross.im);
         }
-        self.incoherence = geometric_mean(USED.map(|bin| {
+        self.incoherence = geometric_mean(COHERENCE_BINS.map(|bin| {
             let (re, im) = (self.cross[(bin, 0)], self.cross[(bin, 1)]);
             let powers = (self.body[bin] * self.wheel[bin]).max(T::lit(1e-15));
             T::one() - (re * re + im * im) / powers

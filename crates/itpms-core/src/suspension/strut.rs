@@ -2,7 +2,7 @@
 
 use super::coherence::Coherence;
 use super::maxwell_slip::MaxwellSlip;
-use crate::conditioning::{GridSample, STANDING_M_S};
+use crate::conditioning::{GridSample, STANDING_M_S, THINNED_HZ};
 use crate::memory::{Blank, Placed};
 use crate::real::Real;
 use crate::spectrum::front_end::{ELEMENTS, FrontEnd, Signals};
@@ -14,15 +14,12 @@ use crate::spectrum::{Frame, FrameClock};
 
 /// Bins of a frame: 2.5, 5, ... 25 Hz; nominal time between frames in s.
 pub(super) const BINS: usize = FRICTION_BINS;
-pub(super) const BIN_SPACING_HZ: f64 = FRICTION_SPACING_HZ;
-const HOP_S: f64 = 0.5 / BIN_SPACING_HZ;
-/// Rate in Hz to which signals are thinned at least.
-const LEAST_RATE_HZ: f64 = 100.0;
+pub(super) const HOP_S: f64 = 0.5 / FRICTION_SPACING_HZ;
 /// Hops until the filters have forgotten that they began at rest.
 const SETTLING_HOPS: u32 = 2;
 
-/// Seconds of frames before the coherence is reported.
-const ENOUGH_S: f64 = 4.0;
+/// Seconds of frames before coherence and friction are reported: ten independent ones.
+pub(super) const ENOUGH_S: f64 = 4.0;
 
 /// Signals of a frame: jerk of the body, relative acceleration and velocity, rates of the elements' forces, jerk of the wheel.
 pub(super) const BODY: usize = 0;
@@ -72,7 +69,7 @@ impl<T: Real> Strut<T> {
     /// forgotten.
     #[inline(never)]
     pub(crate) fn configure(&mut self, grid_period_s: f64, masses_kg: [T; 2], noise_density: T) {
-        let every = ((1.0 / grid_period_s / LEAST_RATE_HZ + 1e-9) as u32).max(1);
+        let every = ((1.0 / grid_period_s / THINNED_HZ + 1e-9) as u32).max(1);
         self.slip_force_n = [T::zero(); ELEMENTS];
         self.slip = MaxwellSlip::new();
         self.front_end = FrontEnd::new(grid_period_s);
@@ -151,7 +148,7 @@ impl<T: Real> Strut<T> {
             } else {
                 let both = core::array::from_fn(|bin| [BODY, WHEEL].map(|signal| spectra.at(bin, signal)));
                 let noise = core::array::from_fn(|bin| {
-                    let omega = T::two_pi() * T::lit((bin + 1) as f64 * BIN_SPACING_HZ);
+                    let omega = T::two_pi() * T::lit((bin + 1) as f64 * FRICTION_SPACING_HZ);
                     omega * omega * self.noise_density
                 });
                 self.coherence.learn(&both, &noise, T::lit(HOP_S));

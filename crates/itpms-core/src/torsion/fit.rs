@@ -5,6 +5,7 @@ use nalgebra::{Matrix4, SVector, Vector4};
 
 use super::HOP_S;
 use crate::real::Real;
+use crate::spectrum::INDEPENDENT;
 
 /// Bins of a frame, from one distance of bins on: up to 74 Hz.
 pub(super) const BINS: usize = 38;
@@ -16,8 +17,6 @@ const MOST_OF_TEETH: f64 = 0.36;
 const LOWEST_HZ: f64 = 32.0;
 const GRID_HZ: f64 = 0.5;
 const GRID: usize = 69;
-/// Independent frames among some that overlap by half under a sine window.
-const INDEPENDENT: f64 = 0.45;
 /// Frequency about which a spectrum's slope is meant.
 const MIDDLE_HZ: f64 = 45.0;
 /// Steps of Gauss and Newton at the grid's first frequency, and at the others from their neighbor on.

@@ -45,7 +45,7 @@ use self::speed::Speed;
 use self::teeth::{Edge, Teeth};
 use crate::conditioning::pauses::LONG_STOP_S;
 use crate::memory::Blank;
-use crate::model::ParameterError;
+use crate::model::{OUTLIER_SD, ParameterError};
 use crate::real::Real;
 use crate::spectrum::FrameClock;
 
@@ -70,8 +70,6 @@ const STANDING_SD_KPA: f64 = 34.0;
 const MODEL_SD_HZ: f64 = 0.6;
 /// How well the Hz per kPa are known, as a share of them and so of every change: of a tire nothing is known of.
 const SCALE_SD: f64 = 0.2;
-/// Innovation in standard deviations beyond which a piece is an outlier, or the first one of another pressure: the next one tells.
-pub(crate) const OUTLIER: f64 = 4.0;
 
 /// What a piece of driving has shown.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
@@ -341,7 +339,7 @@ impl<T: Real> TorsionWheel<T> {
                 let residual = change_kpa - self.change_kpa;
                 let noise = (variance + expected_variance) * per_hz * per_hz;
                 let all = noise + self.variance_kpa2;
-                if residual * residual < T::lit(OUTLIER * OUTLIER) * all {
+                if residual * residual < T::lit(OUTLIER_SD * OUTLIER_SD) * all {
                     let gain = self.variance_kpa2 / all;
                     self.change_kpa += gain * residual;
                     self.variance_kpa2 -= gain * self.variance_kpa2;

@@ -137,30 +137,22 @@ impl<T: Real> fmt::Display for LeakOverDays<T> {
     }
 }
 
-/// What a pressure was held against.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Blank)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Basis {
-    /// Against its level as the vehicle file has it.
-    #[blank]
-    VehicleFile,
-    /// Against what a calibration has set.
-    Calibration,
-    /// Against the other tires: its level is not known that well, but it is surely lower than they are.
-    OtherTires,
+crate::labelled! {
+    /// What a pressure was held against.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Blank)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    pub enum Basis {
+        /// Against its level as the vehicle file has it.
+        #[blank]
+        VehicleFile = "file",
+        /// Against what a calibration has set.
+        Calibration = "calibration",
+        /// Against the other tires: its level is not known that well, but it is surely lower than they are.
+        OtherTires = "other-tires",
+    }
 }
 
 impl Basis {
-    /// The word in files: `calibration`, `file` or `other-tires`.
-    #[must_use]
-    pub fn label(self) -> &'static str {
-        match self {
-            Basis::Calibration => "calibration",
-            Basis::VehicleFile => "file",
-            Basis::OtherTires => "other-tires",
-        }
-    }
-
     /// The same for a person.
     #[must_use]
     pub fn words(self) -> &'static str {

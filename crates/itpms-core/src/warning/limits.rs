@@ -5,30 +5,20 @@ use crate::memory::Blank;
 use crate::model::{ParameterError, positive};
 use crate::real::Real;
 
-/// A rule that names a loss of pressure.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Regulation {
-    /// UN R141 (5.3): 20 % below the warm reference.
-    #[default]
-    UnR141,
-    /// FMVSS 138 (S4.2): 25 % below the placard.
-    Fmvss138,
+crate::labelled! {
+    /// A rule that names a loss of pressure.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    pub enum Regulation {
+        /// UN R141 (5.3): 20 % below the warm reference.
+        #[default]
+        UnR141 = "un-r141",
+        /// FMVSS 138 (S4.2): 25 % below the placard.
+        Fmvss138 = "fmvss-138",
+    }
 }
 
 impl Regulation {
-    /// All of them, the default first.
-    pub const ALL: [Self; 2] = [Self::UnR141, Self::Fmvss138];
-
-    /// The name on the command line.
-    #[must_use]
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::UnR141 => "un-r141",
-            Self::Fmvss138 => "fmvss-138",
-        }
-    }
-
     /// The name in print.
     #[must_use]
     pub fn name(self) -> &'static str {
@@ -36,12 +26,6 @@ impl Regulation {
             Self::UnR141 => "UN R141",
             Self::Fmvss138 => "FMVSS 138",
         }
-    }
-
-    /// The rule of that label.
-    #[must_use]
-    pub fn from_label(label: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|rule| rule.label() == label)
     }
 }
 

@@ -1,22 +1,19 @@
 //! One wheel's pressure against its limits, and how long ago something was learned of it.
 
-use crate::decision::{HARDLY_LOW, SURELY_LOW, SURELY_NOT_LOW};
-use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
+use crate::conditioning::pauses::ENOUGH_S;
+use crate::decision::{BEYOND_DOUBT, HARDLY_LOW, SURELY_LOW, SURELY_NOT_LOW};
+use crate::diagnosis::debounce::{AT_ONCE, DebounceTimes, Debouncer, Evidence};
 use crate::memory::Blank;
-use crate::model::{CornerEstimate, Level, ONE_SIDED_95, Validity};
+use crate::model::{CornerEstimate, Level, ONE_SIDED_95, OUTLIER_SD, Validity};
 use crate::real::Real;
 use crate::warning::report::{Doubt, WheelState};
 use crate::warning::{Basis, Limits, Reading};
 
-/// From this probability on a second counts twice.
-const VERY_SURELY_LOW: f64 = 0.999;
 /// Seconds in which something was learned, for and against.
 const LOW: DebounceTimes = DebounceTimes { set_s: 2.0, clear_s: 10.0 };
 const OVER: DebounceTimes = DebounceTimes { set_s: 60.0, clear_s: 10.0 };
 /// By how much less a second counts of a tire that nothing is held against as the other one of its side is silent.
 const TOGETHER: f64 = 75.0;
-/// Reported of a wheel of which nothing is known although the car drives.
-const UNINFORMED: DebounceTimes = DebounceTimes { set_s: 0.0, clear_s: 1.0 };
 /// Information gate above which something is being learned.
 const LEARNING: f64 = 0.1;
 /// Speed in m/s above which a car should learn something: 20 km/h.
@@ -28,12 +25,6 @@ const FITTED_S: f64 = 20.0;
 const MOST_FITTED_S: f64 = 2.0 * FITTED_S;
 /// Evidence for a low tire that began so many seconds before that of a sensor's fault on its side, or since, is the fault's.
 const BESIDE_A_FAULT_S: f64 = 30.0;
-/// Seconds of learning after which a state that was forgotten, as after a night, is known anew.
-const ANEW_S: f64 = 2.0;
-
-/// A pressure whose level rests on the vehicle file alone may be a healthy tire's unless it is below its reference by so many sds: then it is the
-/// others that say it.
-const NOT_HEALTHY: f64 = 4.0;
 
 /// What else is known when a wheel is looked at.
 #[derive(Debug, Clone, Copy)]
@@ -100,7 +91,7 @@ impl WheelWatch {
             (self.driven_s, self.stood_s) = (0.0, 0.0);
             self.fitted_s = (self.fitted_s + step_s).min(MOST_FITTED_S);
             self.anew_s = if forgotten { self.anew_s + step_s } else { 0.0 };
-            if !forgotten || self.anew_s >= ANEW_S {
+            if !forgotten || self.anew_s >= ENOUGH_S {
                 self.informed_s = time_s;
             }
         } else if around.speed_m_s > T::lit(SHOULD_LEARN_M_S) {
@@ -112,7 +103,7 @@ impl WheelWatch {
         self.known_until_s = self.informed_s + shown_s;
         let silent = self.driven_s >= limits.no_information_s;
         let uninformed = if silent { Evidence::Prefailed } else { Evidence::Prepassed };
-        self.uninformed.update(time_s, step_s, uninformed, UNINFORMED);
+        self.uninformed.update(time_s, step_s, uninformed, AT_ONCE);
         // What was seen of a corner that has never fitted for long, or no longer does, was no tire.
         if estimate.validity == Validity::Misfit {
             if around.speed_m_s > T::lit(SHOULD_LEARN_M_S) {
@@ -138,7 +129,7 @@ impl WheelWatch {
         let low = probable(around.low, around.doubted);
         let weight = match low {
             Evidence::Prefailed if around.other_is_silent => 1.0 / TOGETHER,
-            Evidence::Prefailed if around.low > T::lit(VERY_SURELY_LOW) => 2.0,
+            Evidence::Prefailed if around.low > T::lit(1.0 - BEYOND_DOUBT) => 2.0,
             _ => 1.0,
         };
         self.low.update(time_s, weight * step_s, low, LOW);
@@ -216,7 +207,7 @@ pub(crate) fn reading<T: Real>(
     let limit_kpa = limit_share * reference_kpa;
     // Where its own level does not say so, it was the others that did.
     let far = (estimate.pressure_kpa - limit_kpa).abs() > T::lit(ONE_SIDED_95) * estimate.pressure_sd_kpa;
-    let reaches_kpa = estimate.pressure_kpa + T::lit(NOT_HEALTHY) * estimate.pressure_sd_kpa;
+    let reaches_kpa = estimate.pressure_kpa + T::lit(OUTLIER_SD) * estimate.pressure_sd_kpa;
     let by_file = estimate.level == Level::VehicleFile;
     let far = far && !(by_file && estimate.pressure_kpa < limit_kpa && !(reaches_kpa < reference_kpa));
     Reading {

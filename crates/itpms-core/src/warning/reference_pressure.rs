@@ -6,7 +6,8 @@
 //! has to guess, it takes the tire to be cold, because a reference that is too low warns later and never wrongly.
 //! Derivation and limits: docs/math/monitor.md, section 1; docs/math/cold-pressure.md, section 4; docs/reset.md.
 
-use crate::cold_pressure::{ColdTires, LONGEST_STEP_S};
+use crate::cold_pressure::ColdTires;
+use crate::conditioning::pauses::PAUSE_S;
 use crate::memory::Blank;
 use crate::model::{CarEstimate, ParameterError, positive};
 use crate::real::Real;
@@ -105,7 +106,7 @@ impl<T: Real> ReferencePressure<T> {
         }
         if time_s < self.ends_s {
             if time_s >= self.takes_from_s && step_s > 0.0 {
-                self.take(estimate, step_s.min(LONGEST_STEP_S), configured_kpa, span, tires);
+                self.take(estimate, step_s.min(PAUSE_S), configured_kpa, span, tires);
             }
             return configured_kpa;
         }
@@ -120,7 +121,7 @@ impl<T: Real> ReferencePressure<T> {
 
     /// The tires warm up or cool down for a while. To first order in the step, which errs towards cold in a long one.
     fn update_warmth(&mut self, step_s: f64, speed_m_s: T) {
-        let driven = speed_m_s > T::zero() && step_s <= LONGEST_STEP_S;
+        let driven = speed_m_s > T::zero() && step_s <= PAUSE_S;
         let goal = if driven { (speed_m_s / T::lit(WARM_M_S)).min(T::one()) } else { T::zero() };
         let in_s = if goal > self.warmth { WARMS_IN_S } else { COOLS_IN_S };
         self.warmth += T::lit((step_s / in_s).min(1.0)) * (goal - self.warmth);

@@ -50,22 +50,24 @@ pub enum WheelState {
     Malfunction,
 }
 
-/// Why a wheel's state is unknown.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Doubt {
-    /// Not enough has been seen since the start, or since a malfunction ended.
-    Starting,
-    /// Nothing to learn from: standing still, too smooth, hidden in noise, or learned too long ago.
-    NoInformation,
-    /// There is a pressure, but it could be low as well as not.
-    Uncertain,
-    /// A sensor looks wrong; not for long enough to say so.
-    Suspicion,
-    /// The car does not move as its vehicle file says.
-    Misfit,
-    /// The car stands: what the tires had when it stopped is known, not what they have now.
-    Standing,
+crate::labelled! {
+    /// Why a wheel's state is unknown.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    pub enum Doubt {
+        /// Not enough has been seen since the start, or since a malfunction ended.
+        Starting = "starting",
+        /// Nothing to learn from: standing still, too smooth, hidden in noise, or learned too long ago.
+        NoInformation = "no-information",
+        /// There is a pressure, but it could be low as well as not.
+        Uncertain = "uncertain",
+        /// A sensor looks wrong; not for long enough to say so.
+        Suspicion = "suspicion",
+        /// The car does not move as its vehicle file says.
+        Misfit = "misfit",
+        /// The car stands: what the tires had when it stopped is known, not what they have now.
+        Standing = "standing",
+    }
 }
 
 impl WheelState {

@@ -2,11 +2,11 @@
 
 use super::config::{DrivenAxle, WheelSpeedConfig};
 use super::state::{AXLE, FRONT, REAR, SCALE};
+pub(super) use crate::diagnosis::BLOCK_S;
 use crate::memory::Blank;
 use crate::model::WheelSpeedSample;
 use crate::real::Real;
 
-pub(super) const BLOCK_S: f64 = 0.5;
 /// Samples below which a block says nothing.
 const LEAST_SAMPLES: u32 = 5;
 /// Speed below which the wheel speeds are too coarse, in m/s.
@@ -17,8 +17,8 @@ const MOST_LATERAL_M_S2: f64 = 1.5;
 const BRAKING_M_S2: f64 = -0.25;
 /// The same from the speed alone, which does not know the grade, in m/s².
 const SLOWING_M_S2: f64 = -0.4;
-/// Force above which slip is not proportional to it any more, in m/s².
-const MOST_FORCE_M_S2: f64 = 2.5;
+/// Force, forward or sideways, above which slip is not proportional to it any more, in m/s².
+pub(super) const MOST_FORCE_M_S2: f64 = 2.5;
 /// Acceleration above which a coupled driven axle hides its tires, in m/s².
 const COUPLED_M_S2: f64 = 0.3;
 /// Force above which a car with two coupled axles does not coast, in m/s².

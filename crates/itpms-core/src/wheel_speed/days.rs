@@ -17,9 +17,8 @@ pub(super) const DAY_S: f64 = 86_400.0;
 /// Drives less than so many days apart are of one day, with one load: the best known counts.
 const SAME_DAY: f64 = 0.6;
 const LEAST_DAYS: u32 = 4;
-/// Rate of a leak in thousandths of the radius a day, and its sd.
-const RATE_MEAN: f64 = -0.15;
-const RATE_SD: f64 = 0.15;
+/// Mean, taken off, and as large an sd, of a leak's rate in thousandths of the radius a day.
+const RATE: f64 = 0.15;
 /// By how much more or less than another a tire wears, or lets air through its rubber; and what no leak of one tire explains.
 const WEAR_SD: f64 = 0.003;
 const UNEXPLAINED_SD: f64 = 0.3;
@@ -213,13 +212,13 @@ impl<T: Real> Leak<T> {
     /// `inner`: information of the rates `found`, wear included.
     fn of(inner: &Triangle<T>, found: &[T; 3], seen: &[T; 3]) -> Self {
         let weighted = times(inner, seen);
-        let before = T::lit(1.0 / (RATE_SD * RATE_SD));
+        let before = T::lit(1.0 / (RATE * RATE));
         let variance = T::one() / (before + dot(seen, &weighted));
-        let mean = variance * (before * T::lit(RATE_MEAN) + dot(found, &weighted));
+        let mean = variance * (before * T::lit(-RATE) + dot(found, &weighted));
         let sd = variance.sqrt();
         // A leak takes air away: only the part of prior and posterior below zero counts.
         let loses = normal_distribution(-mean / sd).at_least(T::lit(1e-30)) * T::lit(1.0 / LOSES);
-        let square = mean * mean / variance - T::lit(RATE_MEAN * RATE_MEAN) * before;
+        let square = mean * mean / variance - T::lit(RATE * RATE) * before;
         let log =
             T::lit(0.5) * (square + (variance * before).ln_fast()) + (loses * T::lit(ONE_LOSES)).ln_fast();
         Self { log, rate: (mean, sd) }

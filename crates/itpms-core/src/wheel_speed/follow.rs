@@ -1,38 +1,35 @@
 //! Whether the wheels of each axle follow the car's bends and accelerations as wheels do (docs/math/wheel-speed.md, eq. 7d): a speed that comes
 //! late, or one wheel's under another's name, does not, and would be a loss whenever the car speeds up or turns.
 
-use super::block::{BLOCK_S, Block, LEAST_SPEED_M_S};
+use super::block::{BLOCK_S, Block, LEAST_SPEED_M_S, MOST_FORCE_M_S2};
 use super::config::{DrivenAxle, WheelSpeedConfig};
 use super::state::{AXLE, FRONT, REAR, SCALE};
 use crate::diagnosis::{Malfunction, Place, Sensor};
 use crate::memory::Blank;
-use crate::model::{Corner, Wheels};
+use crate::model::{Corner, SURELY_SD, Wheels};
 use crate::real::Real;
 
-/// Time in s after which a ratio counts as usual, and after which what was seen is forgotten.
-const USUAL_S: f64 = 10.0;
+/// Time in s after which a ratio, or a yaw rate, counts as usual: bends are shorter. And after which what was seen is forgotten.
+pub(super) const USUAL_S: f64 = 10.0;
 const MEMORY_S: f64 = 30.0;
 /// What has to be seen: of the accelerations over the speed, as a sum of squares in 1/s²; of the ratios that bends make, in 1e-6.
 const SPEEDING_SEEN: f64 = 0.003;
 const BENDS_SEEN: f64 = 1000.0;
-const FIRST_BENDS: f64 = 100.0;
-/// Lateral acceleration in m/s², and a ratio in thousandths, up to which a block counts.
-const MOST_LATERAL_M_S2: f64 = 2.5;
+pub(super) const FIRST_BENDS: f64 = 100.0;
+/// Ratio in thousandths up to which a block counts.
 const MOST_RATIO: f64 = 150.0;
 /// Delay in s from which on a speed comes late, and a loss may be one. The wheels of a driven axle slip unequally in proportion to the
 /// acceleration, by this share of the slip at most.
 const LATE_S: f64 = 0.06;
 const UNEQUAL_SLIP: f64 = 0.5;
 const DOUBTED_S: f64 = 0.03;
-/// By how many sds a delay is beyond that surely; how long what a place of the road does to a ratio lasts, in s.
-const SURELY: f64 = 3.0;
+/// How long what a place of the road does to a ratio lasts, in s.
 const PLACE_S: f64 = 2.0;
-/// The same where front and rear show it against each other, as slip does where a front and a rear wheel are exchanged.
-const EXCHANGED_S: f64 = 0.03;
+/// Delay in s from which on a front and a rear wheel may be exchanged, whose slip front and rear show against each other; from [`DOUBTED_S`] on they
+/// are.
 const MAYBE_EXCHANGED_S: f64 = 0.012;
-/// Share of a bend that wheels follow which are exchanged left for right, at most; of which front over rear follows where two are exchanged
+/// Share of a bend that wheels follow the other way round, at least, which are exchanged left for right, and front over rear where two are exchanged
 /// across; and below which it is doubtful.
-const TURNED_ROUND: f64 = -0.5;
 const ACROSS: f64 = 0.5;
 const MAYBE_TURNED: f64 = -0.2;
 
@@ -86,7 +83,7 @@ impl<T: Real> Following<T> {
         let v = block.speed_m_s;
         let ratio = block.ratio;
         let sane = ratio.iter().all(|ratio| ratio.abs() < T::lit(MOST_RATIO));
-        if !(v > T::lit(LEAST_SPEED_M_S) && block.lateral_m_s2 < T::lit(MOST_LATERAL_M_S2) && sane) {
+        if !(v > T::lit(LEAST_SPEED_M_S) && block.lateral_m_s2 < T::lit(MOST_FORCE_M_S2) && sane) {
             return;
         }
         self.yaw_known = believed && block.yaw_rate_rad_s.is_some();
@@ -188,7 +185,7 @@ impl<T: Real> Following<T> {
         let seen = |i: usize| self.bends[i] > T::lit(BENDS_SEEN);
         let [fl, fr, rl, rr] = Corner::ALL;
         for (i, other, axle) in [(FRONT, REAR, [fl, fr]), (REAR, FRONT, [rl, rr])] {
-            let alone = !self.follows(i, i, TURNED_ROUND) && self.follows(other, other, -TURNED_ROUND);
+            let alone = !self.follows(i, i, -ACROSS) && self.follows(other, other, ACROSS);
             if seen(i) && seen(other) && alone {
                 return Some(Astray::Exchanged(axle));
             }
@@ -206,7 +203,7 @@ impl<T: Real> Following<T> {
         let slips = |axle: usize, least_s: T| driven.axles()[axle] && !(ahead_s[axle] < least_s);
         let half = T::lit(0.5) * dry_slip_s;
         let pushed = driven != DrivenAxle::Both && (slips(FRONT, half) || slips(REAR, half));
-        if !slippery && !pushed && exchanged(delays, EXCHANGED_S) {
+        if !slippery && !pushed && exchanged(delays, DOUBTED_S) {
             return Some(Astray::Axles);
         }
         let [front, rear] = delays.map(|delay| delay.abs());
@@ -217,7 +214,7 @@ impl<T: Real> Following<T> {
         let is_driven = driven.axles()[axle];
         let slips = slips(axle, dry_slip_s - T::lit(0.25) * delay.abs());
         let by_slip_s = if is_driven { T::lit(UNEQUAL_SLIP) * slip_s } else { T::zero() };
-        let doubt_s = T::lit(SURELY) * self.delay_sd_s(axle);
+        let doubt_s = T::lit(SURELY_SD) * self.delay_sd_s(axle);
         let late = alone && delay.abs() > T::lit(LATE_S) + by_slip_s + doubt_s && !slips && !slippery;
         let corner = *Corner::ALL.get(2 * axle + usize::from(!(delay > T::zero())))?;
         late.then_some(Astray::Late(corner))

@@ -4,12 +4,11 @@
 
 use super::block::{BLOCK_S, Block, LEAST_SPEED_M_S};
 use super::config::{DrivenAxle, WheelSpeedConfig};
+use super::follow::{FIRST_BENDS, USUAL_S};
 use super::state::{FRONT, REAR, SCALE};
 use crate::memory::Blank;
 use crate::real::Real;
 
-/// Time in s after which a yaw rate counts as usual: bends are shorter.
-const USUAL_S: f64 = 10.0;
 /// Time in s after which what was seen is forgotten.
 const MEMORY_S: f64 = 120.0;
 /// Share of a yaw rate that a sensor may leave by its own; radius that the load of a bend takes from the outer tires, per m/s², which
@@ -28,8 +27,7 @@ const PASSING: f64 = 1.0;
 /// Radius of a bend in m from which on a preload may keep the wheels of an axle alike, and time in s after which it is forgotten whether it does.
 const WIDE_M: f64 = 300.0;
 const COUPLING_MEMORY_S: f64 = 600.0;
-/// What has to be seen of bends, as a square of ratios in 1e-6, and which share of it the wheels of an axle follow that are free, or coupled.
-const BENDS_SEEN: f64 = 100.0;
+/// Share of bends that the wheels of an axle follow that are free, or coupled.
 const FREE: f64 = 0.85;
 const COUPLED: f64 = 0.75;
 
@@ -163,7 +161,7 @@ impl<T: Real> YawWitness<T> {
             *usual_expected += T::lit(BLOCK_S / USUAL_S) * expected;
             self.followed[i] = kept * self.followed[i] + ratio * expected;
             self.bends[i] = kept * self.bends[i] + expected * expected;
-            if self.bends[i] > T::lit(BENDS_SEEN) {
+            if self.bends[i] > T::lit(FIRST_BENDS) {
                 self.free[i] = self.followed[i] > T::lit(FREE) * self.bends[i];
                 self.coupled[i] = self.followed[i] < T::lit(COUPLED) * self.bends[i];
             }

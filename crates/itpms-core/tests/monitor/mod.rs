@@ -1,5 +1,4 @@
 //! The monitor through its public face: what it concludes from estimates made up for it.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 mod reported;
 mod reset;

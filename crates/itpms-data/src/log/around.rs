@@ -1,24 +1,14 @@
-//! What a car says of its surroundings: the air around it, and where it is.
+//! Measurements of the car's surroundings: the air around it, and its position.
 
-/// What a car says of the air around it; for cold pressures.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum AirField {
-    Temperature,
-    /// Absolute pressure in kPa.
-    Pressure,
-    /// Height above the sea in m, in the place of the pressure.
-    Altitude,
-}
-
-impl AirField {
-    pub(super) const ALL: [AirField; 3] = [AirField::Temperature, AirField::Pressure, AirField::Altitude];
-
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            AirField::Temperature => "ambient_temperature_c",
-            AirField::Pressure => "barometric_kpa",
-            AirField::Altitude => "altitude_m",
-        }
+itpms_core::labelled! {
+    /// Measurements of the air around the car; for cold pressures.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+    pub enum AirField {
+        Temperature = "ambient_temperature_c",
+        /// Absolute pressure in kPa.
+        Pressure = "barometric_kpa",
+        /// Height above the sea in m, in the place of the pressure.
+        Altitude = "altitude_m",
     }
 }
 
@@ -47,41 +37,23 @@ impl AirColumns {
     }
 }
 
-/// Where the car is, in degrees; for the road's place.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum PositionField {
-    /// North positive.
-    Latitude,
-    /// East positive.
-    Longitude,
-}
-
-impl PositionField {
-    pub(super) const ALL: [PositionField; 2] = [PositionField::Latitude, PositionField::Longitude];
-
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            PositionField::Latitude => "latitude_deg",
-            PositionField::Longitude => "longitude_deg",
-        }
+itpms_core::labelled! {
+    /// Where the car is, in degrees; for the road's place.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+    pub enum PositionField {
+        /// North positive.
+        Latitude = "latitude_deg",
+        /// East positive.
+        Longitude = "longitude_deg",
     }
 }
 
-/// What the car's own axle load sensors say, with the unsprung masses.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum AxleField {
-    Front,
-    Rear,
-}
-
-impl AxleField {
-    pub(crate) const ALL: [AxleField; 2] = [AxleField::Front, AxleField::Rear];
-
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            AxleField::Front => "front_axle_kg",
-            AxleField::Rear => "rear_axle_kg",
-        }
+itpms_core::labelled! {
+    /// Loads of the car's own axle sensors, unsprung masses included.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+    pub enum AxleField {
+        Front = "front_axle_kg",
+        Rear = "rear_axle_kg",
     }
 }
 

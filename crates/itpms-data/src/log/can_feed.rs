@@ -20,7 +20,7 @@ pub(super) struct CanFeed {
 /// What the frames of a log mean: of several signals for one column, that which has samples.
 /// Errors: the log cannot be read, or the map does not fit the description.
 pub fn frame_decoder(path: &Path, dbc: Dbc, map: Option<&SignalMap>) -> Result<Decoder, DataError> {
-    // What comes through a pipe comes once.
+    // A pipe can be read only once.
     if path.is_file() { decoder(&Frames::open(path)?, path, dbc, map) } else { Decoder::new(dbc, map) }
 }
 

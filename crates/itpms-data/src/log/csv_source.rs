@@ -15,7 +15,7 @@ use super::{clock_text, mapped};
 use crate::error::{DataError, Place, Problem};
 use crate::signals::SignalMap;
 
-/// What is reported of a CAN log under the name of a table.
+/// Message for a CAN log with the extension of a table.
 const CANDUMP: &str = "it holds frames of a CAN bus as candump writes them, expected a table: rename it to end in .log and give the frames' \
                        description, --dbc";
 
@@ -241,7 +241,7 @@ fn is_candump(names: &[String]) -> bool {
     stamp.parse::<f64>().is_ok() && frame.contains('#')
 }
 
-/// What a cell that is no number may have been meant as.
+/// Hint for a cell that is no number.
 fn hint(slot: Slot, cell: &[u8]) -> &'static str {
     let separators = cell.iter().filter(|byte| matches!(byte, b'.' | b',' | b'\'')).count();
     match slot {

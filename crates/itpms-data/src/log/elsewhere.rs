@@ -66,7 +66,7 @@ const LOGS: [WayOut; 17] = [
 #[cfg(feature = "can")]
 const CANTOOLS: &str = "python3 -c \"import cantools; cantools.database.dump_file(cantools.database.load_file('{in}', strict=False), '{out}.dbc')\"";
 
-/// What a file of this extension is, and what to do, as what follows "drive.zip: ".
+/// Kind of a file with this extension, and the remedy, as the text after "drive.zip: ".
 pub(crate) fn of_log(path: &Path, extension: &str) -> Option<String> {
     // `drive.gz` could be anything.
     let is_named = || Path::new(path.file_stem().unwrap_or_default()).extension().is_some();

@@ -112,7 +112,7 @@ impl LogFormat {
         Ok(format)
     }
 
-    /// What is wrong with a file of no bytes.
+    /// The problem of an empty file.
     pub(crate) fn without_bytes(self) -> Problem {
         match self {
             LogFormat::Table(Format::Csv) => Problem::Empty,

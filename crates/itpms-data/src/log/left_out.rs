@@ -1,4 +1,4 @@
-//! What lies in a folder of part files beside these. Called by the reader, which reads the parts alone.
+//! Other files in a folder of part files. Called by the reader, which reads the parts alone.
 
 use std::fs;
 use std::path::Path;

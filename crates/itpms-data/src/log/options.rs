@@ -1,4 +1,4 @@
-//! What a reader of drive logs is given besides the file's name.
+//! Options of a reader of drive logs besides the file's name.
 
 use std::path::PathBuf;
 

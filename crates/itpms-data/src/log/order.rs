@@ -150,7 +150,7 @@ impl TimeOrder {
         self.sorted.moved
     }
 
-    /// What was found of a clock coarser than the rows.
+    /// Finding on a clock coarser than the rows.
     pub(super) fn coarse(&self) -> Coarse {
         self.series.coarse()
     }
@@ -208,7 +208,7 @@ impl TimeOrder {
     }
 }
 
-/// What one row pushed out of the way.
+/// Rows displaced by one row.
 #[derive(Default)]
 struct LeftOut {
     strays: u64,

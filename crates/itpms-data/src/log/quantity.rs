@@ -1,4 +1,4 @@
-//! What a column of a drive log measures, and in which unit.
+//! Physical quantity and unit of a drive log's column.
 
 use super::around::AirField;
 use super::slot::{Field, Motion, Slot};
@@ -40,51 +40,32 @@ impl Quantity {
         }
     }
 
+    /// Its unit; itself with its article, and spellings of units that a person may want to use, for messages.
+    fn texts(self) -> [&'static str; 3] {
+        match self {
+            Quantity::Acceleration => ["m/s^2", "an acceleration", "m/s^2, g, mg, cm/s^2, mm/s^2 or ft/s^2"],
+            Quantity::Speed => ["m/s", "a speed", "m/s, km/h, mph, kn, cm/s, mm/s or ft/s"],
+            Quantity::Pressure => ["kPa", "a pressure", "kPa, Pa, hPa, mbar, bar, MPa or psi"],
+            Quantity::Length => ["m", "a length", "m, mm, cm, um, in or ft"],
+            Quantity::Time => ["s", "a time", "s, ms, us, ns, min or d (days)"],
+            Quantity::Rotation => ["rad/s", "a speed of rotation", "rad/s, deg/s or rpm"],
+            Quantity::Temperature => ["degC", "a temperature", "degC, K or degF"],
+            Quantity::Angle => ["deg", "an angle", "deg or rad"],
+            Quantity::Mass => ["kg", "a mass", "kg, t or lb"],
+            Quantity::Switch => ["1", "0 or 1", "1"],
+        }
+    }
+
     pub(crate) fn unit(self) -> &'static str {
-        match self {
-            Quantity::Acceleration => "m/s^2",
-            Quantity::Speed => "m/s",
-            Quantity::Pressure => "kPa",
-            Quantity::Length => "m",
-            Quantity::Time => "s",
-            Quantity::Rotation => "rad/s",
-            Quantity::Temperature => "degC",
-            Quantity::Angle => "deg",
-            Quantity::Mass => "kg",
-            Quantity::Switch => "1",
-        }
+        self.texts()[0]
     }
 
-    /// With its article, for a message.
     pub(crate) fn words(self) -> &'static str {
-        match self {
-            Quantity::Acceleration => "an acceleration",
-            Quantity::Speed => "a speed",
-            Quantity::Pressure => "a pressure",
-            Quantity::Length => "a length",
-            Quantity::Time => "a time",
-            Quantity::Rotation => "a speed of rotation",
-            Quantity::Temperature => "a temperature",
-            Quantity::Angle => "an angle",
-            Quantity::Mass => "a mass",
-            Quantity::Switch => "0 or 1",
-        }
+        self.texts()[1]
     }
 
-    /// Spellings a person may want to use, for a message.
     pub(crate) fn known_units(self) -> &'static str {
-        match self {
-            Quantity::Acceleration => "m/s^2, g, mg, cm/s^2, mm/s^2 or ft/s^2",
-            Quantity::Speed => "m/s, km/h, mph, kn, cm/s, mm/s or ft/s",
-            Quantity::Pressure => "kPa, Pa, hPa, mbar, bar, MPa or psi",
-            Quantity::Length => "m, mm, cm, um, in or ft",
-            Quantity::Time => "s, ms, us, ns, min or d (days)",
-            Quantity::Rotation => "rad/s, deg/s or rpm",
-            Quantity::Temperature => "degC, K or degF",
-            Quantity::Angle => "deg or rad",
-            Quantity::Mass => "kg, t or lb",
-            Quantity::Switch => "1",
-        }
+        self.texts()[2]
     }
 }
 

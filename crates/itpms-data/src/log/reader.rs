@@ -280,7 +280,7 @@ impl LogReader {
         let place = match self.source.next_row(&mut raw) {
             Ok(Some(place)) => place,
             Ok(None) => return self.close(),
-            // What was read before it comes out before it.
+            // Rows read earlier are returned earlier.
             Err(problem) if self.report.rows_read >= SURVEY_ROWS as u64 => {
                 (self.exhausted, self.failed) = (true, Some(problem));
                 self.finish_order();

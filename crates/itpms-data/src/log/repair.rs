@@ -1,4 +1,4 @@
-//! What the reader repaired, in numbers and in words. Filled by the reader, shown by the binary and the report.
+//! Repairs by the reader, in numbers and in words. Filled by the reader, shown by the binary and the report.
 
 /// Counts over the rows read so far; complete once the reader has returned `None`.
 #[derive(Debug, Clone, PartialEq, Default)]

@@ -169,7 +169,7 @@ pub struct LogRow {
     pub motion: LogMotion,
 }
 
-/// What the car itself measures, in one row: wheel speeds, how it moves, its tire sensors, the air around it. NaN is missing.
+/// The car's own measurements in one row: wheel speeds, how it moves, its tire sensors, the air around it. NaN is missing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LogMotion {
     /// Speeds of the wheels in m/s, in the order of [`Corner::ALL`].

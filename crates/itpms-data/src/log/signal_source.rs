@@ -180,7 +180,7 @@ impl SignalSource {
         self.feed.repairs().into_iter().chain(self.order.warnings()).chain(aligned).collect()
     }
 
-    /// What had to be repaired may say why.
+    /// The repairs may say why.
     fn no_rows(&self) -> Problem {
         let repairs = self.repairs();
         let why = if repairs.is_empty() { String::new() } else { format!(" ({})", repairs.join("; ")) };

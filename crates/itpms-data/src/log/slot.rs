@@ -4,75 +4,40 @@ use itpms_core::model::Corner;
 
 use super::around::{AirField, AxleField, PositionField};
 
-/// One quantity of one corner.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Field {
-    BodyAccel,
-    /// Unsprung mass acceleration in m/s², up.
-    WheelAccel,
-    /// True gauge pressure in kPa.
-    Pressure,
-    /// True road height in m.
-    Road,
-    /// Speed of the wheel in m/s, as the car computes it.
-    WheelSpeed,
-    /// The same as the wheel's speed of rotation in rad/s.
-    WheelRotation,
-    /// Gauge pressure in kPa as the car's own sensor in the tire has it: a witness beside the estimate, no truth.
-    TireSensor,
-    /// Temperature of that sensor in degrees Celsius.
-    TireTemperature,
-}
-
-impl Field {
-    const ALL: [Field; 8] = [
-        Field::BodyAccel,
-        Field::WheelAccel,
-        Field::Pressure,
-        Field::Road,
-        Field::WheelSpeed,
-        Field::WheelRotation,
-        Field::TireSensor,
-        Field::TireTemperature,
-    ];
-
-    fn suffix(self) -> &'static str {
-        match self {
-            Field::BodyAccel => "body_accel_m_s2",
-            Field::WheelAccel => "wheel_accel_m_s2",
-            Field::Pressure => "pressure_kpa",
-            Field::Road => "road_m",
-            Field::WheelSpeed => "wheel_speed_m_s",
-            Field::WheelRotation => "wheel_speed_rad_s",
-            Field::TireSensor => "tpms_kpa",
-            Field::TireTemperature => "tpms_c",
-        }
+itpms_core::labelled! {
+    /// One quantity of one corner.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+    pub enum Field {
+        BodyAccel = "body_accel_m_s2",
+        /// Unsprung mass acceleration in m/s², up.
+        WheelAccel = "wheel_accel_m_s2",
+        /// True gauge pressure in kPa.
+        Pressure = "pressure_kpa",
+        /// True road height in m.
+        Road = "road_m",
+        /// Speed of the wheel in m/s, as the car computes it.
+        WheelSpeed = "wheel_speed_m_s",
+        /// The same as the wheel's speed of rotation in rad/s.
+        WheelRotation = "wheel_speed_rad_s",
+        /// Gauge pressure in kPa as the car's own sensor in the tire has it: a witness beside the estimate, no truth.
+        TireSensor = "tpms_kpa",
+        /// Temperature of that sensor in degrees Celsius.
+        TireTemperature = "tpms_c",
     }
 }
 
-/// A car's own measurements of its motion besides its speed; for the wheel-speed methods.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Motion {
-    /// Yaw rate in rad/s, positive to the left.
-    YawRate,
-    /// Acceleration forward in m/s², gravity along a grade included.
-    AccelX,
-    /// Acceleration to the left in m/s².
-    AccelY,
-    /// Whether the driver brakes: 0 or 1.
-    Brake,
-}
-
-impl Motion {
-    const ALL: [Motion; 4] = [Motion::YawRate, Motion::AccelX, Motion::AccelY, Motion::Brake];
-
-    fn name(self) -> &'static str {
-        match self {
-            Motion::YawRate => "yaw_rate_rad_s",
-            Motion::AccelX => "accel_x_m_s2",
-            Motion::AccelY => "accel_y_m_s2",
-            Motion::Brake => "brake",
-        }
+itpms_core::labelled! {
+    /// A car's own measurements of its motion besides its speed; for the wheel-speed methods.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+    pub enum Motion {
+        /// Yaw rate in rad/s, positive to the left.
+        YawRate = "yaw_rate_rad_s",
+        /// Acceleration forward in m/s², gravity along a grade included.
+        AccelX = "accel_x_m_s2",
+        /// Acceleration to the left in m/s².
+        AccelY = "accel_y_m_s2",
+        /// Whether the driver brakes: 0 or 1.
+        Brake = "brake",
     }
 }
 
@@ -134,11 +99,11 @@ impl Slot {
         match self {
             Slot::Time => "time_s".to_owned(),
             Slot::Speed => "speed_m_s".to_owned(),
-            Slot::Corner(corner, field) => format!("{}_{}", corner.label(), field.suffix()),
-            Slot::Motion(motion) => motion.name().to_owned(),
-            Slot::Air(field) => field.name().to_owned(),
-            Slot::Position(field) => field.name().to_owned(),
-            Slot::Axle(field) => field.name().to_owned(),
+            Slot::Corner(corner, field) => format!("{}_{}", corner.label(), field.label()),
+            Slot::Motion(motion) => motion.label().to_owned(),
+            Slot::Air(field) => field.label().to_owned(),
+            Slot::Position(field) => field.label().to_owned(),
+            Slot::Axle(field) => field.label().to_owned(),
         }
     }
 

@@ -24,7 +24,7 @@ pub(super) enum Source {
     Signals(Box<SignalSource>),
 }
 
-/// What is under the name of a log, which may be a folder of part files.
+/// Metadata of a log, which may be a folder of part files.
 fn look_at(path: &Path) -> Result<Metadata, FileProblem> {
     #[cfg(feature = "parquet")]
     if crate::parquet_columns::is_folder_of_parts(path) {
@@ -138,7 +138,7 @@ impl Source {
         }
     }
 
-    /// What to do where the rows are of two recordings.
+    /// Remedy where the rows are of two recordings.
     pub(super) fn one_of_two(&self, path: &Path) -> Option<String> {
         match self.overlap() {
             Some((one, other)) => Some(format!(

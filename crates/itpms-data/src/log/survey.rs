@@ -41,7 +41,7 @@ impl Survey {
         rate_hz.min(*SAMPLE_RATES_HZ.end())
     }
 
-    /// What these rows say, in the order of their times.
+    /// The survey of these rows, in the order of their times.
     /// Errors: there are fewer than two rows, or the rate is none of a car's accelerometers.
     pub fn of<'a>(rows: impl IntoIterator<Item = &'a LogRow>) -> Result<Self, Problem> {
         let mut accelerations = false;

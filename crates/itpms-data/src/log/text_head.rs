@@ -86,7 +86,7 @@ impl TextHead {
         self.dialect.cells(line).all(|cell| !is_value(self.dialect, cell))
     }
 
-    /// What is to be reported of the lines before the names.
+    /// Remarks on the lines before the names.
     pub(crate) fn remark(&self) -> Option<String> {
         match self.before {
             0 => None,

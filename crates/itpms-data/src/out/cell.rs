@@ -1,4 +1,4 @@
-//! What a table's columns and cells hold, whatever file the table goes to.
+//! Columns and cells of a table, independent of its file format.
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {

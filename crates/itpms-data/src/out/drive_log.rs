@@ -124,7 +124,7 @@ impl LogWriter {
         }
     }
 
-    /// What of the rows did not get into the file so far, a sentence each.
+    /// Parts of the rows that were not written so far, a sentence each.
     pub fn losses(&self) -> Vec<String> {
         match &self.sink {
             #[cfg(feature = "can")]

@@ -27,7 +27,7 @@ pub use drive_log::{LogWriter, Packing};
 pub use itpms_files::{AtomicFile, NameLock, NewFolder, abandon_all};
 pub use ledger::Ledger;
 pub use rate::RateGate;
-pub use results::{COLD_COLUMNS, EstimateWriter, RoadPoint, RoadWriter, cold_values};
+pub use results::{COLD_COLUMNS, EstimateRow, EstimateWriter, RoadPoint, RoadWriter, cold_values};
 pub use state::{States, state_label};
 pub use table::Table;
 pub use wheel_speeds::{RadiusRow, WheelSpeedUse};

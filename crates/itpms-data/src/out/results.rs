@@ -14,6 +14,17 @@ use super::wheel_speeds::{RadiusRow, WheelSpeedUse};
 use crate::error::DataError;
 use crate::log::AirColumns;
 
+/// Estimates and states after a row of a log.
+#[derive(Debug, Clone, Copy)]
+pub struct EstimateRow<'a> {
+    pub time_s: f64,
+    /// In the order of [`Corner::ALL`], as the states that the monitor reports.
+    pub estimates: &'a [Option<CornerEstimate<f64>>; 4],
+    pub states: &'a States,
+    /// By the wheel speeds, where they are used.
+    pub radii: Option<&'a RadiusRow>,
+}
+
 /// Writes `time_s`, then per corner `{c}_pressure_kpa, {c}_pressure_sd_kpa, {c}_stiffness_n_per_m, {c}_valid,
 /// {c}_warning, {c}_change_sd_kpa, {c}_level, {c}_axle_difference_sd_kpa,
 /// {c}_lost_kpa, {c}_lost_sd_kpa, {c}_state`, and of a log that knows the temperature of the air `{c}_cold_pressure_kpa,
@@ -70,18 +81,11 @@ impl EstimateColumns {
         columns
     }
 
-    pub(super) fn cells(
-        &self,
-        time_s: f64,
-        estimates: &[Option<CornerEstimate<f64>>; 4],
-        states: &States,
-        radii: Option<&RadiusRow>,
-        cells: &mut Vec<Cell<'static>>,
-    ) {
+    pub(super) fn cells(&self, row: &EstimateRow<'_>, cells: &mut Vec<Cell<'static>>) {
         cells.clear();
-        cells.push(Cell::Number(time_s));
+        cells.push(Cell::Number(row.time_s));
         for corner in &self.corners {
-            let estimate = estimates[corner.index()].as_ref();
+            let estimate = row.estimates[corner.index()].as_ref();
             let number =
                 |field: fn(&CornerEstimate<f64>) -> f64| Cell::Number(estimate.map_or(f64::NAN, field));
             cells.extend([
@@ -95,21 +99,21 @@ impl EstimateColumns {
                 number(|e| e.axle_difference_sd_kpa.unwrap_or(f64::NAN)),
                 number(|e| e.lost_kpa()[0]),
                 number(|e| e.lost_kpa()[1]),
-                Cell::Label(state_label(states[corner.index()])),
+                Cell::Label(state_label(row.states[corner.index()])),
             ]);
             if self.cold {
                 let cold = estimate.map_or([f64::NAN; 2], cold_values);
                 cells.extend(cold.map(Cell::Number));
             }
         }
-        self.wheel_speeds.cells(radii, cells);
+        self.wheel_speeds.cells(row.radii, cells);
     }
 }
 
 /// The columns of a cold pressure, without their corner.
 pub const COLD_COLUMNS: [&str; 2] = ["cold_pressure_kpa", "cold_pressure_sd_kpa"];
 
-/// What is in them, in kPa; NaN where it is not known.
+/// Their values in kPa; NaN where unknown.
 pub fn cold_values(estimate: &CornerEstimate<f64>) -> [f64; 2] {
     estimate.cold.map_or([f64::NAN; 2], |cold| [cold.pressure_kpa, cold.sd_kpa])
 }
@@ -127,16 +131,9 @@ impl EstimateWriter {
         Ok(Self { table: Table::create(path, &columns.table())?, columns, cells: Vec::new() })
     }
 
-    /// Adds a row; `estimates` and `states` in the order of [`Corner::ALL`]. A corner without an estimate has empty cells, is
-    /// not valid and warns of nothing.
-    pub fn write(
-        &mut self,
-        time_s: f64,
-        estimates: &[Option<CornerEstimate<f64>>; 4],
-        states: &States,
-        radii: Option<&RadiusRow>,
-    ) -> Result<(), DataError> {
-        self.columns.cells(time_s, estimates, states, radii, &mut self.cells);
+    /// Adds a row. A corner without an estimate has empty cells, is not valid and warns of nothing.
+    pub fn write(&mut self, row: &EstimateRow<'_>) -> Result<(), DataError> {
+        self.columns.cells(row, &mut self.cells);
         self.table.write(&self.cells)
     }
 

@@ -1,4 +1,4 @@
-//! What is known of a wheel in one word, the same in every file and on every face of the program.
+//! A wheel's state in one word, the same in every file and on every face of the program.
 
 use itpms_core::warning::WheelState;
 

@@ -1,4 +1,4 @@
-//! What wheel speeds say, as columns of the results. Called by the writer of estimates and by the Python package; computes nothing.
+//! Results of wheel speeds as columns. Called by the writer of estimates and by the Python package; computes nothing.
 
 use itpms_core::model::{Corner, Level, Warning};
 use itpms_core::warning::WheelState;
@@ -7,12 +7,12 @@ use itpms_core::wheel_speed::{RadiusReport, SlowLeak, WheelRadius};
 use super::cell::{Cell, Kind};
 use super::state::{States, state_label};
 
-/// What wheel speeds say after a row.
+/// Results of the wheel speeds after a row.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RadiusRow {
     pub radii: RadiusReport<f64>,
     pub states: States,
-    /// What the days since the calibration say of a slow leak.
+    /// Evidence of a slow leak over the days since the calibration.
     pub slow_leak: SlowLeak<f64>,
 }
 

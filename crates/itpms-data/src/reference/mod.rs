@@ -199,9 +199,7 @@ impl StoredReference {
     /// Writes the file. Killed or without power at any moment, `path` holds what it held before or this, whole; what
     /// is left beside it does not disturb and goes with the next save.
     pub fn save(&self, path: &Path) -> Result<(), DataError> {
-        let mut file = AtomicFile::create(path)?;
-        file.append(self.to_text().as_bytes())?;
-        Ok(file.commit()?)
+        Ok(AtomicFile::save(path, self.to_text().as_bytes())?)
     }
 
     /// Reads a file. Errors: it cannot be read; and as [`StoredReference::parse`].

@@ -324,9 +324,7 @@ impl Vehicle {
 
     /// Writes a vehicle file, completely or not at all.
     pub fn write(&self, path: &Path) -> Result<(), DataError> {
-        let mut file = AtomicFile::create(path)?;
-        file.append(self.to_toml().as_bytes())?;
-        Ok(file.commit()?)
+        Ok(AtomicFile::save(path, self.to_toml().as_bytes())?)
     }
 }
 

@@ -1,13 +1,14 @@
 //! Recordings as files, and how they are read.
 
 use std::f64::consts::TAU;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use itpms_core::model::Corner;
+use itpms_data::LogRow;
 use itpms_data::log::{LogColumns, LogOptions, UnitCheck};
 use itpms_data::out::{LogWriter, Packing};
-use itpms_data::{LogReader, LogRow};
+
+use crate::common::{Bench, Found, found};
 
 pub(super) const NAMES: [&str; 6] = [
     "time_s",
@@ -70,24 +71,10 @@ pub(super) fn day(of_day_s: f64, between: &str) -> String {
     format!("{h:02}{between}{m:02}{between}{s:02}.{:03}", ms % 1000)
 }
 
-pub(super) struct Bench(pub(super) tempfile::TempDir);
-
 impl Bench {
-    pub(super) fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
-    }
-
-    pub(super) fn write(&self, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
-        let path = self.0.path().join(name);
-        fs::create_dir_all(path.parent().unwrap()).unwrap();
-        fs::write(&path, content).unwrap();
-        path
-    }
-
     /// A Parquet file of these rows, of the front or of both wheels.
     pub(super) fn parquet(&self, name: &str, rows: &[LogRow], both: bool) -> PathBuf {
-        let path = self.0.path().join(name);
-        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        let path = self.write(name, "");
         let mut columns = LogColumns { speed: true, ..LogColumns::default() };
         columns.corners[Corner::RearLeft.index()] = Some(itpms_data::log::CornerColumns::default());
         if both {
@@ -101,19 +88,11 @@ impl Bench {
     }
 }
 
-pub(super) struct Found {
-    pub(super) rows: Vec<LogRow>,
-    pub(super) warnings: Vec<String>,
-    pub(super) remarks: Vec<String>,
-}
-
 pub(super) fn read_where(path: &Path, rows: &str) -> Result<Found, String> {
     let rows = rows.split_whitespace().map(|row| row.parse().unwrap()).collect();
     let options = LogOptions { rows, ..LogOptions::from(UnitCheck::Trusting) };
-    let mut log = LogReader::open_with(path, &options).map_err(|error| error.to_string())?;
-    let rows = log.by_ref().collect::<Result<Vec<_>, _>>().map_err(|error| error.to_string())?;
-    let remarks = log.mapping().iter().cloned().chain(log.remarks()).collect();
-    Ok(Found { rows, warnings: log.repairs().warnings(), remarks })
+    let found = found(path, &options)?;
+    Ok(Found { remarks: [found.mapping.clone(), found.remarks].concat(), ..found })
 }
 
 pub(super) fn read(path: &Path) -> Result<Found, String> {

@@ -1,5 +1,4 @@
 //! Two references that differ in every number.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 #![allow(dead_code, reason = "every test file uses its own part")]
 
 use itpms_core::model::{CornerCalibration, Learned, VehicleCalibration};

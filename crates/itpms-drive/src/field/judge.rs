@@ -26,7 +26,7 @@ const WELL_SAMPLED_HZ: f64 = 200.0;
 const BRISK_KM_H: f64 = 30.0;
 /// Share of values that may be missing.
 const MISSING: f64 = 0.02;
-/// What an accelerometer at rest reads in m/s²: gravity, or nothing where it is coupled for alternating signals. The bounds are a tilt of 30
+/// Reading of an accelerometer at rest in m/s²: gravity, or nothing where it is coupled for alternating signals. The bounds are a tilt of 30
 /// degrees, and an offset of 0.15 g.
 const UPRIGHT_M_S2: std::ops::RangeInclusive<f64> = 8.5..=11.3;
 const NO_GRAVITY_M_S2: f64 = 1.5;

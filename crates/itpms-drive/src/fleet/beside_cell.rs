@@ -70,7 +70,7 @@ pub(super) fn any(drives: &[DriveRecord]) -> bool {
     drives.iter().any(|drive| !drive.beside.is_empty())
 }
 
-/// What the car's newest drive says; its report has the rest.
+/// Findings of the car's newest drive; its report has the rest.
 pub(super) fn cell(last: &DriveRecord) -> String {
     let line = |(words, look): &(String, bool)| {
         let tag = if *look { "b" } else { "span" };

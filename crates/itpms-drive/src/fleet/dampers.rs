@@ -77,7 +77,7 @@ mod tests {
     #[test]
     fn a_damper_is_reported_in_the_third_drive_in_a_row() {
         assert_eq!(reported(&["weak", "weak", "worn", "weak"]), [false, false, true, true]);
-        // What says nothing does not count; what is fine or the other way begins anew.
+        // A drive without a verdict does not count; one that is fine, or off the other way, begins the count anew.
         assert_eq!(reported(&["weak", "unknown", "weak", "weak"]), [false, false, false, true]);
         assert_eq!(reported(&["weak", "weak", "fine", "weak", "weak"]), [false; 5]);
         assert_eq!(reported(&["weak", "weak", "stiff", "stiff"]), [false; 4]);

@@ -109,7 +109,7 @@ pub fn files(patterns: &[PathBuf], out: &Path) -> Result<Vec<Found>, DriveError>
 
 /// The files that a pattern matches. Patterns are text; names that are not are matched as they are displayed.
 fn fitting(pattern: &str) -> Result<Vec<PathBuf>, glob::PatternError> {
-    // What cannot be looked into holds no files for us.
+    // A folder that cannot be read is taken for empty.
     let mut paths: Vec<PathBuf> = glob::glob(pattern)?.flatten().collect();
     let (folders, name) = pattern.rsplit_once('/').map_or((".", pattern), |(folder, name)| (folder, name));
     let name = glob::Pattern::new(name)?;
@@ -217,7 +217,7 @@ mod tests {
         assert!(every()[0].unusable.unwrap().contains("two tables of tooth pulses"));
     }
 
-    /// What is no drive is named, and nothing is read that the program wrote itself.
+    /// Files that are no drives are named, and the program's own output is not read.
     #[cfg(unix)]
     #[test]
     fn what_is_no_file_is_named_and_links_lead_to_no_results() {

@@ -100,7 +100,7 @@ pub struct Standing {
     pub drives: usize,
 }
 
-/// Who receives how far it is, on any thread, and says whether to go on.
+/// Callback for progress, on any thread; its result says whether to go on.
 pub type Watch<'a> = &'a (dyn Fn(Standing) -> ControlFlow<()> + Sync);
 
 /// A drive that could not be estimated.

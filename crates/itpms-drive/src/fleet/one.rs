@@ -4,7 +4,7 @@ use std::fs;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-use itpms_data::out::{RadiusRow, States, WheelSpeedUse};
+use itpms_data::out::{EstimateRow, WheelSpeedUse};
 use itpms_data::{LogReader, LogRow};
 
 use super::cars::Car;
@@ -13,7 +13,6 @@ use super::road_map::DriveRoad;
 use super::wheels::{Begun, wheels};
 use super::{Plan, beneath, beside_cell, reference_path};
 use crate::concerns::common_corners;
-use crate::drive::Estimates;
 use crate::error::DriveError;
 use crate::files::{FilePaths, Files};
 use crate::reference;
@@ -145,16 +144,10 @@ struct Counting {
 }
 
 impl Sink for Counting {
-    fn row(
-        &mut self,
-        row: &LogRow,
-        estimates: &Estimates,
-        states: &States,
-        radii: Option<&RadiusRow>,
-    ) -> Result<(), DriveError> {
+    fn row(&mut self, row: &LogRow, known: &EstimateRow<'_>) -> Result<(), DriveError> {
         self.first_s.get_or_insert(row.time_s);
-        self.begun.take(estimates);
-        self.files.row(row, estimates, states, radii)
+        self.begun.take(known.estimates);
+        self.files.row(row, known)
     }
 
     fn road(&mut self, late: &LateRow) -> Result<(), DriveError> {

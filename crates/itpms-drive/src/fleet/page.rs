@@ -29,9 +29,7 @@ const LISTED: usize = 500;
 const LINE: usize = 60;
 
 pub(super) fn write(plan: &Plan, outcome: &Outcome, roads: Option<&FleetRoads>) -> Result<(), DriveError> {
-    let mut file = AtomicFile::create(&plan.out.join("index.html"))?;
-    file.append(page(plan, outcome, roads).as_bytes())?;
-    Ok(file.commit()?)
+    Ok(AtomicFile::save(&plan.out.join("index.html"), page(plan, outcome, roads).as_bytes())?)
 }
 
 fn page(plan: &Plan, outcome: &Outcome, roads: Option<&FleetRoads>) -> String {
@@ -253,7 +251,7 @@ fn wheel_cell(drive: &DriveRecord, name: &str, unit: PressureUnit) -> String {
     )
 }
 
-/// What would have been found of a wheel, by wheel speeds.
+/// Detectable loss of a wheel, by wheel speeds.
 fn shows(lost: Loss) -> String {
     match (100.0 * lost.detectable).ceil() {
         percent if percent <= 90.0 => format!("{percent:.0} % would show"),

@@ -304,7 +304,5 @@ fn groups(cars: usize, cells: usize, shared: &[&Seen]) -> Vec<usize> {
 }
 
 pub(super) fn write(out: &std::path::Path, roads: &FleetRoads) -> Result<(), DriveError> {
-    let mut file = AtomicFile::create(&out.join("road.geojson"))?;
-    file.append(format!("{}\n", roads.geojson()).as_bytes())?;
-    Ok(file.commit()?)
+    Ok(AtomicFile::save(&out.join("road.geojson"), format!("{}\n", roads.geojson()).as_bytes())?)
 }

@@ -1,4 +1,4 @@
-//! Who may ask what, and what every answer carries.
+//! Access control of requests, and the headers of every answer.
 //!
 //! Stands before all routes. There is no password: whoever reaches the address may look, but no page of another may
 //! do so through a visitor's browser, neither by naming us (cross-origin) nor by a name that it makes point here (DNS rebinding).

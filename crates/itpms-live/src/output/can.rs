@@ -28,7 +28,7 @@ const COLD: &str = "ITPMS_Cold";
 const DAMPERS: &str = "ITPMS_Dampers";
 const LOAD: &str = "ITPMS_Load";
 const TURNING: &str = "ITPMS_Turning";
-/// What is found beside the pressures changes slowly: once in so many sets.
+/// Findings beside the pressures change slowly: sent once in so many sets.
 const BESIDE_EVERY: u64 = 10;
 const DAMPER_STATES: [&str; 6] = ["unknown", "learning", "fine", "weak", "worn", "stiff"];
 const LOAD_STATES: [&str; 4] = ["unknown", "learning", "known", "overload"];
@@ -412,7 +412,7 @@ mod tests {
             let sent = found.get(signal).copied().unwrap_or(f64::NAN);
             assert!((sent - value).abs() <= half_a_step + 1e-9, "{signal}: {sent}");
         }
-        // What is not known is no number.
+        // An unknown value is no number.
         for unknown in ["ITPMS_AddedSd", "ITPMS_OncePerTurn_FL", "ITPMS_ColdPressure_RR"] {
             assert!(found.get(unknown).is_none_or(|value| value.is_nan()), "{unknown} {found:?}");
         }

@@ -6,7 +6,7 @@ const SET_S: f64 = 1.0;
 /// A stamp that seems older than this, or younger than now, was made before the clock was set.
 const OLDEST_S: f64 = 1.0;
 
-/// What a stamp's clock gave when the first frame was read, and by how much it has been set since.
+/// The stamp clock's time when the first frame was read, and by how much it has been set since.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct BusTime {
     began_s: Option<f64>,

@@ -21,7 +21,7 @@ impl Lines {
 
     /// The content of a line; `None` for a blank one. The first that is not understood is reported; all are counted.
     pub(super) fn take(&mut self, line: &[u8], arrived: Instant) -> Option<Input> {
-        // What is no text is no frame, either: the replacement characters see to that.
+        // Bytes that are no text hold no frame, either: the replacement characters see to that.
         match parse_line(&String::from_utf8_lossy(line)) {
             Ok(line) => Some(Input::Frame { frame: line.frame, arrived }),
             Err(LineProblem::Blank) => None,

@@ -2,7 +2,7 @@
 //!
 //! The thread reads, stamps and hands on; when the estimate is behind, the oldest waiting frames are lost and counted, so
 //! that the socket is always read. Frames have the kernel's time of their arrival, which goes on when the clock is set.
-//! What the kernel itself lost because this thread was not run for too long is not counted.
+//! Frames that the kernel dropped because this thread did not run for too long are not counted.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

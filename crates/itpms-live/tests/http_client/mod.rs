@@ -1,5 +1,4 @@
 //! A client as plain as can be, so that nothing between it and the server is forgiving.
-#![allow(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::{SocketAddr, TcpStream};

@@ -1,7 +1,5 @@
 //! The road estimate against a plant of its own: accuracy, honesty of its sd, robustness. The tables in
 //! docs/math/road.md come from `cargo test -p itpms-road --test all road_estimate -- --ignored --nocapture`.
-// Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
-#![allow(clippy::unwrap_used)]
 
 mod accuracy;
 mod compare;

@@ -29,9 +29,7 @@ pub(crate) fn run(args: &FmuArgs, screen: &Screen) -> Result<(), Failure> {
         FmiVersion::Three => Fmi::Three,
     };
     let bytes = package(fmi, &vehicle, &library, args.rate_hz.recip()).map_err(unusable)?;
-    let mut file = AtomicFile::create(&args.output)?;
-    file.append(&bytes)?;
-    file.commit()?;
+    AtomicFile::save(&args.output, &bytes)?;
     screen.remark(format!("{}: {} bytes, with {}", args.output.display(), bytes.len(), library.display()));
     Ok(())
 }

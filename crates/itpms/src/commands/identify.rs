@@ -127,10 +127,7 @@ pub(crate) fn run_calibrate(args: &CalibrateArgs, screen: &Screen) -> Result<(),
 
 /// A file that is complete but for its name.
 fn written(path: &Path, content: &str) -> Result<AtomicFile, DataError> {
-    let mut file = AtomicFile::create(path)?;
-    file.append(content.as_bytes())?;
-    file.settle()?;
-    Ok(file)
+    Ok(AtomicFile::settled(path, content.as_bytes())?)
 }
 
 /// All files, then the result: nothing is reported of a result that could not be written.

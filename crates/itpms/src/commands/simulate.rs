@@ -126,10 +126,7 @@ fn truth(no_truth: bool) -> CornerColumns {
 
 /// The vehicle file that belongs to the log, complete but for its name.
 fn written_vehicle(path: &Path, scenario: &Scenario) -> Result<AtomicFile, Failure> {
-    let mut file = AtomicFile::create(path)?;
-    file.append(simulated::vehicle_of(scenario)?.to_toml().as_bytes())?;
-    file.settle()?;
-    Ok(file)
+    Ok(AtomicFile::settled(path, simulated::vehicle_of(scenario)?.to_toml().as_bytes())?)
 }
 
 fn report(args: &SimulateArgs, screen: &Screen, scenario: &Scenario) {

@@ -1,5 +1,4 @@
 //! Runs the program as a user does: arguments in; exit code, two streams and files out.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests may fail as tests do")]
 #![allow(dead_code, reason = "every test file uses its own part")]
 
 #[cfg(target_os = "linux")]
@@ -11,6 +10,7 @@ use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::sync::LazyLock;
 
+use serde_json::Value;
 use tempfile::TempDir;
 
 /// A directory of one test, gone at its end. Programs run in it, so that messages hold no random path.
@@ -73,6 +73,16 @@ impl Bench {
 
     pub(crate) fn run(&self, line: &str) -> Outcome {
         outcome(self.command(line.split_whitespace()))
+    }
+
+    /// What a successful run prints as JSON.
+    pub(crate) fn json(&self, line: &str) -> Value {
+        serde_json::from_str(self.run(line).success()).unwrap()
+    }
+
+    /// The objects of a file, one a line.
+    pub(crate) fn json_lines(&self, name: &str) -> Vec<Value> {
+        self.read(name).lines().map(|line| serde_json::from_str(line).unwrap()).collect()
     }
 
     /// The paper's drive and its vehicle: `drive.csv` and `car.toml`, simulated once for all tests.

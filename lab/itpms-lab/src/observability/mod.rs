@@ -57,32 +57,21 @@ impl Curve {
     }
 }
 
-/// What a sweep varies; everything else stays.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Varied {
-    SpeedKmH,
-    DampingNSPerM,
-    /// Noise of every accelerometer in m/s², rms per sample.
-    NoiseMS2,
-    /// Share of the road's power that is not common to passes over one road: tracks beside each other.
-    IncoherentShare,
+itpms_core::labelled! {
+    /// What a sweep varies; everything else stays.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+    #[serde(rename_all = "snake_case")]
+    pub enum Varied {
+        SpeedKmH = "speed_km_h",
+        DampingNSPerM = "damping_n_s_per_m",
+        /// Noise of every accelerometer in m/s², rms per sample.
+        NoiseMS2 = "noise_m_s2",
+        /// Share of the road's power that is not common to passes over one road: tracks beside each other.
+        IncoherentShare = "incoherent_share",
+    }
 }
 
 impl Varied {
-    pub const ALL: [Varied; 4] =
-        [Varied::SpeedKmH, Varied::DampingNSPerM, Varied::NoiseMS2, Varied::IncoherentShare];
-
-    /// As in the tables, with its unit.
-    pub fn label(self) -> &'static str {
-        match self {
-            Varied::SpeedKmH => "speed_km_h",
-            Varied::DampingNSPerM => "damping_n_s_per_m",
-            Varied::NoiseMS2 => "noise_m_s2",
-            Varied::IncoherentShare => "incoherent_share",
-        }
-    }
-
     fn values(self) -> &'static [f64] {
         match self {
             Varied::SpeedKmH => &[20.0, 30.0, 40.0, 60.0, 80.0, 100.0, 120.0],

@@ -14,32 +14,21 @@ use super::car::{CAR_PARAMETERS, CAR_SD};
 use super::information::{self, Occurrence, Pass, RoadModel, Stretch};
 use itpms_analysis::bound::BoundSetting;
 
-/// Where information about the stiffness can come from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Source {
-    /// (a) The road's spectrum is a power law.
-    Spectrum,
-    /// (b) Front and rear wheel over the same road; a corner like the front one.
-    Alike,
-    /// (b) The same with another unsprung mass at the rear.
-    Unlike,
-    Repeated,
-    /// (d) A known pressure at the start.
-    Reset,
-    /// The road's height known everywhere: what no car has, for comparison.
-    Survey,
-}
-
-impl Source {
-    fn letter(self) -> &'static str {
-        match self {
-            Source::Spectrum => "a",
-            Source::Alike => "b",
-            Source::Unlike => "b'",
-            Source::Repeated => "c",
-            Source::Reset => "d",
-            Source::Survey => "road known",
-        }
+itpms_core::labelled! {
+    /// Where information about the stiffness can come from.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Source {
+        /// (a) The road's spectrum is a power law.
+        Spectrum = "a",
+        /// (b) Front and rear wheel over the same road; a corner like the front one.
+        Alike = "b",
+        /// (b) The same with another unsprung mass at the rear.
+        Unlike = "b'",
+        Repeated = "c",
+        /// (d) A known pressure at the start.
+        Reset = "d",
+        /// The road's height known everywhere: what no car has, for comparison.
+        Survey = "road known",
     }
 }
 
@@ -94,49 +83,31 @@ impl Sources {
 
 impl fmt::Display for Sources {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let letters: Vec<&str> = self.0.iter().map(|source| source.letter()).collect();
+        let letters: Vec<&str> = self.0.iter().map(|source| source.label()).collect();
         f.write_str(&letters.join("+"))
     }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Situation {
-    /// Always the same since the start; the time is that since the start.
-    Constant,
-    /// It fell a while after the start, in no time; the time is that since then.
-    AfterLoss,
-}
-
-impl Situation {
-    pub const ALL: [Situation; 2] = [Situation::Constant, Situation::AfterLoss];
-
-    pub fn label(self) -> &'static str {
-        match self {
-            Situation::Constant => "constant",
-            Situation::AfterLoss => "after-loss",
-        }
+itpms_core::labelled! {
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Situation {
+        /// Always the same since the start; the time is that since the start.
+        Constant = "constant",
+        /// It fell a while after the start, in no time; the time is that since then.
+        AfterLoss = "after-loss",
     }
 }
 
-/// How well the car is known.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Car {
-    Exact,
-    /// As well as a vehicle file is believed: unsprung mass 1 %, sprung mass 15 %, damping 20 %, spring 5 % (sd), each
-    /// corner's own. The tire's line from stiffness to pressure is known.
-    AsFiled,
-}
-
-impl Car {
-    pub const ALL: [Car; 2] = [Car::Exact, Car::AsFiled];
-
-    pub fn label(self) -> &'static str {
-        match self {
-            Car::Exact => "exact",
-            Car::AsFiled => "as-filed",
-        }
+itpms_core::labelled! {
+    /// How well the car is known.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Car {
+        Exact = "exact",
+        /// As well as a vehicle file is believed: unsprung mass 1 %, sprung mass 15 %, damping 20 %, spring 5 % (sd), each
+        /// corner's own. The tire's line from stiffness to pressure is known.
+        AsFiled = "as-filed",
     }
 }
 

@@ -23,10 +23,11 @@ pub(super) use self::output::{FusedEstimate, FusedLosses};
 use self::realign::DelayDetection;
 pub(super) use self::single_wheel_estimate::SingleWheelEstimate;
 use crate::belief::state::{SKEW, SKEW_UNIT_S, State, WHEELBASE};
-use crate::belief::{Belief, ENOUGH_S, FrictionError, LONGEST_SILENCE_S, LONGEST_STEP_S, Onset, Tires};
+use crate::belief::{Belief, FrictionError, LONGEST_SILENCE_S, Onset, Tires};
 use crate::conditioning::GridSample;
+use crate::conditioning::pauses::{ENOUGH_S, PAUSE_S};
 use crate::inter_axle::alignment::axle_pair::AxlePair;
-use crate::inter_axle::alignment::delay_search::Found;
+use crate::inter_axle::alignment::delay_search::{Found, GIVE_UP_S};
 use crate::inter_axle::alignment::speed_latency::SpeedLatency;
 use crate::inter_axle::{Aligned, HOP_S, InterAxle};
 use crate::memory::Blank;
@@ -38,9 +39,7 @@ use crate::real::Real;
 use crate::spectrum::SIGNALS;
 use crate::suspension::BodyEquation;
 
-/// Seconds of driving after which the shared road is given up if it was not found.
-const PATIENCE_S: f64 = 6.0;
-/// The same after which front and rear do not meet the same road.
+/// Seconds of driving after which front and rear do not meet the same road.
 const APART_S: f64 = 20.0;
 /// Sd in s of the first delay that was found.
 const FOUND_SD_S: f64 = 1e-3;
@@ -126,7 +125,7 @@ impl<T: Real> Fusion<T> {
         let lasting = self.inter_axle.pairs.each_ref().map(AxlePair::lasting_incoherence);
         Onset {
             rates: Corner::ALL.map(|corner| self.single_wheel[corner].onset_rate(lasting[corner.side()])),
-            longest_step_s: if self.inter_axle.spectral_only() { LONGEST_SILENCE_S } else { LONGEST_STEP_S },
+            longest_step_s: if self.inter_axle.spectral_only() { LONGEST_SILENCE_S } else { PAUSE_S },
         }
     }
 
@@ -244,7 +243,7 @@ impl<T: Real> Fusion<T> {
 
     /// Whether the belief is better than what the corners find by themselves: while the shared road may still be found, and from then on.
     pub(super) fn is_trusted(&self) -> bool {
-        self.learned_s() >= ENOUGH_S || self.inter_axle.travel().unshared_s() < T::lit(PATIENCE_S)
+        self.learned_s() >= ENOUGH_S || self.inter_axle.travel().unshared_s() < T::lit(GIVE_UP_S)
     }
 
     /// Seconds of shared road that the belief rests on; half a frame more, so that rounding does not decide when it is enough.

@@ -1,8 +1,9 @@
 //! Pseudo-measurements: its tire's stiffness by the spectrum of the road under a corner (docs/math/shared-road.md, section 6).
 
 use super::Fusion;
+use crate::belief::LONGEST_SILENCE_S;
 use crate::belief::state::{COMMON_BIAS, OWN_BIAS};
-use crate::belief::{LONGEST_SILENCE_S, LONGEST_STEP_S};
+use crate::conditioning::pauses::PAUSE_S;
 use crate::model::Corner;
 use crate::real::Real;
 use crate::suspension::MEMORY_S;
@@ -54,7 +55,7 @@ impl<T: Real> Fusion<T> {
             let excess_kpa = (stiffness_n_per_m - scale.placard_n_per_m[corner]) * per_kpa;
             self.calibration_reading.take(corner, excess_kpa, variance * per_kpa * per_kpa);
         }
-        if self.inter_axle.spectral_only() || !(time_s - self.belief.time_s() < LONGEST_STEP_S) {
+        if self.inter_axle.spectral_only() || !(time_s - self.belief.time_s() < PAUSE_S) {
             let onset = self.onset();
             self.belief.predict(time_s, &onset);
         }

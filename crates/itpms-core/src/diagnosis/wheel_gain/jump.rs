@@ -5,7 +5,7 @@
 //! say; until then the corner is kept from the estimator. A tire that loses its air moves the hop to where the other wheels
 //! shake the body, too: the wheel's sensor by itself tells that, whatever its gain, as the hop is slower.
 
-use crate::diagnosis::debounce::{DebounceTimes, Debouncer};
+use crate::diagnosis::debounce::{AT_ONCE, Debouncer};
 use crate::diagnosis::matching::median;
 use crate::diagnosis::single_sensor::evidence;
 use crate::memory::Blank;
@@ -24,7 +24,6 @@ const JUMPED: f64 = 0.75;
 /// The same while another corner's hop frequency has changed: a wheel on a flat tire shakes the other bodies, too.
 const JUMPED_BESIDE: f64 = 1.1;
 const AS_EVER: f64 = 0.5;
-const JUMP: DebounceTimes = DebounceTimes { set_s: 0.0, clear_s: 1.0 };
 /// The same of the hop's log of frequencies squared from which on it is the tire that has changed. One that loses 100 kPa
 /// makes 0.3, two hours of everyday driving no more than 0.25.
 const SLOWER: f64 = 0.2;
@@ -114,7 +113,7 @@ impl<T: Real> WheelGainJump<T> {
         let jumped =
             strut_over_body > T::lit(if beside { JUMPED_BESIDE } else { JUMPED }) && !self.hop_shifted;
         let evidence = evidence(jumped, self.hop_shifted || strut_over_body < T::lit(AS_EVER));
-        let suspected = self.debouncer.update(time_s, step_s, evidence, JUMP);
+        let suspected = self.debouncer.update(time_s, step_s, evidence, AT_ONCE);
         if (suspected || self.hop_shifted) && !explained {
             self.lasted_s += step_s;
         } else {

@@ -3,7 +3,8 @@
 //!
 //! Like [`crate::diagnosis::wheel_gain::jump`], but of powers that are averaged over seconds, and counting what the other wheels do to a body.
 
-use crate::diagnosis::debounce::{DebounceTimes, Debouncer};
+use crate::diagnosis::cross_sensor::HOP_BLOCKS;
+use crate::diagnosis::debounce::{AT_ONCE, Debouncer};
 use crate::diagnosis::matching::median;
 use crate::diagnosis::signals::Block;
 use crate::diagnosis::single_sensor::evidence;
@@ -12,8 +13,7 @@ use crate::memory::Blank;
 use crate::model::Corner;
 use crate::real::Real;
 
-/// Blocks over which powers are averaged, and the share of an average that must be filled before it counts.
-const BLOCKS: f64 = 12.0;
+/// Share of an average that must be filled before it counts.
 const FILLED: f64 = 0.6;
 /// What a wheel does to the body over another one, as a share of the power that it gives the one over itself.
 const TO_OTHERS: f64 = 0.05;
@@ -22,15 +22,13 @@ const USUAL_BLOCKS: u32 = 60;
 const TUNED_BLOCKS: u32 = 16;
 const KNOWN_BLOCKS: u32 = 48;
 /// Log of powers by which a corner is off from its usual, more than the others, from which it has shifted; the same while another
-/// corner's tire is another one; below which it has not; and from which it is no more taken for usual. A gain of 0.75 makes 0.52,
+/// corner's tire is another one; and below which it has not, and is taken for usual. A gain of 0.75 makes 0.52,
 /// five hours over holes and humps 0.38.
 const SHIFTED: f64 = 0.35;
 const SHIFTED_BESIDE: f64 = 0.55;
-const AS_EVER: f64 = 0.22;
-const UNUSUAL: f64 = 0.2;
+const AS_EVER: f64 = 0.2;
 /// Seconds for which what is unusual, and no tire makes, is a reason to wait with a tire of its side that looks low.
 const WAIT_S: f64 = 15.0;
-const SHIFT: DebounceTimes = DebounceTimes { set_s: 0.0, clear_s: 1.0 };
 /// The same of the hop's log of frequencies squared from which on it is the tire that has changed; and what a tire that changes by less
 /// may make of the other log, over that.
 const SLOWER: f64 = 0.14;
@@ -93,7 +91,7 @@ impl<T: Real> Shift<T> {
         let strut_over_body = deviation.strut_over_body;
         let by_tire = T::lit(BY_TIRE) * deviation.wheel_over_strut;
         let limit = T::lit(if beside { SHIFTED_BESIDE } else { SHIFTED }) + by_tire;
-        let pending_fault = strut_over_body > T::lit(UNUSUAL) + by_tire && !self.hop_shifted;
+        let pending_fault = strut_over_body > T::lit(AS_EVER) + by_tire && !self.hop_shifted;
         if !pending_fault {
             self.pending_since_s = f64::NAN;
         } else if self.pending_since_s.is_nan() {
@@ -103,8 +101,8 @@ impl<T: Real> Shift<T> {
             strut_over_body > limit && !self.hop_shifted,
             self.hop_shifted || strut_over_body < T::lit(AS_EVER),
         );
-        let suspected = self.debouncer.update(time_s, step_s, evidence, SHIFT);
-        let baseline = !suspected && !self.hop_shifted && strut_over_body < T::lit(UNUSUAL);
+        let suspected = self.debouncer.update(time_s, step_s, evidence, AT_ONCE);
+        let baseline = !suspected && !self.hop_shifted && strut_over_body < T::lit(AS_EVER);
         self.lasted_s = if baseline || explained { 0.0 } else { self.lasted_s + step_s };
         if self.lasted_s > LONGEST_S || (explained && !suspected) {
             // Another car; or it was wrong before its usual was known, and what was learned is not usual.
@@ -167,7 +165,7 @@ impl<T: Real> WheelGainShift<T> {
     /// Every block counts alike, however rough its road.
     fn average(&mut self, block: &Block<T>) {
         let all = (4..8).fold(T::zero(), |sum, i| sum + block.hop[(i, i)]);
-        let share = T::lit(1.0 / BLOCKS);
+        let share = T::lit(1.0 / HOP_BLOCKS);
         let follow = |mean: &mut T, power: T| *mean += share * (power / all - *mean);
         for i in 0..4 {
             follow(&mut self.bodies[i], block.hop[(i, i)]);

@@ -7,6 +7,7 @@ use nalgebra::{Complex, SVector};
 
 use crate::belief::measurement::{BINS, SideMeasurement};
 use crate::belief::state::{GAIN, SKEW_UNIT_S, State};
+use crate::conditioning::STANDING_M_S;
 use crate::conditioning::pauses::{MISSING_S, PAUSE_S};
 use crate::inter_axle::alignment::channel::{BOTH, Entry, RELATIVE, SEEN};
 use crate::inter_axle::alignment::delay_line::{DelayLine, Read};
@@ -28,8 +29,6 @@ use crate::spectrum::FrameClock;
 
 pub(crate) use self::measure::PRODUCT_PARTS;
 
-/// Slowest speed in m/s at which a road is shared.
-pub(crate) const SLOWEST_M_S: f64 = 2.8;
 /// Hops after a restart until the instruments have forgotten that they began at rest.
 const SETTLING_HOPS: u32 = 5;
 /// Longest distance in m between two entries that follow each other.
@@ -166,7 +165,7 @@ impl<T: Real> AxlePair<T> {
 
     #[inline(never)]
     fn look_for_delay(&mut self, entry: &Entry<T>, road: &PairingContext<'_, T>) -> Option<Found<T>> {
-        if !(entry.speed_m_s > T::lit(SLOWEST_M_S)) || entry.after_gap || entry.invalid || entry.unloaded {
+        if !(entry.speed_m_s > T::lit(STANDING_M_S)) || entry.after_gap || entry.invalid || entry.unloaded {
             return None;
         }
         let [wheelbase, skew] = self.delay_search.count_from([road.wheelbase, road.skew]);
@@ -274,14 +273,14 @@ impl<T: Real> AxlePair<T> {
 
     /// What the front reported of the place where the rear is, how many steps before its newest entry, and how long ago.
     fn read_front(&self, entry: &Entry<T>, road: &PairingContext<'_, T>) -> Option<(Read<T>, T, T)> {
-        if entry.after_gap || !(entry.speed_m_s > T::lit(SLOWEST_M_S)) {
+        if entry.after_gap || !(entry.speed_m_s > T::lit(STANDING_M_S)) {
             return None;
         }
         let [wheelbase, skew] = self.used?;
         let there = self.delay_line.steps_back_at(entry.way?.ahead(-road.length_m(wheelbase)))?;
         let steps = there + T::lit(SKEW_UNIT_S / self.period_s) * skew;
         let read = self.delay_line.read_back(steps)?;
-        (read.speed_m_s > T::lit(SLOWEST_M_S)).then(|| (read, steps, self.delay_s(entry, there)))
+        (read.speed_m_s > T::lit(STANDING_M_S)).then(|| (read, steps, self.delay_s(entry, there)))
     }
 
     /// Seconds from so many steps before the front's newest entry to an entry of the rear.

@@ -16,8 +16,8 @@ const SECONDS: f64 = 0.005;
 const LOOK_S: f64 = 1.5;
 /// Correlation that has to be reached.
 const ENOUGH: f64 = 0.6;
-/// Seconds after which a search without success starts again.
-const GIVE_UP_S: f64 = 6.0;
+/// Seconds after which a search without success starts again, and the shared road is given up until it is found.
+pub(crate) const GIVE_UP_S: f64 = 6.0;
 
 /// Running sums of the search on one side.
 #[derive(Debug, Clone, PartialEq, Blank)]

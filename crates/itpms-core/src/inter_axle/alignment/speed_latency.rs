@@ -5,6 +5,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::memory::Blank;
+use crate::model::SURELY_SD;
 use crate::real::Real;
 
 /// Prior sd: wheelbase over speed, the rear's lateness in s, the speed's in s; and of a find, as a share of the
@@ -17,9 +18,8 @@ const MOST: f64 = 24.0;
 /// Lags in s that are worth telling, and that are possible.
 const SHORTEST_S: f64 = 0.03;
 const LONGEST_S: f64 = 1.0;
-/// Standard deviations that a lag must be from none, and the most that finds may be off with it, in theirs and on average.
+/// Standard deviations that a lag must be from none; with it finds may be off by [`SURELY_SD`] of theirs on average.
 const SURE: f64 = 5.0;
-const EXPLAINED: f64 = 3.0;
 
 /// The least squares of the finds, in units of [`PRIOR_SD`].
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
@@ -88,7 +88,7 @@ impl<T: Real> SpeedLatency<T> {
         let left = self.square - self.score.dot(&best);
         let size = seconds.abs();
         let sure = self.count >= T::lit(LEAST) && size > T::lit(SURE) * sd;
-        let explained = left < T::lit(EXPLAINED * EXPLAINED) * self.count;
+        let explained = left < T::lit(SURELY_SD * SURELY_SD) * self.count;
         let worth_it = size > T::lit(SHORTEST_S) && size < T::lit(LONGEST_S);
         (sure && explained && worth_it).then(|| Latency { seconds, rho: of(0), skew_s: of(1) })
     }

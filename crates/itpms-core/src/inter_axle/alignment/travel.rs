@@ -1,7 +1,7 @@
 //! How far the car has come and how fast it is, on the samples' clock.
 
-use super::axle_pair::SLOWEST_M_S;
 use super::way::Way;
+use crate::conditioning::STANDING_M_S;
 use crate::conditioning::pauses::MISSING_S;
 use crate::memory::Blank;
 use crate::real::Real;
@@ -44,7 +44,7 @@ impl<T: Real> Travel<T> {
             self.way = self.way.ahead(mean * seconds);
             let share = (seconds * T::lit(1.0 / SPEED_S)).min(T::one());
             self.mean_speed_m_s += (mean - self.mean_speed_m_s) * share;
-            if mean > T::lit(SLOWEST_M_S) {
+            if mean > T::lit(STANDING_M_S) {
                 self.unshared_s += seconds;
             }
         } else if follows {

@@ -3,11 +3,12 @@
 
 use nalgebra::SVector;
 
-use crate::belief::measurement::{BINS, Expectation, Gram, OVERLAP, Products, UpdateRecord};
+use crate::belief::measurement::{BINS, Expectation, Gram, Products, UpdateRecord};
 use crate::cholesky;
 use crate::inter_axle::NEAR_HOP_BINS;
 use crate::memory::Blank;
 use crate::real::Real;
+use crate::spectrum::{COHERENCE_S, LASTING_S, OVERLAP};
 
 /// Incoherence assumed before anything was seen, and the least that is believed: a millisecond between a wheel's sensor and
 /// its body's, or a damper that is not quite linear, is never seen as such and leads astray for as long as it is believed.
@@ -22,16 +23,14 @@ const LARGEST_MORE: f64 = 0.01;
 const COUNTED: f64 = 1.5;
 /// Incoherence near wheel hop at which frames count half.
 const DOUBTED: f64 = 0.4;
-/// Time constants in s of the incoherence and of the road's power.
-const INCOHERENCE_S: f64 = 2.0;
-const POWER_S: f64 = 1.0;
+/// Time constant in s of the road's power.
+pub(crate) const POWER_S: f64 = 1.0;
 /// Where frames of both sides show so many times what is believed, roads are parting, as at the beginning of a bend: frames are
 /// believed too much until this is seen, so it is seen with this time constant in s. (A tire that falls is on one side.)
 const PARTING: f64 = 6.0;
 const PARTING_S: f64 = 0.3;
-/// Time constant in s in which incoherence becomes lasting; it ends at once. The most that counts of it: two seconds of a bend,
-/// in which nothing is shared, would else count like 2 cm beside the track for good.
-const LASTING_S: f64 = 20.0;
+/// The most that counts of lasting incoherence: two seconds of a bend, in which nothing is shared, would else count like 2 cm beside the
+/// track for good.
 pub(crate) const MOST_LASTING: f64 = 0.2;
 
 #[derive(Debug, Clone, PartialEq, Blank)]
@@ -125,7 +124,7 @@ impl<T: Real> Coherence<T> {
         let gain = |time_s: f64| T::one() - (-seconds / T::lit(time_s)).exp();
         self.frames = self.frames.saturating_add(1);
         let count = T::one() / T::lit(f64::from(self.frames) + COUNTED);
-        let (power, usual) = (gain(POWER_S), gain(INCOHERENCE_S).max(count));
+        let (power, usual) = (gain(POWER_S), gain(COHERENCE_S).max(count));
         let parting = gain(PARTING_S).max(count);
         self.parting = false;
         let (usual_power, road) = (self.usual(&found.road_power), self.road(&found.road_power));

@@ -43,7 +43,7 @@ fn learn_late(
         let mut frames: [StrutFrame<f64>; 4] =
             core::array::from_fn(|_| StrutFrame { time_s: 0.2 * f64::from(step), spectra: Frame::zero() });
         for bin in 0..BINS {
-            let s = Complex::new(0.0, core::f64::consts::TAU * (bin + 1) as f64 * BIN_SPACING_HZ);
+            let s = Complex::new(0.0, core::f64::consts::TAU * (bin + 1) as f64 * FRICTION_SPACING_HZ);
             let velocity: [_; 4] = core::array::from_fn(|_| complex(&mut random) * 0.05);
             // Elements that follow the motion, and as much that does not.
             let elements: [[_; ELEMENTS]; 4] = core::array::from_fn(|i| {

@@ -75,7 +75,7 @@ fn by_brute_force(days: &[(f64, [f64; 3], Triangle<f64>)], usual: &Triangle<f64>
         let (step, mut sum, mut prior) = (2e-4, 0.0, 0.0);
         for n in 0..5000 {
             let g = -step * (f64::from(n) + 0.5);
-            let weight = (-0.5 * ((g - RATE_MEAN) / RATE_SD).powi(2)).exp();
+            let weight = (-0.5 * ((g + RATE) / RATE).powi(2)).exp();
             prior += weight;
             sum += weight * (log_density(covariance, without(seen.map(|x| x * g)), size) - none).exp();
         }

@@ -19,7 +19,7 @@ pub(super) use series::{Coarse, Series};
 pub(super) use sorted::Sorted;
 pub(super) use strays::Strays;
 
-/// What lies further than this from its place in the file, in s, is not put back.
+/// Samples further than this from their place in the file, in s, are not put back.
 pub(super) const WINDOW_S: f64 = 10.0;
 /// Share of samples that may be left out of a log; beyond, what is left is not this drive.
 pub(super) const TOLERATED_SHARE: f64 = 0.01;
@@ -32,7 +32,7 @@ pub(super) trait Stamped: Copy {
     fn has_values_of(&self, other: &Self) -> bool;
 }
 
-/// What becomes of a sample.
+/// Fate of a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Fate<T> {
     Kept(T),

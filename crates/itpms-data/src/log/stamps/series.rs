@@ -97,7 +97,7 @@ impl<T: Stamped> Series<T> {
         }
     }
 
-    /// What was found of a clock coarser than the samples.
+    /// Finding on a clock coarser than the samples.
     pub(in crate::log) fn coarse(&self) -> Coarse {
         let mut coarse = self.coarse;
         if let State::Spreading(spread) = &self.state {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use itpms_core::model::{Corner, CornerEstimate};
+use itpms_core::model::Corner;
 use itpms_core::warning::Change;
 
 use super::log::McapLog;
@@ -12,7 +12,7 @@ use crate::error::DataError;
 use crate::log::LogRow;
 use crate::out::cell::Cell;
 use crate::out::results::{EstimateColumns, RoadColumns};
-use crate::out::{AtomicFile, RadiusRow, RoadPoint, States, WheelSpeedUse, transition_object};
+use crate::out::{AtomicFile, EstimateRow, RoadPoint, WheelSpeedUse, transition_object};
 
 /// Writes the log's own columns and those of [`EstimateWriter`](crate::out::EstimateWriter) and [`RoadWriter`](crate::out::RoadWriter), with
 /// the same names and units, and the alerts as they come and go.
@@ -55,16 +55,10 @@ impl McapResults {
     }
 
     /// Adds what [`EstimateWriter::write`](crate::out::EstimateWriter::write) writes.
-    pub fn write_estimate(
-        &mut self,
-        time_s: f64,
-        estimates: &[Option<CornerEstimate<f64>>; 4],
-        states: &States,
-        radii: Option<&RadiusRow>,
-    ) -> Result<(), DataError> {
+    pub fn write_estimate(&mut self, row: &EstimateRow<'_>) -> Result<(), DataError> {
         let (columns, topics) = &mut self.estimates;
-        columns.cells(time_s, estimates, states, radii, &mut self.cells);
-        self.log.add(|writer| topics.write(writer, time_s, &self.cells))
+        columns.cells(row, &mut self.cells);
+        self.log.add(|writer| topics.write(writer, row.time_s, &self.cells))
     }
 
     /// Adds what [`RoadWriter::write`](crate::out::RoadWriter::write) writes, half a minute later than the rest.

@@ -19,6 +19,7 @@ use std::{fs, thread};
 use itpms_console::{Failure, Interrupt, Screen, names};
 use itpms_data::Vehicle;
 use itpms_data::out::{AtomicFile, NameLock};
+use itpms_drive::Settings;
 use itpms_live::LiveError;
 use itpms_live::drive::DriveOptions;
 use itpms_live::engine::Engine;
@@ -106,29 +107,22 @@ fn notes(screen: Screen) -> NoteSink {
 
 /// The vehicle becomes the one from which a reference counts.
 fn options(args: &MonitorArgs, vehicle: &mut Vehicle) -> Result<DriveOptions, Failure> {
-    let (reference, suspension_reference, wheel_reference, torsion_reference, days_reference) =
-        match &args.reference {
-            Some(path) => {
-                let file = args.vehicle.as_deref().unwrap_or(Path::new("--vehicle"));
-                let (known, stored) = reference::of(path, vehicle, file)?;
-                *vehicle = known;
-                let corners = stored.has_corners().then_some(stored.reference);
-                (corners, stored.suspension, stored.wheel_speeds, stored.torsion, Some(stored.days))
-            }
-            None => (None, None, None, [None; 4], None),
-        };
-    Ok(DriveOptions {
+    let mut options = DriveOptions { units: args.reading.options().units, ..DriveOptions::default() };
+    if let Some(path) = &args.reference {
+        let file = args.vehicle.as_deref().unwrap_or(Path::new("--vehicle"));
+        let (known, stored) = reference::of(path, vehicle, file)?;
+        *vehicle = known;
+        options.reference = Some(stored);
+    }
+    options.settings = Settings {
         regulation: args.regulation,
         calibrate_s: args.calibrate_s,
-        reference,
-        suspension_reference,
-        wheel_reference,
-        days_reference,
-        pulses: args.pulses.is_some(),
-        torsion_reference,
+        reference: args.reference.clone(),
+        pulses: args.pulses.clone(),
         rate_hz: args.rate,
-        units: args.reading.options().units,
-    })
+        ..options.settings
+    };
+    Ok(options)
 }
 
 /// Refuses an output that is one of the inputs, or two outputs of one name.

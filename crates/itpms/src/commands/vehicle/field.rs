@@ -1,24 +1,15 @@
 //! `itpms vehicle check --field`: whether an owner's log with known pressures is good enough, and the archive to hand on. The work is that of
 //! `itpms-drive`.
 
-use itpms_console::{Failure, Interrupt, Screen, names};
+use itpms_console::{Failure, Interrupt, Screen};
 use itpms_data::out::AtomicFile;
-use itpms_data::{LogReader, Vehicle};
 use itpms_drive::{FieldCheck, FieldNotes, check_field};
 
+use super::opened;
 use crate::args::CheckArgs;
 
 pub(super) fn run(args: &CheckArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
-    let [dbc, signals] = args.reading.inputs();
-    let inputs = [
-        (Some(args.log.as_path()), "the log"),
-        (Some(args.vehicle.as_path()), "the vehicle file"),
-        dbc,
-        signals,
-    ];
-    names::check(&inputs, &[args.output.as_deref()])?;
-    let vehicle = Vehicle::read(&args.vehicle)?;
-    let mut log = LogReader::open_with(&args.log, &args.reading.options())?;
+    let (vehicle, mut log) = opened(args, args.output.as_deref())?;
     let notes = FieldNotes {
         pressures: args.pressure_kpa.clone(),
         note: args.note.clone(),
@@ -44,9 +35,7 @@ pub(super) fn run(args: &CheckArgs, screen: &Screen, interrupt: &Interrupt) -> R
         )));
     }
     if let (Some(path), Some(archive)) = (&args.output, &checked.archive) {
-        let mut file = AtomicFile::create(path)?;
-        file.append(archive)?;
-        file.commit()?;
+        AtomicFile::save(path, archive)?;
         let without = match checked.left_out() {
             [] => String::new(),
             left_out => format!("; left out: {}", left_out.join(", ")),

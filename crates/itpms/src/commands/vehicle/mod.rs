@@ -5,11 +5,14 @@ mod field;
 mod learn;
 mod show;
 
-use itpms_console::{Failure, Interrupt, Screen, former};
+use std::path::Path;
+
+use itpms_console::{Failure, Interrupt, Screen, former, names};
 use itpms_data::out::AtomicFile;
 use itpms_data::vehicle::typical::{AxleWheels, TypicalCar, WheelsOfACar};
+use itpms_data::{LogReader, Vehicle};
 
-use crate::args::{InitArgs, VehiclePart};
+use crate::args::{CheckArgs, InitArgs, VehiclePart};
 
 pub(crate) fn run(part: &VehiclePart, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
     match part {
@@ -19,6 +22,15 @@ pub(crate) fn run(part: &VehiclePart, screen: &Screen, interrupt: &Interrupt) ->
         VehiclePart::Check(args) if args.field => field::run(args, screen, interrupt),
         VehiclePart::Check(args) => check::run(args, screen, interrupt),
     }
+}
+
+/// The vehicle and the log of a check, whose output is none of its inputs.
+fn opened(args: &CheckArgs, output: Option<&Path>) -> Result<(Vehicle, LogReader), Failure> {
+    let [dbc, signals] = args.reading.inputs();
+    let log = (Some(args.log.as_path()), "the log");
+    let vehicle = (Some(args.vehicle.as_path()), "the vehicle file");
+    names::check(&[log, vehicle, dbc, signals], &[output])?;
+    Ok((Vehicle::read(&args.vehicle)?, LogReader::open_with(&args.log, &args.reading.options())?))
 }
 
 /// All that is not given and has to be, at once; empty: nothing.

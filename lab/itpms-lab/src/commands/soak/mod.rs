@@ -105,9 +105,7 @@ fn drives(args: &SoakArgs) -> Result<u64, Failure> {
 
 fn finish(args: &SoakArgs, summary: &Summary, hours: &Path, screen: &Screen) -> Result<(), Failure> {
     let json = json(summary)?;
-    let mut file = AtomicFile::create(&args.out.join("summary.json"))?;
-    file.append(format!("{json}\n").as_bytes())?;
-    file.commit()?;
+    AtomicFile::save(&args.out.join("summary.json"), format!("{json}\n").as_bytes())?;
     if args.json {
         screen.print_lines(json);
     } else {

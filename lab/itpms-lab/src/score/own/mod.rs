@@ -49,7 +49,7 @@ impl Plan {
     /// So many cars; of the rows those whose names contain `only`.
     pub(super) fn new(cars: usize, only: Option<&str>, wheel_speeds: bool) -> Self {
         let wanted = |name: &str| only.is_none_or(|only| name.contains(only));
-        let ways: Vec<Way> = Way::ALL.into_iter().filter(|way| wanted(way.name())).collect();
+        let ways: Vec<Way> = Way::ALL.into_iter().filter(|way| wanted(way.label())).collect();
         let changes: Vec<_> = CHANGES.iter().filter(|change| wanted(change.name)).collect();
         let empty = ways.is_empty() && changes.is_empty();
         let subject = Subject { ways, changes, wheel_speeds };
@@ -66,7 +66,7 @@ impl Plan {
         for ((subject, _), found) in self.subjects.iter().zip(&found) {
             for (i, way) in subject.ways.iter().enumerate() {
                 let of_way: Vec<_> = found.iter().map(|one| &one.ways[i]).collect();
-                rows.push(Row::of_default("own", way.name(), found.len(), way_cells(&of_way)));
+                rows.push(Row::of_default("own", way.label(), found.len(), way_cells(&of_way)));
             }
             for (i, change) in subject.changes.iter().enumerate() {
                 let seen: Vec<&Seen> = found.iter().map(|one| &one.changes[i]).collect();

@@ -23,23 +23,13 @@ pub(super) const DAYS_S: [f64; 2] = [600.0, 130.0];
 /// What is left of a pressure after a loss on the later day.
 const LEFT: f64 = 0.8;
 
-/// What an owner gives the estimator on a later day.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Way {
-    LearnedAndReference,
-    FileAndReference,
-    Learned,
-}
-
-impl Way {
-    pub(super) const ALL: [Self; 3] = [Self::LearnedAndReference, Self::FileAndReference, Self::Learned];
-
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Self::LearnedAndReference => "learned and reference",
-            Self::FileAndReference => "file and reference",
-            Self::Learned => "learned",
-        }
+itpms_core::labelled! {
+    /// What an owner gives the estimator on a later day.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub(super) enum Way {
+        LearnedAndReference = "learned and reference",
+        FileAndReference = "file and reference",
+        Learned = "learned",
     }
 }
 

@@ -6,24 +6,21 @@ use super::{AxlePair, Measured, NOT_SHARED};
 use crate::belief::measurement::{BINS, SideMeasurement, UpdateRecord};
 use crate::belief::state::{State, read_compliance};
 use crate::inter_axle::residual::model::{AxleFrame, UnitRoad, Wheel, common_road, instrument_slope};
-use crate::inter_axle::residual::noise::{MOST_LASTING, fading};
+use crate::inter_axle::residual::noise::{MOST_LASTING, POWER_S, fading};
 use crate::inter_axle::{HOP_S, NEAR_HOP_BINS, bin_hz};
 use crate::real::Real;
+use crate::spectrum::COHERENCE_S;
 use crate::spectrum::transfer::{DescribingFunction, response};
 
 /// Bins whose expected products are computed at once, and parts in which they are where none is known; the last one is measured with.
 const PRODUCTS_AT_ONCE: usize = 2;
 pub(crate) const PRODUCT_PARTS: usize = (BINS - 1).div_ceil(PRODUCTS_AT_ONCE);
-/// Seconds without a frame after which the road's coherence is seen anew.
-const FORGET_S: f64 = 2.0;
 /// Pseudo-measurements of a side's spectra without a frame between them, after which the side is left to pseudo-measurements: some five seconds of both
 /// corners, nine of one.
 const MOST_SPECTRAL_UPDATES: u32 = 12;
 /// Power near wheel hop over that of the sensors' noise there at which frames begin to count; at twice this they count
 /// fully. Two axles whose sensors show nothing but noise agree on a road, too. The smoothest road there is has some hundred.
 const SNR_FULL: f64 = 25.0;
-/// Time constant in s of the logarithm of that ratio.
-const SNR_S: f64 = 1.0;
 
 impl<T: Real> AxlePair<T> {
     /// Computes up to [`PRODUCTS_AT_ONCE`] bins whose expected products are not known; the first of a frame's parts forgets all of them if the
@@ -36,7 +33,7 @@ impl<T: Real> AxlePair<T> {
         state: &State<T>,
         part: usize,
     ) -> bool {
-        if part == 0 && !(frame.middle_s - self.learned_until_s < FORGET_S) {
+        if part == 0 && !(frame.middle_s - self.learned_until_s < COHERENCE_S) {
             self.products.forget();
             self.coherence.restart();
         }
@@ -107,7 +104,7 @@ impl<T: Real> AxlePair<T> {
     fn track_snr(&mut self, road_power: &[T; BINS], noise: &[T; BINS]) {
         let [low, high] = NEAR_HOP_BINS;
         let ratio = (T::lit(0.5) * (road_power[low] / noise[low] + road_power[high] / noise[high])).ln();
-        let gain = T::one() - (T::lit(-HOP_S / SNR_S)).exp();
+        let gain = T::one() - (T::lit(-HOP_S / POWER_S)).exp();
         let before = self.log_snr.filter(|before| before.is_finite()).unwrap_or(ratio);
         self.log_snr = Some(before + gain * (ratio - before));
     }
