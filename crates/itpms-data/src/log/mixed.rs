@@ -6,6 +6,11 @@
 //! Up to four recordings are looked for, more than two in fixed turns. Measured is, over pairs of rows and all accelerations and wheel speeds, each over its variance: the mean square between the two of a pair,
 //! over that to the next pair, its rows in the order in which they go on best. One recording shows .3 to 1.3, noise alone 1.2 to 1.6, two
 //! 4 to 30.
+//!
+//! A wheel's own turning is no other recording. Its ring is out of round by up to half a hundredth, so its speed sways with every turn, and where a bus
+//! samples two, three or four times a turn (50 Hz at 130 km/h) rows repeat themselves as recordings in turns do. Two wheels of one car go
+//! together but for that; those of two cars are apart by what the cars are. So neighbors are unlike only where a wheel's speed is another by more than its
+//! turning can make.
 
 use super::row::{LogColumns, LogRow};
 use super::slot::Slot;
@@ -27,6 +32,9 @@ const UNLIKE_AT_REST: f64 = 1.5;
 /// Share of the columns in which neighbors are as unlike as that.
 const MOST_COLUMNS: f64 = 0.75;
 const UNLIKE_COLUMN: f64 = 0.3;
+/// By which share of its speed a wheel may turn faster or slower from one row to the next because its ring is out of round: twice the hundredth that half a
+/// hundredth either way makes, for the noise beside it.
+const TURNING: f64 = 0.02;
 /// Slowest speed in m/s of a car that moves: slower ones show nothing of their tires.
 const MOVING_M_S: f64 = 2.8;
 
@@ -67,7 +75,8 @@ impl Mixed {
 
     /// There are no more rows, or these are to be judged.
     pub(super) fn judge(&mut self, end_s: f64) -> Result<(), Problem> {
-        let found = ratio(&self.values, self.slots.len(), &self.moving);
+        let turning: Vec<bool> = self.slots.iter().map(|slot| slot.is_wheel_speed()).collect();
+        let found = ratio(&self.values, &turning, &self.moving);
         self.values.clear();
         self.moving.clear();
         (self.rows, self.stretches) = (0, self.stretches + 1);
@@ -83,9 +92,10 @@ impl Mixed {
     }
 }
 
-/// What tells several recordings from one, of rows of so many values, and for each whether the car moves; `None` of too few, or where neighbors have
-/// too much in common.
-fn ratio(values: &[f64], width: usize, moving: &[bool]) -> Option<f64> {
+/// What tells several recordings from one, of rows whose values are speeds of turning wheels or not, and for each whether the car moves; `None` of too
+/// few, or where neighbors have too much in common.
+fn ratio(values: &[f64], turning: &[bool], moving: &[bool]) -> Option<f64> {
+    let width = turning.len();
     let weights: Vec<f64> = (0..width).map(|column| weight(values, width, column)).collect();
     let used = weights.iter().filter(|weight| **weight > 0.0).count();
     // A value that is missing counts as one that goes on.
@@ -96,6 +106,14 @@ fn ratio(values: &[f64], width: usize, moving: &[bool]) -> Option<f64> {
         };
         one.iter().zip(other).zip(&weights).map(square).sum()
     };
+    // The same without what a wheel's turning makes.
+    let square_beyond = |column: usize, a: f64, b: f64| {
+        let off = (a - b).abs();
+        let turns = turning[column] && off <= TURNING * a.abs().max(b.abs());
+        if off.is_finite() && weights[column] > 0.0 && !turns { weights[column] * off * off } else { 0.0 }
+    };
+    let squares_beyond =
+        |one: &[f64], other: &[f64]| (0..width).map(|i| square_beyond(i, one[i], other[i])).sum::<f64>();
     if used == 0 || values.len() / width < FEWEST {
         return None;
     }
@@ -109,7 +127,7 @@ fn ratio(values: &[f64], width: usize, moving: &[bool]) -> Option<f64> {
         let (mut within, mut onwards, mut pairs) = (0.0, 0.0, 0.0);
         for rows in rows[phase..].windows(2 * recordings).step_by(recordings) {
             let (now, next) = rows.split_at(recordings);
-            let neighbors = || now.windows(2).map(|pair| squares(pair[0], pair[1]));
+            let neighbors = || now.windows(2).map(|pair| squares_beyond(pair[0], pair[1]));
             let straight: f64 = now.iter().zip(next).map(|(one, other)| squares(one, other)).sum();
             let onward = match (now, next) {
                 // A sort by stamps that are the same leaves two in any order.
@@ -122,10 +140,9 @@ fn ratio(values: &[f64], width: usize, moving: &[bool]) -> Option<f64> {
         }
         let unlike = within / (2.0 * pairs * used as f64);
         let of_column = |column: usize| {
-            let square = |pair: &[&[f64]]| (pair[0][column] - pair[1][column]).powi(2);
+            let square = |pair: &[&[f64]]| square_beyond(column, pair[0][column], pair[1][column]);
             let pairs_of = rows[phase..].windows(2).step_by(recordings);
-            let squares = pairs_of.map(square).filter(|square| square.is_finite());
-            weights[column] * squares.sum::<f64>() / (2.0 * pairs)
+            pairs_of.map(square).sum::<f64>() / (2.0 * pairs)
         };
         let unlike_columns = (0..width).filter(|column| of_column(*column) > UNLIKE_COLUMN).count();
         let is_unlike = UNLIKE.contains(&unlike)
@@ -180,9 +197,10 @@ mod tests {
 
     fn of(rows: impl Iterator<Item = Vec<f64>>, width: usize) -> f64 {
         let values: Vec<f64> = rows.take(ROWS).flat_map(|row| row[..width].to_vec()).collect();
-        ratio(&values, width, &STANDS).unwrap_or(0.0)
+        ratio(&values, &ACCELERATIONS[..width], &STANDS).unwrap_or(0.0)
     }
 
+    const ACCELERATIONS: [bool; WIDTH] = [false; WIDTH];
     const STANDS: [bool; ROWS] = [false; ROWS];
     const MOVES: [bool; ROWS] = [true; ROWS];
 
@@ -216,8 +234,8 @@ mod tests {
         let (a, b) = (drive(1, 200.0, 0.3), drive(2, 200.0, 0.3));
         let with_gravity = |k| b(k).into_iter().map(|value| value + 9.81).collect();
         let values: Vec<f64> = (0..512).flat_map(|k| [a(k), with_gravity(k)]).flatten().collect();
-        assert!(ratio(&values, WIDTH, &MOVES).unwrap() > MOST_RATIO);
-        assert_eq!(ratio(&values, WIDTH, &STANDS), None);
+        assert!(ratio(&values, &ACCELERATIONS, &MOVES).unwrap() > MOST_RATIO);
+        assert_eq!(ratio(&values, &ACCELERATIONS, &STANDS), None);
     }
 
     #[test]
@@ -225,10 +243,10 @@ mod tests {
         for rate_hz in [100.0, 200.0, 1000.0] {
             let all = [1, 2, 3, 4].map(|recording| drive(recording, rate_hz, 0.3));
             let one: Vec<f64> = (0..ROWS).flat_map(&all[0]).collect();
-            assert!(ratio(&one, WIDTH, &MOVES).unwrap_or(0.0) < 1.9, "{rate_hz}");
+            assert!(ratio(&one, &ACCELERATIONS, &MOVES).unwrap_or(0.0) < 1.9, "{rate_hz}");
             for many in [3, 4] {
                 let turns = (0..ROWS).flat_map(|k| all[k % many](k / many));
-                let found = ratio(&turns.collect::<Vec<_>>(), WIDTH, &MOVES).unwrap_or(0.0);
+                let found = ratio(&turns.collect::<Vec<_>>(), &ACCELERATIONS, &MOVES).unwrap_or(0.0);
                 assert!(found > MOST_RATIO, "{rate_hz} {many}: {found}");
             }
         }
@@ -247,7 +265,7 @@ mod tests {
             });
             let values: Vec<f64> = rows.collect();
             let moving: Vec<bool> = (0..ROWS).map(|k| k % many == 0).collect();
-            let found = ratio(&values, WIDTH, &moving).unwrap_or(0.0);
+            let found = ratio(&values, &ACCELERATIONS, &moving).unwrap_or(0.0);
             assert!(found > MOST_RATIO, "{many}: {found}");
         }
     }
@@ -270,5 +288,63 @@ mod tests {
             assert!(found < MOST_RATIO, "{share}: {found}");
         }
         assert_eq!(of((0..).map(|_| vec![1.0; WIDTH]), WIDTH), 0.0);
+    }
+
+    const WHEELS: [bool; 4] = [true; 4];
+
+    /// Four wheels of a car at this speed in m/s, in steps of 0.01 m/s with as much noise. Each ring is out of round by this share, once and
+    /// half as much twice a turn of a radius of 0.3 m. The car's speed sways by `sway` m/s, another way for every recording.
+    fn wheels(
+        recording: u64,
+        speed: f64,
+        rate_hz: f64,
+        runout: f64,
+        sway: f64,
+    ) -> impl Fn(usize) -> Vec<f64> {
+        move |k| {
+            let t = k as f64 / rate_hz;
+            let turn = std::f64::consts::TAU;
+            let car = speed + sway * (turn * (0.05 * t + uniform(recording, 1))).sin();
+            let wheel = |wheel: u64| {
+                let seed = 100 * recording + wheel;
+                let turned = speed * t / 0.3 + turn * uniform(seed, 1);
+                let round = runout * (turned.sin() + 0.5 * (2.0 * turned + turn * uniform(seed, 2)).sin());
+                let noise = 0.01 * uniform(seed, 1000 + k as u64);
+                ((car * (1.0 + round) + noise) * 100.0).round() / 100.0
+            };
+            (0..4).map(wheel).collect()
+        }
+    }
+
+    /// Half a hundredth at every speed, where a turn takes two, three or four rows, too.
+    #[test]
+    fn rings_out_of_round_are_one_at_every_speed_and_two_cars_are_two() {
+        let in_turns = |one: &dyn Fn(usize) -> Vec<f64>| (0..ROWS).flat_map(one).collect::<Vec<_>>();
+        for rate_hz in [10.0, 20.0, 25.0, 50.0, 100.0] {
+            // Where a turn takes just two, three or four rows, and all speeds between.
+            let just = [2.0, 3.0, 4.0, 6.0, 8.0].map(|rows| std::f64::consts::TAU * 0.3 * rate_hz / rows);
+            let speeds = (12..90).map(|half| f64::from(half) / 2.0).chain(just);
+            for speed in speeds.filter(|speed| *speed > 5.0 && *speed < 60.0) {
+                // The two harmonics together are at most 3/2 of it, so half a hundredth at most.
+                for runout in [0.0005, 0.0015, 0.005 / 1.5] {
+                    let one = in_turns(&wheels(1, speed, rate_hz, runout, 0.02));
+                    let found = ratio(&one, &WHEELS, &MOVES).unwrap_or(0.0);
+                    assert!(found < MOST_RATIO, "{rate_hz} Hz, {speed} m/s, {runout}: {found}");
+                }
+                if rate_hz < 50.0 {
+                    continue;
+                }
+                // Another car a twentieth faster or slower, or one that sways another way by a tenth.
+                for (other, sway) in [(1.05 * speed, 0.02), (0.95 * speed, 0.02), (speed, 0.1 * speed)] {
+                    let (a, b) = (
+                        wheels(1, speed, rate_hz / 2.0, 0.003, sway),
+                        wheels(7, other, rate_hz / 2.0, 0.003, sway),
+                    );
+                    let turns = in_turns(&|k| if k % 2 == 0 { a(k / 2) } else { b(k / 2) });
+                    let found = ratio(&turns, &WHEELS, &MOVES).unwrap_or(0.0);
+                    assert!(found > MOST_RATIO, "{rate_hz} Hz, {speed} and {other} m/s: {found}");
+                }
+            }
+        }
     }
 }
