@@ -201,12 +201,19 @@ fn listen(
     if let Some(why) = axis.contradiction() {
         return Err(DriveError::Log(format!("{path}: {why}")));
     }
+    let malfunction = corners.iter().map(|corner| listener.malfunction(*corner)).collect::<Vec<_>>();
     let reading = listener.finish();
     let seconds = |corner: &&Corner| reading.wheels[corner.index()].map_or(0.0, |wheel| wheel.seconds);
     let most_s = corners.iter().map(|corner| seconds(&corner)).fold(0.0, f64::max);
-    if let Some(corner) = corners.iter().find(|corner| seconds(corner) < UNREAD_SHARE * most_s) {
+    if let Some((corner, malfunction)) =
+        corners.iter().zip(&malfunction).find(|(corner, _)| seconds(corner) < UNREAD_SHARE * most_s)
+    {
+        let why = match malfunction {
+            Some(malfunction) => format!("{malfunction}: look at this sensor's scale and mount"),
+            None => "its sensors do not fit together".to_owned(),
+        };
         return Err(DriveError::Log(format!(
-            "{path}: the tire {} was read for {:.0} s and others for {most_s:.0}: its sensors do not fit together (itpms vehicle check shows them); nothing is learned of the car",
+            "{path}: the tire {} was read for {:.0} s and others for {most_s:.0}: {why} (itpms vehicle check shows them); nothing is learned of the car",
             corner.label(),
             seconds(&corner)
         )));

@@ -1,7 +1,8 @@
 //! One drive at known pressures: what each tire reads on an average, and what each strut showed minute by minute.
 
-use itpms_core::model::{CarConfig, CarSample, Corner, Misfit, ParameterError};
+use itpms_core::model::{CarConfig, CarSample, Corner, Misfit, ParameterError, Validity};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
+use itpms_core::warning::Cause;
 
 /// Seconds at the start of a drive that do not count, time between two looks at a tire, and valid time of a block of looks.
 const START_S: f64 = 30.0;
@@ -124,7 +125,9 @@ impl Listener {
             // With another wheelbase than the car's, front and rear never meet: a wheel's own spectrum tells of it all the same.
             let misfit = self.car.estimator().fit(Corner::ALL[i]).and_then(|(_, misfit)| misfit);
             let apart = misfit == Some(Misfit::Apart) && read.diagnostics.gate > LEARNING;
-            if (read.validity.is_valid() || apart) && read.stiffness_n_per_m > 0.0 {
+            // The pressure is known. One that the monitor would not show, of a rim or of no tire, is a car far from its file.
+            let unlike_file = read.validity == Validity::Misfit && misfit.is_none();
+            if (read.validity.is_valid() || apart || unlike_file) && read.stiffness_n_per_m > 0.0 {
                 blocks.push((read.stiffness_n_per_m / stated.quarter_car.unsprung_mass_kg()).ln());
             }
         }
@@ -138,6 +141,12 @@ impl Listener {
                 sum.count += 1;
             }
         }
+    }
+
+    /// What the monitor says of this corner's sensors by now, if they have a malfunction: why it is not read.
+    pub fn malfunction(&self, corner: Corner) -> Option<String> {
+        let mut alerts = self.car.report().alerts_of(corner);
+        alerts.find(|alert| matches!(alert.cause, Cause::Malfunction(_))).map(ToString::to_string)
     }
 
     pub fn finish(self) -> DriveReading {
