@@ -143,7 +143,7 @@ impl Listener {
         }
     }
 
-    /// What the monitor says of this corner's sensors by now, if they have a malfunction: why it is not read.
+    /// The monitor's report of a malfunction of this corner's sensors, if any: why it is not read.
     pub fn malfunction(&self, corner: Corner) -> Option<String> {
         let mut alerts = self.car.report().alerts_of(corner);
         alerts.find(|alert| matches!(alert.cause, Cause::Malfunction(_))).map(ToString::to_string)

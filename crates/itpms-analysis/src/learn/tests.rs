@@ -1,6 +1,9 @@
 //! Closed forms of the update, and a small car that is drawn, read and learned.
 
-use itpms_core::model::{CarConfig, Confidence, CornerConfig, ParameterUncertainty};
+use itpms_core::model::{CarConfig, Confidence, Corner, CornerConfig, ParameterUncertainty};
+use itpms_sim::scenario::Scenario;
+use itpms_sim::simulation::Simulation;
+use itpms_sim::time_profile::Pressure;
 
 use super::*;
 
@@ -103,4 +106,36 @@ fn drives_that_show_nothing_are_named() {
     assert_eq!(learn(&file(), &[]), Err(LearnError::NoDrive));
     let nothing = DriveReading { wheels: [None; 4], ..drive(PLACARD_KPA, 1.0) };
     assert_eq!(learn(&file(), &[drive(PLACARD_KPA, 1.0), nothing]), Err(LearnError::TooLittle(2)));
+}
+
+/// A car whose front wheels have 0.5 of the file's unsprung mass: by the file their tires have twice the pressure that they have, which no tire has.
+#[test]
+fn a_tire_that_is_far_from_its_file_is_read_at_its_known_pressure() {
+    let mut scenario = Scenario::builtin("drive-puncture").unwrap();
+    (scenario.duration_s, scenario.rate_hz) = (150.0, 200.0);
+    for corner in Corner::ALL {
+        let Some(spec) = scenario.corner.get_mut(corner) else { unreachable!() };
+        spec.pressure = Pressure::ConstantKpa(spec.placard_kpa);
+    }
+    let truth = Corner::ALL.map(|corner| scenario.corner_config(corner).unwrap());
+    let mut file = scenario.clone();
+    for corner in [Corner::FrontLeft, Corner::FrontRight] {
+        let Some(spec) = file.corner.get_mut(corner) else { unreachable!() };
+        spec.unsprung_mass_kg *= 2.0;
+    }
+    let config = CarConfig {
+        corners: Corner::ALL.map(|corner| Some(file.corner_config(corner).unwrap())),
+        wheelbase_m: Some(scenario.wheelbase_m),
+    };
+    let pressures_kpa = truth.map(|corner| corner.placard_kpa);
+    let mut listener = Listener::new(&config, pressures_kpa, scenario.rate_hz).unwrap();
+    Simulation::new(&scenario, 1).unwrap().for_each(|row| listener.take(&row.car_sample()));
+    for (i, wheel) in listener.finish().wheels.into_iter().enumerate() {
+        let wheel = wheel.unwrap_or_else(|| panic!("{i} was not read"));
+        let corner = &truth[i];
+        let right = corner.tire.stiffness_n_per_m(pressures_kpa[i]) / corner.quarter_car.unsprung_mass_kg();
+        // docs/math/learn.md, section 1: 1.5 % of the drive, 1.5 % of the car, 1 % of the wheel, three times their root sum of squares.
+        let off = (wheel.stiffness_over_mass / right).ln();
+        assert!(off.abs() < 3.0 * (2.0 * 0.015f64.powi(2) + 1e-4).sqrt(), "{i}: {off} {wheel:?}");
+    }
 }
