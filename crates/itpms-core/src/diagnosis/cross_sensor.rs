@@ -274,9 +274,12 @@ impl<T: Real> CrossSensorPlausibility<T> {
             let mut gain = T::one();
             let evidence = plane.map_or(Evidence::NoData, |plane| {
                 gain = plane.gain;
-                let wrong = !(gain > T::zero() && gain.ln().abs() < T::lit(BODY_GAIN));
+                let gains = [gain, plane.heave_gain];
+                let within = |gain: T, log: f64| gain > T::zero() && gain.ln().abs() < T::lit(log);
+                let wrong = gains.iter().all(|&gain| gain.is_finite() && !within(gain, BODY_GAIN))
+                    && (gain > T::one()) == (plane.heave_gain > T::one());
                 let his = plane.wrong_gain() == Some(corner);
-                let fine = gain > T::zero() && gain.ln().abs() < T::lit(BODY_GAIN_FINE);
+                let fine = gains.iter().any(|&gain| within(gain, BODY_GAIN_FINE));
                 evidence(
                     his && wrong && plane.warp > T::lit(0.5 * FLAT),
                     fine || plane.warp < T::lit(0.3 * FLAT),

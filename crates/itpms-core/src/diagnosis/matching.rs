@@ -59,6 +59,8 @@ pub(crate) struct Plane<T> {
     pub(crate) culprit: Corner,
     pub(crate) explained: T,
     pub(crate) gain: T,
+    /// That gain by the heave, as the sensors of the other diagonal have it: a sensor off its place reads more or less of pitch and roll, but all of the heave.
+    pub(crate) heave_gain: T,
 }
 
 impl<T: Real> Plane<T> {
@@ -82,14 +84,16 @@ impl<T: Real> Plane<T> {
         }
         // r = s g a and m = (1 + g) a: r / m = s g / (1 + g).
         let i = culprit.index();
-        let ratio = warp[i] * with_each[i] / bounce[(i, i)].max(T::lit(1e-12));
+        let gain = |ratio: T| one / (one - warp[i] * ratio);
+        let heave = bounce.column(culprit.same_axle().index()) + bounce.column(culprit.same_side().index());
         Some(Self {
             warp: power(&warp),
             warp_sides: power(&SVector::<T, 4>::new(-one, one, -one, one)),
             warp_axles: power(&SVector::<T, 4>::new(-one, -one, one, one)),
             culprit,
             explained,
-            gain: one / (one - ratio),
+            gain: gain(with_each[i] / bounce[(i, i)].max(T::lit(1e-12))),
+            heave_gain: gain(warp.dot(&heave) / heave[i]),
         })
     }
 
@@ -201,6 +205,29 @@ mod tests {
                 assert!((plane.gain / gain).ln().abs() < 0.15, "{gain}: {plane:?}");
             }
         }
+    }
+
+    /// A sensor that is two fifths of the way off to the center of gravity reads 0.6 of pitch and roll, so `g = -0.4 (p + r)`: with a heave of 0.3 its own
+    /// readings show a gain of 1/(1 + 0.4 * 0.6 * 2/(0.3² + 2 * 0.6²)), the heave none.
+    #[test]
+    fn a_sensor_off_its_place_has_no_gain_by_the_heave() {
+        let mut random = Random(9);
+        let mut moments = SMatrix::<f64, 4, 4>::zeros();
+        for _ in 0..40_000 {
+            let [heave, pitch, roll] = core::array::from_fn(|_| random.normal());
+            let heave = 0.3 * heave;
+            let moved = Vector4::new(
+                heave + 0.6 * (pitch + roll),
+                heave + pitch - roll,
+                heave - pitch + roll,
+                heave - pitch - roll,
+            );
+            moments += moved * moved.transpose();
+        }
+        let plane = Plane::of(&moments, 0.0).unwrap();
+        assert_eq!(plane.wrong_gain(), Some(Corner::FrontLeft), "{plane:?}");
+        assert!((plane.gain - 0.81 / 1.29).abs() < 0.01, "{plane:?}");
+        assert!((plane.heave_gain - 1.0).abs() < 0.04, "{plane:?}");
     }
 
     #[test]
