@@ -207,8 +207,8 @@ mod tests {
         }
     }
 
-    /// A sensor that is two fifths of the way off to the center of gravity reads 0.6 of pitch and roll, so `g = -0.4 (p + r)`: with a heave of 0.3 its own
-    /// readings show a gain of 1/(1 + 0.4 * 0.6 * 2/(0.3² + 2 * 0.6²)), the heave none.
+    /// Front left two fifths of the way off to the center of gravity reads 0.6 of pitch and roll, so `g = -0.4 (p + r)`. With a heave of 0.3 the readings of the
+    /// other end of its diagonal, `h - p - r`, explain most of that: by them it has a gain of 1/(1 - 0.4 * 2/(0.3² + 2)), by the heave none.
     #[test]
     fn a_sensor_off_its_place_has_no_gain_by_the_heave() {
         let mut random = Random(9);
@@ -225,8 +225,8 @@ mod tests {
             moments += moved * moved.transpose();
         }
         let plane = Plane::of(&moments, 0.0).unwrap();
-        assert_eq!(plane.wrong_gain(), Some(Corner::FrontLeft), "{plane:?}");
-        assert!((plane.gain - 0.81 / 1.29).abs() < 0.01, "{plane:?}");
+        assert_eq!(plane.wrong_gain(), Some(Corner::RearRight), "{plane:?}");
+        assert!((plane.gain - 2.09 / 1.29).abs() < 0.02, "{plane:?}");
         assert!((plane.heave_gain - 1.0).abs() < 0.04, "{plane:?}");
     }
 
