@@ -10,10 +10,10 @@ use crate::real::Real;
 
 /// What a calibration leaves of the tires' levels, as shares of their stiffness, by the shapes in which errors come (all alike, left against right, front
 /// against rear, diagonals): tires are set to 3 kPa, and roads differ.
-const CALIBRATED_SDS: [f64; 4] = [0.008, 0.004, 0.0015, 0.002];
+const CALIBRATED_SDS: [f64; 4] = [0.0125, 0.004, 0.0015, 0.002];
 /// Share of what the vehicle file leaves open of all tires' mean that another road than the calibration's shows again: a car that differs from its file
 /// in more than one factor reads one road otherwise than another, all tires alike (measured on simulated cars; docs/math/unknown-car.md, section 4).
-const ROAD_DEPENDENT: f64 = 0.25;
+const ROAD_DEPENDENT: f64 = 0.2;
 /// What a car may change besides between a calibration and a later day: load, speed and road, warmth and wear of tires and dampers.
 const BETWEEN_DAYS_SDS: [f64; 4] = [0.03, 0.016, 0.008, 0.0045];
 
@@ -153,9 +153,9 @@ mod tests {
         assert!((typical().mean_sd_kpa() - 326.6 * mean).abs() < 0.1);
     }
 
-    /// A quarter of what the typical file leaves open of the mean, of which each tire's own is a quarter of its variance and an axle's a half.
+    /// A fifth of what the typical file leaves open of the mean, of which each tire's own is a quarter of its variance and an axle's a half.
     fn road_dependent() -> f64 {
-        0.0625 * (0.04f64.powi(2) + 0.03f64.powi(2) / 2.0 + 0.018f64.powi(2) + 0.024f64.powi(2) / 4.0)
+        0.04 * (0.04f64.powi(2) + 0.03f64.powi(2) / 2.0 + 0.018f64.powi(2) + 0.024f64.powi(2) / 4.0)
     }
 
     #[test]
@@ -181,7 +181,7 @@ mod tests {
         let placard = 713.91 * 241.3 + 60_880.0;
         let stiffness = SVector::repeat(placard);
         let covariance = typical().stored(&stiffness) / (placard * placard);
-        let [mean, side, axle, warp] = [(0.008, 0.03), (0.004, 0.016), (0.0015, 0.008), (0.002, 0.0045)]
+        let [mean, side, axle, warp] = [(0.0125, 0.03), (0.004, 0.016), (0.0015, 0.008), (0.002, 0.0045)]
             .map(|(a, b): (f64, f64)| a * a + b * b);
         let mean = mean + road_dependent();
         assert!((covariance[(2, 2)] - (mean + side + axle + warp)).abs() < 1e-12);
@@ -205,7 +205,7 @@ mod tests {
         let mut stiffness = SVector::repeat(placard);
         let considered = typical();
         let level = considered.calibrated(&stiffness)[(1, 1)].sqrt();
-        let shapes = 0.008f64.powi(2) + 0.004f64.powi(2) + 0.0015f64.powi(2) + 0.002f64.powi(2);
+        let shapes = 0.0125f64.powi(2) + 0.004f64.powi(2) + 0.0015f64.powi(2) + 0.002f64.powi(2);
         let left = (shapes + road_dependent()).sqrt();
         assert!((level / placard - left).abs() < 1e-12);
         // 48 kPa down: 5.83 % of them.
