@@ -68,7 +68,8 @@ fn no_sd_is_below_the_vehicle_file_s_own_before_a_reset() {
 }
 
 /// Of the file's uncertainty, 0.8 of the masses' and 0.6 of the tires' are the same for all, so any two of them are wrong together by
-/// that much at least, also where corners are by themselves; a reset leaves 1.25 % in common and a fifth of what the file leaves open of the mean, sides, axles and diagonals less.
+/// that much at least, also where corners are by themselves; a reset leaves 1.25 % in common and a fifth of what the file leaves open of the mean, sides, axles and diagonals less. (Of the mean: half
+/// the variance of an axle's 0.6 of the mass and a quarter of that of each tire's own 0.8.)
 #[test]
 fn what_all_tires_are_wrong_by_alike_is_in_their_correlations() {
     let ends_with = |mut car: CarEstimator<f64>| {
@@ -87,7 +88,6 @@ fn what_all_tires_are_wrong_by_alike_is_in_their_correlations() {
     let told = ends_with(car(&config()));
     assert!(told.iter().all(|share| *share > 0.9), "{told:?}");
     let reset = ends_with(calibrated(5.0));
-    // Of the mean: what is common, half of an axle's 0.6 of the mass, a quarter of each tire's 0.8 of its own.
     let alike = (0.8f64 * 0.015).powi(2) + (0.6f64 * 0.01).powi(2);
     let mean = alike + (0.6f64 * 0.015).powi(2) / 2.0 + (0.8f64 * 0.01).powi(2) / 4.0;
     let left = (0.0125f64.powi(2) + 0.04 * mean) / alike;

@@ -214,8 +214,7 @@ mod tests {
         let mut random = Random(9);
         let mut moments = SMatrix::<f64, 4, 4>::zeros();
         for _ in 0..40_000 {
-            let [heave, pitch, roll] = core::array::from_fn(|_| random.normal());
-            let heave = 0.3 * heave;
+            let [heave, pitch, roll] = [0.3, 1.0, 1.0].map(|sd| sd * random.normal());
             let moved = Vector4::new(
                 heave + 0.6 * (pitch + roll),
                 heave + pitch - roll,
