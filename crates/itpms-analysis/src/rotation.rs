@@ -28,7 +28,7 @@ const FOUND_SDS: f64 = 4.5;
 /// What parameters leave open of a force, and of an imbalance in g.
 const FORCE_SD: f64 = 0.1;
 const IMBALANCE_SD_G: f64 = 8.0;
-/// An imbalance is parted from run-out where the speed's square has doubled, and is said where the noise leaves so many g open.
+/// An imbalance is parted from run-out where the speed's square has doubled, and is reported where the noise leaves so many g open.
 const SWEEP: f64 = 2.0;
 const KNOWN_G: f64 = 20.0;
 /// Radius in m at which a weight sits.

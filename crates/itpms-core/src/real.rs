@@ -36,7 +36,7 @@ pub trait Real: RealField + Copy {
 const ROUND: f32 = 12_582_912.0;
 /// The same of a double: 1.5 * 2^52.
 pub(crate) const ROUND_F64: f64 = 6_755_399_441_055_744.0;
-/// Least weight or determinant that is told from zero: nearer to it single precision ends.
+/// Least weight or determinant that differs from zero: nearer to it single precision ends.
 pub(crate) const SMALLEST: f64 = 1e-30;
 /// `ln 2` with eleven zeros at its end, and what is missing.
 const LN_2_HIGH: f64 = f64::from_bits(0x3fe6_2e42_fefa_3800);

@@ -28,10 +28,10 @@ impl AirCheck {
         let values = |air: &Air<f64>| [air.ambient_temperature_c, air.barometric_kpa, air.altitude_m];
         let plausible = values(&air.plausible());
         self.known |= plausible[0].is_finite();
-        for ((odd, said), plausible) in self.odd.iter_mut().zip(values(air)).zip(plausible) {
-            if said.is_finite() && plausible.is_nan() {
+        for ((odd, value), plausible) in self.odd.iter_mut().zip(values(air)).zip(plausible) {
+            if value.is_finite() && plausible.is_nan() {
                 if odd.count == 0 {
-                    odd.first = said;
+                    odd.first = value;
                 }
                 odd.count += 1;
             }

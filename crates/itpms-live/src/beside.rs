@@ -160,7 +160,7 @@ mod tests {
         LogRow { time_s, speed_m_s, corners: [Some(still); 4], motion: itpms_data::log::LogMotion::UNKNOWN }
     }
 
-    /// A drive of a minute, a stop of so many seconds and two seconds more: what is reported of what had been found before the stop.
+    /// A drive of a minute, a stop of so many seconds and two seconds more: its report of the findings before the stop.
     fn stopped_for(seconds: u32) -> Vec<String> {
         let clock = Clock { sample_rate_hz: 100.0, corners: Corner::ALL.to_vec(), wheel_speeds: false };
         let mut drive = LiveDrive::new(&Vehicle::paper(), clock, &DriveOptions::default()).unwrap();

@@ -4,7 +4,7 @@ use crate::diagnosis::debounce::{COMPARED, DebounceTimes, Evidence};
 use crate::diagnosis::fault_latch::{FaultLatch, SwapPattern};
 use crate::diagnosis::matching::{Changed, Following, PAIRS, Plane, following, gathered, median};
 use crate::diagnosis::moments::Moments;
-use crate::diagnosis::signals::{BOUNCE_HZ, Block, SLOW_HZ, width_hz};
+use crate::diagnosis::signals::{BOUNCE_HZ, Block, HOP_BLOCKS, SLOW_HZ, width_hz};
 use crate::diagnosis::single_sensor::evidence;
 use crate::diagnosis::wheel_gain::balance::WheelGainBalance;
 use crate::diagnosis::wheel_gain::jump::{Hop, WheelGainJump, jumps};
@@ -14,8 +14,7 @@ use crate::memory::Blank;
 use crate::model::{Corner, HOP_BAND_HZ, Wheels};
 use crate::real::Real;
 
-/// Blocks over which hop and bounce are averaged.
-pub(crate) const HOP_BLOCKS: f64 = 12.0;
+/// Blocks over which bounce is averaged.
 const BOUNCE_BLOCKS: f64 = 5.0;
 /// Blocks over which the ratio of a corner's wheel to its body is averaged.
 const RATIO_BLOCKS: f64 = 4.0;

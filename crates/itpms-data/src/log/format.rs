@@ -56,7 +56,7 @@ impl LogFormat {
             None => Ok(LogFormat::Table(Format::Csv)),
             // Read, but not written so.
             Some("gz" | "tsv" | "txt" | "vbo") => Err(unknown(path, extension.as_deref(), expected_log())),
-            // What is said of files that are not read says nothing of one that is to be written.
+            // A message about files that cannot be read does not fit one that is to be written.
             Some(_) => LogFormat::of(path).map_err(|_| unknown(path, extension.as_deref(), expected_log())),
         }
     }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 /// Folders within folders, as for the parts.
 const DEEPEST: usize = 8;
-const SAID: usize = 5;
+const NAMED: usize = 5;
 
 /// A sentence about the files of a folder that are no parts of its table; `None` of a file, or if there are none. What begins with `_` or `.` says
 /// something of the parts.
@@ -31,14 +31,14 @@ pub(super) fn of_folder(path: &Path) -> Option<String> {
         }
     }
     names.sort();
-    let more = names.len().saturating_sub(SAID);
+    let more = names.len().saturating_sub(NAMED);
     let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-    let said = names.iter().take(SAID).map(String::as_str).collect::<Vec<_>>().join(", ");
+    let named = names.iter().take(NAMED).map(String::as_str).collect::<Vec<_>>().join(", ");
     match names.len() {
         0 => None,
-        1 => Some(format!("1 file of the folder is no Parquet and was left out: {said}; read it by itself")),
+        1 => Some(format!("1 file of the folder is no Parquet and was left out: {named}; read it by itself")),
         n => Some(format!(
-            "{n} files of the folder are no Parquet and were left out: {said}{more}; read each by itself"
+            "{n} files of the folder are no Parquet and were left out: {named}{more}; read each by itself"
         )),
     }
 }

@@ -117,7 +117,7 @@ fn sensors(vehicle: &Vehicle, log: &LogReader, found: &mut Findings) {
             if present.is_empty() { found.faults.push(text) } else { found.notes.push(text) }
         }
         if !motion.yaw_rate {
-            found.notes.push("no yaw_rate_rad_s: bends are told from lost air less well; it is on most buses beside the wheel speeds".to_owned());
+            found.notes.push("no yaw_rate_rad_s: bends are harder to distinguish from lost air; it is on most buses beside the wheel speeds".to_owned());
         }
     }
 }

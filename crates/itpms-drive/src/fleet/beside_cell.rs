@@ -13,7 +13,7 @@ use itpms_core::model::{Corner, PressureUnit};
 use super::record::DriveRecord;
 use crate::run::Done;
 
-/// Standard deviations of itself that a force is told from.
+/// Standard deviations from zero at which a force is significant.
 const SURE: f64 = 3.0;
 
 /// Each with whether somebody has to look.

@@ -3,10 +3,9 @@
 //!
 //! Like [`crate::diagnosis::wheel_gain::jump`], but of powers that are averaged over seconds, and counting what the other wheels do to a body.
 
-use crate::diagnosis::cross_sensor::HOP_BLOCKS;
 use crate::diagnosis::debounce::{AT_ONCE, Debouncer};
 use crate::diagnosis::matching::median;
-use crate::diagnosis::signals::Block;
+use crate::diagnosis::signals::{Block, HOP_BLOCKS};
 use crate::diagnosis::single_sensor::evidence;
 use crate::diagnosis::wheel_gain::jump::{Hop, LONGEST_S};
 use crate::memory::Blank;
