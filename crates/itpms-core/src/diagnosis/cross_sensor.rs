@@ -11,7 +11,7 @@ use crate::diagnosis::wheel_gain::jump::{Hop, WheelGainJump, jumps};
 use crate::diagnosis::wheel_gain::shift::WheelGainShift;
 use crate::diagnosis::{Fault, Malfunction, Place, Sensor};
 use crate::memory::Blank;
-use crate::model::{Corner, HOP_BAND_HZ, Wheels};
+use crate::model::{Corner, HOP_BAND_HZ, SURELY_SD, Wheels};
 use crate::real::Real;
 
 /// Blocks over which bounce is averaged.
@@ -32,10 +32,12 @@ const ABOVE_NOISE: f64 = 3.0;
 /// a wheel that is a body, as a log of powers.
 const LIKE_A_WHEEL: f64 = 2.0;
 
-/// Log of how much better bodies follow their own wheels than each other's, below which two are swapped and above which
-/// not. A healthy car has more than 1.1.
-const OTHER: f64 = -0.4;
+/// Log of how much better bodies follow their own wheels than each other's, above which they do.
 const OWN: f64 = 0.4;
+/// Sum over time of what speaks for a swap (7a) from which it is reported, if that shall happen once in a hundred hours by chance: the log of those over the
+/// memory of the moments, 6 s; and the share of it from which the two sensors are not believed.
+const SURE: f64 = 11.0;
+const SUSPECTED: f64 = 0.25;
 const SWAP: DebounceTimes = DebounceTimes { set_s: 4.0, clear_s: 4.0 };
 
 /// Warp of the body's plane, as a share of all power, that is none, and that is a sensor's fault. A healthy car has less than 0.01.
@@ -60,8 +62,9 @@ pub(crate) struct CrossSensorPlausibility<T: Real> {
     patterns: [SwapPattern; 4],
     /// A body moves like a wheel, or the other way round; by corner.
     odd: [FaultLatch<T>; 4],
-    /// Two wheels or two bodies are swapped; by pair.
+    /// Two wheels or two bodies are swapped, and how much speaks for it; by pair.
     pairs: [FaultLatch<T>; 6],
+    for_swaps: [T; 6],
     /// Both sensors of corners are swapped, left with right or front with rear.
     corners: [FaultLatch<T>; 2],
     body_gains: [FaultLatch<T>; 4],
@@ -82,6 +85,7 @@ impl<T: Real> CrossSensorPlausibility<T> {
         self.patterns = [SwapPattern::AsLabeled; 4];
         self.odd.fill(FaultLatch::new());
         self.pairs.fill(FaultLatch::new());
+        self.for_swaps = [T::zero(); 6];
         self.corners.fill(FaultLatch::new());
         self.body_gains.fill(FaultLatch::new());
         self.wheel_gains = WheelGainBalance::new();
@@ -94,6 +98,11 @@ impl<T: Real> CrossSensorPlausibility<T> {
     pub(crate) fn drop_suspicions(&mut self) {
         let latches = self.pairs.iter_mut().chain(&mut self.corners).chain(&mut self.reversed);
         latches.for_each(FaultLatch::drop_suspicion);
+        for (pair, sum) in self.pairs.iter().zip(&mut self.for_swaps) {
+            if !pair.debouncer.is_active() {
+                *sum = T::zero();
+            }
+        }
         self.drop_gain_suspicions();
     }
 
@@ -226,17 +235,25 @@ impl<T: Real> CrossSensorPlausibility<T> {
 
     fn judge_pairs(&mut self, at: [f64; 2], following: Option<&Following<T>>, plane: Option<&Plane<T>>) {
         let bent = plane.filter(|plane| plane.warp > T::lit(BENT));
+        let place = if bent.is_some() { Place::Body } else { Place::Wheel };
+        let Some(Following { own_over_other, .. }) = following else { return };
+        let least = own_over_other.iter().fold(own_over_other[0], |least, other| least.min(*other));
+        let (step_s, sure) = (T::lit(at[1]), T::lit(SURE));
         for (k, [i, j]) in PAIRS.into_iter().enumerate() {
+            let own = own_over_other[k];
             // Bodies that are no plane, and none if two of them change places, are not one rigid body: each follows other wheels, too.
-            let rigid = bent.is_none_or(|plane| plane.is_put_back_by([i, j]));
-            let evidence = following.filter(|_| rigid).map_or(Evidence::NoData, |following| {
-                let own = &following.own_over_other;
-                let least = own.iter().fold(own[k], |least, other| least.min(*other));
-                evidence(own[k] < T::lit(OTHER) && own[k] <= least, own[k] > T::lit(OWN))
-            });
-            let place = if bent.is_some() { Place::Body } else { Place::Wheel };
+            if !own.is_finite() || bent.is_some_and(|plane| !plane.is_put_back_by([i, j])) {
+                continue;
+            }
+            if own > T::zero() || own <= least {
+                self.for_swaps[k] = (self.for_swaps[k] - own * step_s).clamp(T::zero(), sure);
+            }
+            let sum = self.for_swaps[k];
+            let set_s = if sum < sure { f64::INFINITY } else { 0.0 };
+            let evidence = evidence(sum > sure * T::lit(SUSPECTED), !(sum > T::zero()));
             let sensor = |corner| Sensor { corner, place };
-            self.pairs[k].update(at, evidence, SWAP, || Malfunction::Swapped(sensor(i), sensor(j)));
+            let malfunction = || Malfunction::Swapped(sensor(i), sensor(j));
+            self.pairs[k].update(at, evidence, DebounceTimes { set_s, clear_s: 0.0 }, malfunction);
         }
     }
 
@@ -260,7 +277,8 @@ impl<T: Real> CrossSensorPlausibility<T> {
         let flat = plane.is_some_and(|plane| plane.warp < T::lit(BENT));
         for corner in Corner::ALL {
             let evidence = following.filter(|_| flat).map_or(Evidence::NoData, |following| {
-                evidence(following.own[corner] < T::zero(), following.own[corner] > T::zero())
+                let (own, sd) = (following.own[corner], following.own_sd[corner]);
+                evidence(own < T::lit(-SURELY_SD) * sd, own > T::zero())
             });
             let sensor = Sensor { corner, place: Place::Wheel };
             let gain = -T::one();

@@ -3,7 +3,9 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use crate::model::Corner;
+use crate::diagnosis::BLOCK_S;
+use crate::diagnosis::signals::{HOP_BLOCKS, width_hz};
+use crate::model::{Corner, HOP_BAND_HZ};
 use crate::real::Real;
 
 pub(crate) const PAIRS: [[Corner; 2]; 6] = {
@@ -12,6 +14,8 @@ pub(crate) const PAIRS: [[Corner; 2]; 6] = {
 };
 /// What is added to the wheels' moments, as a share of their trace: roads that are alike must not blow up the regression.
 const RIDGE: f64 = 1e-3;
+/// Independent values in the moments of hop: two per Hz of the band and second.
+const INDEPENDENT: f64 = 2.0 * width_hz(HOP_BAND_HZ) * BLOCK_S * HOP_BLOCKS;
 /// Share of the warp that one sensor's gain must explain; noise has its part in it, too.
 const EXPLAINED: f64 = 0.65;
 /// Warp from which corners may be in each other's place; and what is left of it when they are put back.
@@ -28,6 +32,8 @@ pub(crate) struct Following<T> {
     pub(crate) own_over_other: [T; 6],
     /// By how much each body follows its own wheel. Negative: one of the two is upside down.
     pub(crate) own: [T; 4],
+    /// Standard deviation of that, from what no wheel explains of the body's motion.
+    pub(crate) own_sd: [T; 4],
 }
 
 /// `None` for wheels that do not move.
@@ -42,8 +48,17 @@ pub(crate) fn following<T: Real>(hop: &SMatrix<T, 8, 8>) -> Option<Following<T>>
     let follows = wheels.cholesky()?.solve(&wheels_by_bodies);
     let of = |wheel: Corner, body: Corner| follows[(wheel.index(), body.index())];
     let square = |wheel, body| of(wheel, body) * of(wheel, body);
+    // Where friction holds a strut, or an engine shakes the body, the wheels leave much of its motion unexplained.
+    let own_sd = |i: usize| {
+        let unexplained = hop[(i, i)] - follows.column(i).dot(&wheels_by_bodies.column(i));
+        (unexplained.max(T::zero()) / (wheels[(i, i)] * T::lit(INDEPENDENT))).sqrt()
+    };
     let log = |[i, j]: [Corner; 2]| ((square(i, i) + square(j, j)) / (square(i, j) + square(j, i))).ln();
-    Some(Following { own_over_other: PAIRS.map(log), own: [0, 1, 2, 3].map(|i| follows[(i, i)]) })
+    Some(Following {
+        own_over_other: PAIRS.map(log),
+        own: [0, 1, 2, 3].map(|i| follows[(i, i)]),
+        own_sd: [0, 1, 2, 3].map(own_sd),
+    })
 }
 
 /// How the bodies' accelerations lie in one plane: `a_fl - a_fr - a_rl + a_rr` is zero for a rigid body.
@@ -192,6 +207,35 @@ mod tests {
         );
         bodies[at] *= gain;
         bodies
+    }
+
+    /// Bodies that follow their own wheels by 0.8 and are shaken besides, as loudly as that: of many regressions over as many times as the moments hold, each
+    /// coefficient has the spread that is stated.
+    #[test]
+    fn a_body_that_is_shaken_follows_its_wheel_as_well_as_is_stated() {
+        let mut random = Random(11);
+        let (mut sum, mut squares, mut stated) = (0.0, 0.0, 0.0);
+        let runs = 400.0;
+        for _ in 0..runs as u32 {
+            let mut moments = SMatrix::<f64, 8, 8>::zeros();
+            for _ in 0..INDEPENDENT as u32 {
+                let wheels = Vector4::from_fn(|_, _| random.normal());
+                let bodies = wheels * 0.8 + Vector4::from_fn(|_, _| 0.8 * random.normal());
+                let mut all = SVector::<f64, 8>::zeros();
+                all.fixed_rows_mut::<4>(0).copy_from(&bodies);
+                all.fixed_rows_mut::<4>(4).copy_from(&wheels);
+                moments += all * all.transpose();
+            }
+            let Following { own, own_sd, .. } = following(&moments).unwrap();
+            (sum, squares) = (sum + own[2], squares + own[2] * own[2]);
+            stated += own_sd[2] / runs;
+        }
+        let mean = sum / runs;
+        let spread = (squares / runs - mean * mean).sqrt();
+        assert!(
+            (mean - 0.8).abs() < 0.02 && (spread / stated - 1.0).abs() < 0.15,
+            "{mean} {spread} {stated}"
+        );
     }
 
     #[test]
