@@ -12,7 +12,7 @@ use super::measurement::{AxleResidual, SideMeasurement, UpdateRecord};
 use super::state::{MASS, RATE, SIZE, State, TIRE};
 use super::tires::Tires;
 use super::transition::{NOTICED, Transition};
-use super::update::{Likelihood, OwnCovariance, score};
+use super::update::{Lesson, Likelihood, OwnCovariance, score};
 use crate::memory::{Blank, Placed};
 use crate::model::{Corner, Learned, Side};
 use crate::real::{Real, SMALLEST};
@@ -140,33 +140,47 @@ impl<T: Real> HypothesisBank<T> {
 
     /// Updates one hypothesis with a frame of one side, which `linearize` linearizes at a state; false if it is left out for its low weight
     /// ([`FrameUpdate::follows`]).
-    #[inline(never)]
     pub(super) fn update_hypothesis(
         &mut self,
         index: usize,
         measurement: &SideMeasurement<T>,
         linearize: impl Fn(&State<T>) -> AxleResidual<T>,
     ) -> bool {
-        let SideMeasurement { side, expected, instrument, weight, .. } = measurement;
-        let weight_before = self.hypotheses.get(index).map_or(T::ZERO, |hypothesis| hypothesis.weight);
-        let follows = self.update.follows(index, weight_before, *side);
-        let FrameUpdate { log_weight, record, best, .. } = &mut self.update;
-        let usual = log_weight[CONSTANT];
-        let hypothesis = self.hypotheses.get_mut(index).zip(log_weight.get_mut(index));
-        let Some((hypothesis, log_weight)) = hypothesis else { return false };
-        if !follows {
-            *log_weight = usual;
+        let reading = &measurement.reading;
+        let weight = self.hypotheses.get(index).map_or(T::ZERO, |hypothesis| hypothesis.weight);
+        if !self.update.follows(index, weight, reading.side) {
+            let usual = self.update.log_weight[CONSTANT];
+            self.update.log_weight.get_mut(index).into_iter().for_each(|log_weight| *log_weight = usual);
             return false;
         }
+        let mut lesson = Lesson::BLANK;
+        if self.compare(index, measurement, linearize, &mut lesson).is_some()
+            && let Some(hypothesis) = self.hypotheses.get_mut(index)
+        {
+            lesson.teach(hypothesis, reading);
+        }
+        true
+    }
+
+    /// How likely the frame is by a hypothesis, and what it teaches that; `None`: nothing. Apart from the teaching, as both take much of the stack.
+    #[inline(never)]
+    fn compare(
+        &mut self,
+        index: usize,
+        measurement: &SideMeasurement<T>,
+        linearize: impl Fn(&State<T>) -> AxleResidual<T>,
+        lesson: &mut Lesson<T>,
+    ) -> Option<()> {
+        let SideMeasurement { reading, expected, instrument, weight, .. } = measurement;
+        let FrameUpdate { log_weight, record, best, .. } = &mut self.update;
+        let (hypothesis, log_weight) = self.hypotheses.get(index).zip(log_weight.get_mut(index))?;
+        *log_weight = T::lit(IMPOSSIBLE);
         let prefit = linearize(&hypothesis.mean);
-        let mut own = OwnCovariance::new(&hypothesis.covariance, *side);
-        let Some(likelihood) = Likelihood::new(&own, &prefit, instrument, expected) else {
-            *log_weight = T::lit(IMPOSSIBLE);
-            return true;
-        };
+        let own = OwnCovariance::new(&hypothesis.covariance, reading);
+        let likelihood = Likelihood::new(&own, &prefit, instrument, expected)?;
         *log_weight = *weight * likelihood.log;
         let score = score(&prefit, instrument, expected);
-        own.learn(hypothesis, &score, &expected.information_root, &likelihood, *weight);
+        let learned = own.lesson(&score, &expected.information_root, &likelihood, *weight, lesson);
         if index == *best {
             record.place(|record| {
                 record.prefit = prefit;
@@ -176,7 +190,7 @@ impl<T: Real> HypothesisBank<T> {
                 record.weight = *weight;
             });
         }
-        true
+        learned
     }
 
     /// With all of them updated, weighs them; gives the record of the one that was the most likely before.

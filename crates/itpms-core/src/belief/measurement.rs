@@ -2,9 +2,8 @@
 
 use nalgebra::{Complex, SMatrix, SVector};
 
-use super::state::SIDE_SIZE;
+use super::state::{SIDE_SIZE, SideReading};
 use crate::memory::Blank;
-use crate::model::Side;
 use crate::real::Real;
 
 pub(crate) const BINS: usize = 5;
@@ -57,7 +56,7 @@ pub(crate) struct Expectation<T: Real> {
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct SideMeasurement<T: Real> {
-    pub(crate) side: Side,
+    pub(crate) reading: SideReading<T>,
     pub(crate) expected: Expectation<T>,
     /// Derivatives taken from the road that both axles agree on, free of the axles' differences.
     pub(crate) instrument: Slope<T>,

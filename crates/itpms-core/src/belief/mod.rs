@@ -171,10 +171,11 @@ impl<T: Real> Belief<T> {
     /// Begins to update with a frame of one side. [`update_hypothesis`](Self::update_hypothesis) has to follow for each of
     /// [`HYPOTHESES`], then [`finish_update`](Self::finish_update) and [`settle`](Self::settle).
     pub(crate) fn begin_update(&mut self, measurement: &SideMeasurement<T>) {
-        for corner in [measurement.side.front(), measurement.side.rear()] {
+        let side = measurement.reading.side;
+        for corner in [side.front(), side.rear()] {
             self.inflate_tire(corner, measurement.incoherent_s);
         }
-        self.bank.begin_update(measurement.side, measurement.weight);
+        self.bank.begin_update(side, measurement.weight);
     }
 
     /// Updates one hypothesis with the frame, which `linearize` linearizes at a state; false if that one is left out.

@@ -3,6 +3,7 @@
 
 use nalgebra::SVector;
 
+use crate::memory::Blank;
 use crate::model::{Corner, Side, UNCALIBRATED_BIAS_SD};
 use crate::real::Real;
 
@@ -34,9 +35,9 @@ pub(crate) const RATE: usize = 36;
 
 const _: () = assert!(RATE == SIZE - 1);
 
-/// Quantities that a side's residual depends on: front tire, mass, damping, spring, anti-roll bar, the same of the rear, gain,
-/// wheelbase, skew.
-pub(crate) const SIDE_SIZE: usize = 13;
+/// Quantities that a side's residual depends on: front tire, mass, damping, spring, anti-roll bar, the same of the rear, gain, and by how
+/// much the rear reads the road too late ([`SideReading`]).
+pub(crate) const SIDE_SIZE: usize = 12;
 /// Where the rear's begin among them.
 pub(crate) const SIDE_REAR: usize = 5;
 /// The two tires.
@@ -44,8 +45,7 @@ pub(crate) const SIDE_TIRES: [usize; 2] = [0, SIDE_REAR];
 /// The two anti-roll bars.
 pub(crate) const SIDE_BARS: [usize; 2] = [4, SIDE_REAR + 4];
 pub(crate) const SIDE_GAIN: usize = 10;
-pub(crate) const SIDE_WHEELBASE: usize = 11;
-pub(crate) const SIDE_SKEW: usize = 12;
+pub(crate) const SIDE_SKEW: usize = 11;
 
 /// So that skews are of the size of the other quantities.
 pub(crate) const SKEW_UNIT_S: f64 = 0.1;
@@ -107,6 +107,29 @@ pub(crate) fn return_rate<T: Real>(prior: &State<T>) -> State<T> {
     })
 }
 
+/// What a side's quantities are in a frame: which of the state's, each so many times. A tire and its bias are read as one, and so are skew
+/// and wheelbase, which both make the rear late, the wheelbase by its share of the time in s from front to rear.
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct SideReading<T> {
+    pub(crate) side: Side,
+    pub(crate) delay_s: T,
+}
+
+impl<T: Real> SideReading<T> {
+    /// Place among the side's quantities and in the state, and how many times.
+    pub(crate) fn parts(&self) -> [(usize, usize, T); SIDE_SIZE + 3] {
+        let (places, one) = (side_indices(self.side), T::one());
+        let [front, rear] = SIDE_TIRES;
+        core::array::from_fn(|part| match places.get(part) {
+            Some(&place) => (part, place, one),
+            None if part == SIDE_SIZE => (front, places[front] - TIRE + ROAD_BIAS, one),
+            None if part == SIDE_SIZE + 1 => (rear, places[rear] - TIRE + ROAD_BIAS, one),
+            None => (SIDE_SKEW, WHEELBASE, self.delay_s / T::lit(SKEW_UNIT_S)),
+        })
+    }
+}
+
 /// Where a side's quantities stand in the state.
 pub(crate) fn side_indices(side: Side) -> [usize; SIDE_SIZE] {
     let (front, rear) = (side.front().index(), side.rear().index());
@@ -122,7 +145,6 @@ pub(crate) fn side_indices(side: Side) -> [usize; SIDE_SIZE] {
         SPRING + rear,
         BAR + 1,
         GAIN + side.index(),
-        WHEELBASE,
         SKEW + side.index(),
     ]
 }

@@ -11,17 +11,17 @@ use nalgebra::ComplexField;
 
 use super::covariance::Covariance;
 use super::floor::Floor;
-use super::gaussian;
+use super::gaussian::{self, Hypothesis};
 use super::hypotheses::{CONSTANT, HYPOTHESES, RANDOM_WALK, SIDE};
 use super::hypothesis_bank::HypothesisBank;
 use super::measurement::{BINS, Gram, Score};
 use super::state::{
-    BAR, DAMPING, GAIN, LEVEL, MASS, RATE, ROAD_BIAS, SIDE_SIZE, SIDE_TIRES, SIZE, SPRING, State, TIRE,
-    prior_sd, read_compliance, return_rate, side_indices, wander_sd,
+    BAR, DAMPING, GAIN, LEVEL, MASS, RATE, ROAD_BIAS, SIDE_SIZE, SIDE_TIRES, SIZE, SPRING, SideReading,
+    State, TIRE, WHEELBASE, prior_sd, read_compliance, return_rate, side_indices, wander_sd,
 };
-use super::update::{Likelihood, OwnCovariance};
+use super::update::{Lesson, Likelihood, OwnCovariance};
 use super::{Belief, Onset};
-use crate::memory::configured;
+use crate::memory::{Blank, configured};
 use crate::model::{CarConfig, Corner, CornerConfig, Inflation, Side};
 
 type Dense = SMatrix<f64, SIZE, SIZE>;
@@ -197,13 +197,8 @@ fn a_frame_tells_the_sum_of_tire_and_bias() {
     let information_root = information.cholesky().unwrap().l();
     let score = Score::<f64>::from_fn(|i, _| 10.0 * (i as f64 - 6.0));
     let before = hypothesis.clone();
-    OwnCovariance::new(&hypothesis.covariance, side).learn(
-        hypothesis,
-        &score,
-        &information_root,
-        &with_mahalanobis_sq(1e6),
-        1.0,
-    );
+    let reading = SideReading { side, delay_s: 0.12 };
+    learn(hypothesis, &reading, &score, &information_root, 1e6);
 
     let mut reads = SMatrix::<f64, SIDE_SIZE, SIZE>::zeros();
     for (own, place) in side_indices(side).into_iter().enumerate() {
@@ -212,6 +207,8 @@ fn a_frame_tells_the_sum_of_tire_and_bias() {
     for (own, corner) in SIDE_TIRES.into_iter().zip([1, 3]) {
         reads[(own, ROAD_BIAS + corner)] = 1.0;
     }
+    // 0.12 s later by wheelbase over speed, and a tenth of a second by the skew.
+    reads[(SIDE_SIZE - 1, WHEELBASE)] = 1.2;
     let inverse = before.covariance.dense().try_inverse().unwrap();
     let covariance = (inverse + reads.transpose() * information * reads).try_inverse().unwrap();
     let mean = before.mean + covariance * reads.transpose() * score;
@@ -224,16 +221,25 @@ fn a_frame_tells_the_sum_of_tire_and_bias() {
     assert!((read_compliance(&state, Corner::RearRight) - 1.08f64).abs() < 1e-15);
 }
 
-/// A frame whose residual has this squared Mahalanobis distance.
-fn with_mahalanobis_sq(mahalanobis_sq: f64) -> Likelihood<f64> {
-    Likelihood { log: 0.0, mahalanobis_sq, scale: 1.0, ratio: [1.0; BINS] }
+/// Learns from a frame whose residual has this squared Mahalanobis distance.
+fn learn(
+    hypothesis: &mut Hypothesis<f64>,
+    reading: &SideReading<f64>,
+    score: &Score<f64>,
+    information_root: &Gram<f64>,
+    mahalanobis_sq: f64,
+) {
+    let likelihood = Likelihood { log: 0.0, mahalanobis_sq, scale: 1.0, ratio: [1.0; BINS] };
+    let (own, mut lesson) = (OwnCovariance::new(&hypothesis.covariance, reading), Lesson::BLANK);
+    assert!(own.lesson(score, information_root, &likelihood, 1.0, &mut lesson).is_some());
+    lesson.teach(hypothesis, reading);
 }
 
 /// A score that asks for a longer step than the residual is, as of instruments that followed no road, moves the mean as far as
 /// the residual and no farther, in the same direction; one that asks for less is left alone.
 #[test]
 fn no_step_is_longer_than_the_residual() {
-    let side = Side::Left;
+    let reading = SideReading { side: Side::Left, delay_s: 0.1 };
     let moved = |times: f64, mahalanobis_sq: f64| {
         let mut bank = bank(&[0.0; 4]);
         let hypothesis = &mut bank.hypotheses[0];
@@ -241,8 +247,7 @@ fn no_step_is_longer_than_the_residual() {
         let before = hypothesis.clone();
         let information_root = Gram::<f64>::identity() * 10.0;
         let score = Score::<f64>::from_fn(|i, _| times * (i as f64 - 6.0));
-        let mut own = OwnCovariance::new(&hypothesis.covariance, side);
-        own.learn(hypothesis, &score, &information_root, &with_mahalanobis_sq(mahalanobis_sq), 1.0);
+        learn(hypothesis, &reading, &score, &information_root, mahalanobis_sq);
         let step = hypothesis.mean - before.mean;
         (step, step.dot(&(before.covariance.dense().try_inverse().unwrap() * step)))
     };

@@ -6,9 +6,9 @@ use nalgebra::{SMatrix, SVector};
 use super::covariance::{Covariance, product};
 use super::gaussian::Hypothesis;
 use super::measurement::{AxleResidual, BINS, Expectation, Gram, ROWS, Score, Slope};
-use super::state::{ROAD_BIAS, SIDE_SIZE, SIDE_TIRES, SIZE, TIRE, side_indices};
+use super::state::{SIDE_SIZE, SIZE, SideReading};
 use crate::cholesky;
-use crate::model::Side;
+use crate::memory::Blank;
 use crate::real::Real;
 use crate::spectrum::OVERLAP;
 
@@ -19,36 +19,25 @@ const STRAY: f64 = 1e-3;
 /// Least power of a road in a bin, in m²/s².
 const LEAST_POWER: f64 = 1e-12;
 
-/// The part of a belief that a side's residual depends on.
+/// The part of a belief that a side's residual depends on: covariance of the side's quantities.
 pub(crate) struct OwnCovariance<T: Real> {
-    /// Covariance of the side's quantities with everything, a column each, and among themselves.
-    all: SMatrix<T, SIDE_SIZE, SIZE>,
     own: Gram<T>,
 }
 
 impl<T: Real> OwnCovariance<T> {
     #[inline(never)]
-    pub(crate) fn new(covariance: &Covariance<T>, side: Side) -> Self {
-        let indices = side_indices(side);
-        let mut part = Self { all: SMatrix::zeros(), own: Gram::zeros() };
-        let Self { all, own } = &mut part;
-        // The road reads a tire and its bias as one.
-        let biased = SIDE_TIRES.map(|own| (own, indices[own] - TIRE + ROAD_BIAS));
-        for (row, place) in indices.into_iter().enumerate().chain(biased) {
-            covariance.for_each_of(place, |other, covariance| {
-                if let Some(entry) = all.data.0.get_mut(other).and_then(|column| column.get_mut(row)) {
-                    *entry += covariance;
+    pub(crate) fn new(covariance: &Covariance<T>, reading: &SideReading<T>) -> Self {
+        let (parts, mut own) = (reading.parts(), Gram::zeros());
+        for (n, &(i, row, times)) in parts.iter().enumerate() {
+            for (m, &(j, column, as_often)) in parts.iter().enumerate().take(n + 1) {
+                let covariance = times * as_often * covariance[(row, column)];
+                own[(i, j)] += covariance;
+                if m < n {
+                    own[(j, i)] += covariance;
                 }
-            });
+            }
         }
-        for (row, &place) in indices.iter().enumerate() {
-            own.set_column(row, &all.column(place.min(SIZE - 1)));
-        }
-        for (tire, bias) in biased {
-            let mut column = own.column_mut(tire.min(SIDE_SIZE - 1));
-            column += all.column(bias.min(SIZE - 1));
-        }
-        part
+        Self { own }
     }
 
     /// Covariance of a residual that is due to what is not known of the side.
@@ -60,23 +49,23 @@ impl<T: Real> OwnCovariance<T> {
         SMatrix::from_fn(sum)
     }
 
-    /// Adds a frame's information with its score, counting `weight` of them: afterwards this is what was taken off. The mean moves by no more than the residual,
+    /// A frame's information with its score, counting `weight` of them; `None` if that is no covariance. The mean moves by no more than the residual,
     /// both in standard deviations: no update by Bayes' rule would, but the score is taken with instruments, and what these
     /// measured need not have been the road, as when a wheel comes down.
     #[inline(never)]
-    pub(crate) fn learn(
-        &mut self,
-        hypothesis: &mut Hypothesis<T>,
+    pub(crate) fn lesson(
+        &self,
         score: &Score<T>,
         information_root: &Gram<T>,
         likelihood: &Likelihood<T>,
         weight: T,
-    ) {
+        into: &mut Lesson<T>,
+    ) -> Option<()> {
         let scale = likelihood.scale / weight;
         // With G G' the information over V: P' = P - P_o W W' P_o', where W = G K'^-1 and K K' = I + G' P_oo G. And with it the mean:
-        // m' = m + P'_o score / V. Two matrices for all of it: they are the largest things on the stack.
-        let (mut root, mut inner) = (Gram::zeros(), Gram::zeros());
-        multiply(&self.own, information_root, &mut root);
+        // m' = m + P'_o score / V.
+        let (Lesson { root, pull }, mut inner) = (into, Gram::zeros());
+        multiply(&self.own, information_root, root);
         for (i, row) in information_root.data.0.iter().enumerate() {
             for (j, column) in root.data.0.iter().enumerate().take(i + 1) {
                 inner[(i, j)] = product(row, column) / scale;
@@ -84,21 +73,47 @@ impl<T: Real> OwnCovariance<T> {
             inner[(i, i)] += T::one();
         }
         if !cholesky::decompose(&mut inner) {
-            return;
+            return None;
         }
         root.copy_from(information_root);
-        divide(&mut root, &inner, scale.sqrt());
+        divide(root, &inner, scale.sqrt());
         let score = score / scale;
-        let by = score - root * root.tr_mul(&(self.own * score));
-        let step = self.all.tr_mul(&by);
-        // step^T P^-1 step, as step = P_o by.
-        let length = by.dot(&(self.own * by));
-        let beyond = length > likelihood.mahalanobis_sq;
-        hypothesis.mean += if beyond { step * (likelihood.mahalanobis_sq / length).sqrt() } else { step };
-        for row in &mut self.all.data.0 {
-            *row = root.data.0.each_ref().map(|column| product(row, column));
+        *pull = score - *root * root.tr_mul(&(self.own * score));
+        // step^T P^-1 step, as step = P_o pull.
+        let length = pull.dot(&(self.own * *pull));
+        if length > likelihood.mahalanobis_sq {
+            *pull *= (likelihood.mahalanobis_sq / length).sqrt();
         }
-        hypothesis.covariance.take_off(&self.all.data.0);
+        Some(())
+    }
+}
+
+/// What a frame teaches one Gaussian, in the side's quantities: with the covariances `P_o` of everything with these it takes `P_o W W' P_o'`
+/// off the covariance, and moves the mean by `P_o` times the pull.
+#[derive(Blank)]
+pub(crate) struct Lesson<T: Real> {
+    root: Gram<T>,
+    pull: Score<T>,
+}
+
+impl<T: Real> Lesson<T> {
+    #[inline(never)]
+    pub(crate) fn teach(&self, hypothesis: &mut Hypothesis<T>, reading: &SideReading<T>) {
+        // P_o, a row for every quantity of the state; then P_o W.
+        let mut rows = [[T::zero(); SIDE_SIZE]; SIZE];
+        for (own, place, times) in reading.parts() {
+            hypothesis.covariance.for_each_of(place, |other, covariance| {
+                if let Some(entry) = rows.get_mut(other).and_then(|row| row.get_mut(own)) {
+                    *entry += times * covariance;
+                }
+            });
+        }
+        let [pull] = &self.pull.data.0;
+        for (row, mean) in rows.iter_mut().zip(hypothesis.mean.iter_mut()) {
+            *mean += product(row, pull);
+            *row = self.root.data.0.each_ref().map(|column| product(row, column));
+        }
+        hypothesis.covariance.take_off(&rows);
         hypothesis.covariance.hold_variances();
     }
 }

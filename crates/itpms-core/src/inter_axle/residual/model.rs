@@ -7,8 +7,8 @@ use nalgebra::{Complex, Matrix2, SMatrix, SVector};
 use crate::belief::LEAST_DAMPING;
 use crate::belief::measurement::{AxleResidual, BINS, Gram, Slope};
 use crate::belief::state::{
-    BAR, DAMPING, GAIN, MASS, SIDE_BARS, SIDE_GAIN, SIDE_REAR, SIDE_SIZE, SIDE_SKEW, SIDE_WHEELBASE, SKEW,
-    SKEW_UNIT_S, SPRING, State, WHEELBASE, read_compliance,
+    BAR, DAMPING, GAIN, MASS, SIDE_BARS, SIDE_GAIN, SIDE_REAR, SIDE_SIZE, SIDE_SKEW, SKEW, SKEW_UNIT_S,
+    SPRING, State, WHEELBASE, read_compliance,
 };
 use crate::inter_axle::alignment::channel::{BOTH, SEEN};
 use crate::inter_axle::residual::correction::FrfRatios;
@@ -181,7 +181,7 @@ impl<T: Real> AxleResidual<T> {
         filter_delay_s: T,
         bin: usize,
     ) {
-        let (delay_s, bin) = (taken.delay_s, bin.min(BINS - 1));
+        let bin = bin.min(BINS - 1);
         let of = |axle: usize| {
             let ratio = |frf_ratios: &FrfRatios<T>, i: usize| {
                 let ratios = frf_ratios.get(bin).and_then(|ratios| ratios.get(axle * SEEN + i));
@@ -195,7 +195,7 @@ impl<T: Real> AxleResidual<T> {
             })
         };
         let seen = [axles[0].road(of(0)), axles[1].road(of(1))];
-        let slope = slopes(&seen, gain, bin_hz(bin), delay_s);
+        let slope = slopes(&seen, gain, bin_hz(bin));
         let (ahead, behind) = (seen[0].0 * gain, seen[1].0);
         let common = (ahead + behind) * T::lit(0.5);
         let turn = Complex::new(T::zero(), T::two_pi() * bin_hz::<T>(bin)) * common;
@@ -216,7 +216,6 @@ pub(crate) struct UnitRoad<'a, T: Real> {
     wheels: &'a [Wheel<T>; 2],
     axles: [Axle<T>; 2],
     gain: T,
-    delay_s: T,
     frf_ratios: &'a FrfRatios<T>,
 }
 
@@ -226,11 +225,10 @@ impl<'a, T: Real> UnitRoad<'a, T> {
         wheels: &'a [Wheel<T>; 2],
         side: Side,
         state: &State<T>,
-        delay_s: T,
         frf_ratios: &'a FrfRatios<T>,
     ) -> Self {
         let axles = [Axle::new(&wheels[0], state), Axle::new(&wheels[1], state)];
-        Self { wheels, axles, gain: T::one() + state[GAIN + side.index()], delay_s, frf_ratios }
+        Self { wheels, axles, gain: T::one() + state[GAIN + side.index()], frf_ratios }
     }
 
     /// Products of the derivatives with each other that a road of unit power makes in a bin: `Re⟨C* C⟩`.
@@ -249,7 +247,7 @@ impl<'a, T: Real> UnitRoad<'a, T> {
                 self.axles[axle].road(core::array::from_fn(|i| foretold[i] * ratios[axle * SEEN + i]))
             };
             // As a frame sees it: its turns are those of the middle of a bin.
-            let slope = slopes(&[seen(0), seen(1)], self.gain, bin_hz(bin), self.delay_s);
+            let slope = slopes(&[seen(0), seen(1)], self.gain, bin_hz(bin));
             // Real and imaginary part, times the root of the bin's weight at this frequency.
             let root = weight.sqrt();
             for part in [slope.map(|of| of.re * root), slope.map(|of| of.im * root)] {
@@ -278,7 +276,6 @@ fn slopes<T: Real>(
     seen: &[(Complex<T>, [Complex<T>; SIDE_REAR]); 2],
     gain: T,
     frequency_hz: T,
-    delay_s: T,
 ) -> [Complex<T>; SIDE_SIZE] {
     let [(front, front_slope), (rear, rear_slope)] = seen;
     let turn = Complex::new(T::zero(), T::two_pi() * frequency_hz) * (*front * gain + rear) * T::lit(0.5);
@@ -288,7 +285,6 @@ fn slopes<T: Real>(
         slope[SIDE_REAR + i] = -rear_slope[i];
     }
     slope[SIDE_GAIN] = *front;
-    slope[SIDE_WHEELBASE] = -turn * delay_s;
     slope[SIDE_SKEW] = -turn * T::lit(SKEW_UNIT_S);
     slope
 }

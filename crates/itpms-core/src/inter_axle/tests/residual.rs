@@ -18,7 +18,6 @@ use crate::model::Side;
 use crate::random::Random;
 use crate::spectrum::front_end::high_pass_power;
 
-const DELAY_S: f64 = 0.12;
 const ONE: C = C::new(1.0, 0.0);
 
 /// Axles that answer as their quarter cars do.
@@ -64,7 +63,7 @@ fn on_one_road_nothing_is_left() {
         assert!(left < 1e-11 * found.road_power[bin].sqrt(), "bin {bin}: {left:e}");
     }
     // And with any one quantity wrong by 5 %, something is.
-    for place in side_indices(Side::Left).into_iter().filter(|&place| place != WHEELBASE && place != SKEW) {
+    for place in side_indices(Side::Left).into_iter().filter(|&place| place != SKEW) {
         let mut wrong = state;
         wrong[place] += 0.05;
         let found = linearize(&on_one_road(&state), Signals::Measured, &wheels(), Side::Left, &wrong);
@@ -124,7 +123,7 @@ fn expected_products_are_those_of_a_long_random_road() {
         }
     }
     let (wheels, ratios) = (wheels(), same());
-    let road = UnitRoad::new(&wheels, Side::Left, &state, DELAY_S, &ratios);
+    let road = UnitRoad::new(&wheels, Side::Left, &state, &ratios);
     let expected: [Gram<f64>; BINS] = core::array::from_fn(|bin| road.expected_products(bin));
     for bin in 0..BINS {
         for i in 0..SIDE_SIZE {
@@ -175,7 +174,7 @@ fn roads_that_differ_do_not_pull_the_instruments() {
         let n = f64::from(frames);
         (sum / n).zip_map(&square, |mean, square| mean / ((square / n - mean * mean) / n).sqrt())
     });
-    // Thirteen means of nothing within three standard errors; the plain derivatives of both tires far out.
+    // Twelve means of nothing within three standard errors; the plain derivatives of both tires far out.
     let [plain, instrument] = standard_errors;
     assert!(instrument.amax() < 3.0, "{instrument}");
     assert!(plain[0].abs() > 10.0 && plain[5].abs() > 10.0, "{plain}");

@@ -4,7 +4,7 @@ use nalgebra::SVector;
 
 use super::{AxlePair, Measured, NOT_SHARED};
 use crate::belief::measurement::{BINS, SideMeasurement, UpdateRecord};
-use crate::belief::state::{State, read_compliance};
+use crate::belief::state::{SideReading, State, read_compliance};
 use crate::inter_axle::residual::model::{AxleFrame, UnitRoad, Wheel, common_road, instrument_slope};
 use crate::inter_axle::residual::noise::{MOST_LASTING, POWER_S, fading};
 use crate::inter_axle::{HOP_S, NEAR_HOP_BINS, bin_hz};
@@ -41,7 +41,7 @@ impl<T: Real> AxlePair<T> {
         let due = self.products.missing().saturating_sub(1).min(PRODUCTS_AT_ONCE);
         if due > 0 {
             let frf_ratios = self.frf_correction.frf_ratios();
-            let road = UnitRoad::new(wheels, self.side, state, frame.delay_s, &frf_ratios);
+            let road = UnitRoad::new(wheels, self.side, state, &frf_ratios);
             (0..due).for_each(|_| self.products.advance(|bin| road.expected_products(bin)));
         }
         due > 0
@@ -70,10 +70,10 @@ impl<T: Real> AxlePair<T> {
             return None;
         }
         let frf_ratios = self.frf_correction.frf_ratios();
-        let road = UnitRoad::new(wheels, side, state, frame.delay_s, &frf_ratios);
+        let road = UnitRoad::new(wheels, side, state, &frf_ratios);
         (out.common, out.noise) = (common, noise);
-        let SideMeasurement { side: of, expected, instrument, weight, incoherent_s } = &mut out.measurement;
-        *of = side;
+        let SideMeasurement { reading, expected, instrument, weight, incoherent_s } = &mut out.measurement;
+        *reading = SideReading { side, delay_s: frame.delay_s };
         self.products.advance(|bin| road.expected_products(bin));
         *expected = self.coherence.expect(&road_power, &noise, self.products.of_all_bins());
         *instrument = instrument_slope(frame, &frf_ratios, wheels, side, state);
