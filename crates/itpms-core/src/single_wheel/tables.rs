@@ -235,8 +235,8 @@ struct Point<T> {
 impl<T: Real> Point<T> {
     fn new(frequency: T, body: &Body<T>, friction: &DescribingFunction<T>, theta: T, middle: T) -> Self {
         let leak_hz = T::lit(LEAK_RAD_S) / T::two_pi();
-        let (gain_here, noise) = response(body, friction, theta, frequency);
-        let (gain_middle, middle_noise) = response(body, friction, middle, frequency);
+        let [(gain_here, noise), (gain_middle, middle_noise)] =
+            response(body, friction, [theta, middle], frequency);
         Self {
             log_gain: (gain_here / gain_middle).ln_fast(),
             noise,
@@ -332,7 +332,7 @@ mod tests {
                 k + k_t - m_w * w * w,
             );
             let x = a.lu().solve(&nalgebra::Vector4::new(0.0, 0.0, k_t, 0.0)).unwrap();
-            let (gain, _) = response(&body(), &DescribingFunction::none(), 1.0 / k_t, f);
+            let [(gain, _)] = response(&body(), &DescribingFunction::none(), [1.0 / k_t], f);
             assert!((gain - (x[2] * x[2] + x[3] * x[3])).abs() < 1e-10 * gain);
         }
     }
@@ -367,13 +367,15 @@ mod tests {
             let road =
                 |f: f64, exponent: f64| f * f / (f * f + leak_hz * leak_hz) * (f / 10.0).powf(exponent);
             let none = DescribingFunction::none();
-            let gain =
-                |f: f64| (response(&moved, &none, theta, f).0 / response(&moved, &none, middle, f).0).ln();
+            let gain = |f: f64| {
+                let [own, middle] = response(&moved, &none, [theta, middle], f);
+                (own.0 / middle.0).ln()
+            };
             for exponent in [-SHAPE_REACH, SHAPE_REACH] {
                 let mean = sum(&|f| road(f, exponent) * gain(f)) / sum(&|f| road(f, exponent));
                 assert!((tables.of_cell(0).log_gain(bin, exponent) - mean).abs() < 1e-12);
             }
-            let noise = sum(&|f| response(&moved, &none, theta, f).1) / sum(&|_| 1.0);
+            let noise = sum(&|f| response(&moved, &none, [theta], f)[0].1) / sum(&|_| 1.0);
             assert!((tables.of_cell(0).noise[bin] / noise - 1.0).abs() < 1e-12);
         }
     }

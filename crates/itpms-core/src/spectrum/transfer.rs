@@ -64,11 +64,10 @@ pub(crate) fn sine_window_power<T: Real>(offset: T) -> T {
     amplitude * amplitude
 }
 
-/// `Z = c_s s + k_s`, and `H = x_w / x_r` with friction, at one frequency in Hz.
+/// `Z = c_s s + k_s`, and `D` with friction, of which `H = x_w / x_r = 1 / (θ D + 1)`, at one frequency in Hz.
 fn transfer<T: Real>(
     body: &Body<T>,
     friction: &DescribingFunction<T>,
-    theta: T,
     frequency_hz: T,
 ) -> (Complex<T>, Complex<T>) {
     let omega = T::two_pi() * frequency_hz;
@@ -78,26 +77,29 @@ fn transfer<T: Real>(
     let z = linear + friction.at(frequency_hz);
     // B = Z / (m_b s² + Z)
     let b = z / (z + Complex::new(body.sprung_mass_kg * s2, zero));
-    // D = m_w s² + Z (1 - B), H = k_t / (D + k_t)
-    let d = z * (one - b) + Complex::new(body.unsprung_mass_kg * s2, zero);
-    (linear, one / (d * theta + one))
+    // D = m_w s² + Z (1 - B)
+    (linear, z * (one - b) + Complex::new(body.unsprung_mass_kg * s2, zero))
 }
 
 /// `|H|²` from road to wheel with the strut's friction, and the noise power of the leaky road velocity for unit noise density of both
-/// accelerometers, at one frequency in Hz.
-pub(crate) fn response<T: Real>(
+/// accelerometers, at one frequency in Hz, for some compliances of the tire.
+pub(crate) fn response<T: Real, const N: usize>(
     body: &Body<T>,
     friction: &DescribingFunction<T>,
-    theta: T,
+    thetas: [T; N],
     frequency_hz: T,
-) -> (T, T) {
+) -> [(T, T); N] {
     let omega = T::two_pi() * frequency_hz;
-    let s = Complex::new(T::zero(), omega);
-    let (z, h) = transfer(body, friction, theta, frequency_hz);
+    let (z, d) = transfer(body, friction, frequency_hz);
     // L v_r = L [1/s + θ (m_w s + Z/s)] a_w - L θ Z/s a_b
     let leak_rad_s = T::lit(LEAK_RAD_S);
     let leak = omega * omega / (omega * omega + leak_rad_s * leak_rad_s);
-    let from_body = z / s * theta;
-    let from_wheel = Complex::new(T::one(), T::zero()) / s + s * (theta * body.unsprung_mass_kg) + from_body;
-    (h.norm_sqr(), leak * (from_wheel.norm_sqr() + from_body.norm_sqr()))
+    let per_s = -T::one() / omega;
+    let z_over_s = Complex::new(-z.im * per_s, z.re * per_s);
+    thetas.map(|theta| {
+        let from_body = z_over_s * theta;
+        let inertia = Complex::new(T::zero(), per_s + omega * (theta * body.unsprung_mass_kg));
+        let over_h = d * theta + Complex::new(T::one(), T::zero());
+        (T::one() / over_h.norm_sqr(), leak * ((inertia + from_body).norm_sqr() + from_body.norm_sqr()))
+    })
 }

@@ -136,7 +136,8 @@ impl<T: Real> AxlePair<T> {
             let mut sum = T::zero();
             for (wheel, &density) in wheels.iter().zip(&self.noise_density) {
                 let theta = wheel.theta * read_compliance(state, wheel.corner);
-                sum += density * response(&wheel.body, &DescribingFunction::none(), theta, bin_hz(bin)).1;
+                let [(_, noise)] = response(&wheel.body, &DescribingFunction::none(), [theta], bin_hz(bin));
+                sum += density * noise;
             }
             sum
         })
