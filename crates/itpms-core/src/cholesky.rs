@@ -1,7 +1,7 @@
 //! The Cholesky decomposition of a small matrix where it lies, with the operations of `nalgebra`'s in their order and so its bits, in a
 //! third of the instructions: its views of rows and columns are set up anew for every pair of columns.
 
-use nalgebra::SMatrix;
+use nalgebra::{SMatrix, SVector};
 
 use crate::real::Real;
 
@@ -16,6 +16,81 @@ pub(crate) fn decompose<T: Real, const N: usize>(matrix: &mut SMatrix<T, N, N>) 
 pub(crate) fn root<T: Real, const N: usize>(matrix: &mut SMatrix<T, N, N>) {
     eliminate(matrix, T::whole((N * N) as u32) * T::epsilon());
     matrix.fill_upper_triangle(T::zero(), 1);
+}
+
+/// The same of a lower triangle packed by columns, of this `size`.
+#[must_use]
+#[inline(never)]
+pub(crate) fn decompose_packed<T: Real>(lower: &mut [T], size: usize) -> bool {
+    let mut from = 0;
+    for j in 0..size {
+        let Some((before, rest)) = lower.split_at_mut_checked(from) else { return false };
+        let Some(column) = rest.get_mut(..size - j) else { return false };
+        // Where row j is in the columns before.
+        let mut at = j;
+        for k in 0..j {
+            let Some(earlier) = before.get(at..at + column.len()) else { return false };
+            subtract(column, earlier);
+            at += size - k - 1;
+        }
+        from += column.len();
+        let Some((pivot, below)) = column.split_first_mut() else { return false };
+        if !(*pivot > T::zero()) {
+            return false;
+        }
+        *pivot = pivot.sqrt();
+        below.iter_mut().for_each(|value| *value /= *pivot);
+    }
+    true
+}
+
+/// Where an entry of a lower triangle is that is packed by columns.
+pub(crate) fn packed<const SIZE: usize>(row: usize, column: usize) -> usize {
+    let at = column * (2 * SIZE - 1).saturating_sub(column) / 2 + row;
+    at.min((SIZE * (SIZE + 1) / 2).saturating_sub(1))
+}
+
+/// Makes of `b`, for a packed `L`, the solution of `L x = b`.
+#[inline(never)]
+pub(crate) fn solve_packed<T: Real>(lower: &[T], b: &mut [T]) {
+    let (mut columns, mut left) = (lower, b);
+    while let Some((value, below)) = core::mem::take(&mut left).split_first_mut() {
+        let Some((column, others)) = columns.split_at_checked(below.len() + 1) else { return };
+        let Some((&pivot, column)) = column.split_first() else { return };
+        *value /= pivot;
+        below.iter_mut().zip(column).for_each(|(below, &by)| *below -= by * *value);
+        (columns, left) = (others, below);
+    }
+}
+
+/// The same of `L' x = b`.
+#[inline(never)]
+pub(crate) fn solve_packed_transposed<T: Real>(lower: &[T], b: &mut [T]) {
+    let mut columns = lower;
+    for k in (0..b.len()).rev() {
+        let Some((value, below)) = b.get_mut(k..).and_then(<[T]>::split_first_mut) else { return };
+        let Some((others, column)) = columns.split_at_checked(columns.len() - below.len() - 1) else {
+            return;
+        };
+        let Some((&pivot, column)) = column.split_first() else { return };
+        *value = below.iter().zip(column).fold(*value, |sum, (&below, &by)| sum - by * below) / pivot;
+        columns = others;
+    }
+}
+
+/// `L^-1 b` for the lower triangle of a matrix.
+pub(crate) fn solve<T: Real, const N: usize>(lower: &SMatrix<T, N, N>, b: &SVector<T, N>) -> SVector<T, N> {
+    let mut solved = *b;
+    let [values] = &mut solved.data.0;
+    for (k, column) in lower.data.0.iter().enumerate() {
+        let Some((value, below)) = values.get_mut(k..).and_then(<[T]>::split_first_mut) else { break };
+        let Some((&pivot, column)) = column.get(k..).and_then(<[T]>::split_first) else { break };
+        if *value != T::zero() {
+            *value /= pivot;
+            below.iter_mut().zip(column).for_each(|(below, &by)| *below -= by * *value);
+        }
+    }
+    solved
 }
 
 /// Columns whose pivot is at most `rounding` of the diagonal become zero; false if there are any.
@@ -64,11 +139,34 @@ mod tests {
         let matrix = root * root.transpose();
         let mut found = matrix;
         assert!(decompose(&mut found));
-        assert_eq!(found.lower_triangle(), matrix.cholesky().unwrap().l());
+        let l = matrix.cholesky().unwrap().l();
+        assert_eq!(found.lower_triangle(), l);
+        let b = SVector::from_fn(|_, _| random.normal());
+        assert!((l * solve(&found, &b) - b).amax() < 1e-12);
         let single = matrix.map(|value| value as f32);
         let mut found = single;
         assert!(decompose(&mut found));
         assert_eq!(found.lower_triangle(), single.cholesky().unwrap().l());
+    }
+
+    #[test]
+    fn a_packed_one_is_the_same() {
+        let mut random = Random(5);
+        let root = SMatrix::<f64, 9, 9>::from_fn(|_, _| random.normal());
+        let mut matrix = root * root.transpose();
+        let columns = matrix.column_iter().enumerate();
+        let mut values = columns.flat_map(|(i, column)| column.into_iter().skip(i).copied());
+        let mut packed: [f64; 45] = core::array::from_fn(|_| values.next().unwrap());
+        assert!(decompose_packed(&mut packed, 9) && decompose(&mut matrix));
+        let l = matrix.lower_triangle();
+        let b = SVector::<f64, 9>::from_fn(|_, _| random.normal());
+        let mut solved = b;
+        solve_packed(&packed, solved.as_mut_slice());
+        assert!((l * solved - b).amax() < 1e-12);
+        let mut solved = b;
+        solve_packed_transposed(&packed, solved.as_mut_slice());
+        assert!((l.transpose() * solved - b).amax() < 1e-12);
+        assert!(!decompose_packed(&mut [1.0, 1.0, 1.0], 2) && !decompose_packed(&mut [f64::NAN], 1));
     }
 
     #[test]

@@ -183,10 +183,7 @@ impl<T: Real> HypothesisBank<T> {
         let learned = own.lesson(&score, &expected.information_root, &likelihood, *weight, lesson);
         if index == *best {
             record.place(|record| {
-                record.prefit = prefit;
-                record.power_ratio = likelihood.ratio;
-                record.mahalanobis_sq = likelihood.mahalanobis_sq;
-                record.variance_scale = likelihood.scale;
+                (record.road_power, record.power_ratio) = (prefit.road_power, likelihood.ratio);
                 record.weight = *weight;
             });
         }

@@ -16,20 +16,13 @@ pub(crate) type Gram<T> = SMatrix<T, SIDE_SIZE, SIDE_SIZE>;
 pub(crate) type Products<T> = SVector<T, PRODUCTS>;
 const PRODUCTS: usize = SIDE_SIZE * (SIDE_SIZE + 1) / 2;
 
-pub(crate) fn pack_lower<T: Real>(of: &Gram<T>) -> Products<T> {
-    let columns = of.column_iter().enumerate();
-    let mut values = columns.flat_map(|(i, column)| column.into_iter().skip(i).copied());
-    Products::from_fn(|_, _| values.next().unwrap_or(T::ZERO))
-}
-
 /// Gradient of a frame's log-likelihood by a side's quantities.
 pub(crate) type Score<T> = SVector<T, SIDE_SIZE>;
 /// Derivatives of a residual by a side's quantities.
 pub(crate) type Slope<T> = SMatrix<T, ROWS, SIDE_SIZE>;
 
 /// Residual of a frame, linearized at a state: what front and rear reconstruct of one road, front less rear.
-#[derive(Debug, Clone, PartialEq, Blank)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone)]
 pub(crate) struct AxleResidual<T: Real> {
     /// Prefit residual in m/s: real parts of all bins, then imaginary parts.
     pub(crate) rows: SVector<T, ROWS>,
@@ -70,13 +63,10 @@ pub(crate) struct SideMeasurement<T: Real> {
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct UpdateRecord<T: Real> {
-    pub(crate) prefit: AxleResidual<T>,
+    /// Road power of every bin, as the hypothesis reads it.
+    pub(crate) road_power: [T; BINS],
     /// Power of the residual over its expectation, per bin.
     pub(crate) power_ratio: [T; BINS],
-    /// Squared Mahalanobis distance of the residual, its variance enlarged by `variance_scale`.
-    pub(crate) mahalanobis_sq: T,
-    /// Factor by which the residual's variance is larger than expected, at least one.
-    pub(crate) variance_scale: T,
     /// How much of the frame counted, 0 to 1.
     pub(crate) weight: T,
 }

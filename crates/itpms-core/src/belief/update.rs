@@ -40,13 +40,20 @@ impl<T: Real> OwnCovariance<T> {
         Self { own }
     }
 
-    /// Covariance of a residual that is due to what is not known of the side.
+    /// Covariance of a residual that is due to what is not known of the side: its lower triangle.
     #[inline(never)]
     fn spread(&self, slope: &Slope<T>) -> SMatrix<T, ROWS, ROWS> {
         let mut by = Slope::zeros();
-        slope.mul_to(&self.own, &mut by);
-        let sum = |i, j| (0..SIDE_SIZE).fold(T::zero(), |sum, k| sum + by[(i, k)] * slope[(j, k)]);
-        SMatrix::from_fn(sum)
+        for (by, own) in by.data.0.iter_mut().zip(&self.own.data.0) {
+            *by = combine(&slope.data.0, own);
+        }
+        let mut spread = SMatrix::zeros();
+        for i in 0..ROWS {
+            for j in 0..=i {
+                spread[(i, j)] = (0..SIDE_SIZE).fold(T::zero(), |sum, k| sum + by[(i, k)] * slope[(j, k)]);
+            }
+        }
+        spread
     }
 
     /// A frame's information with its score, counting `weight` of them; `None` if that is no covariance. The mean moves by no more than the residual,
@@ -109,9 +116,10 @@ impl<T: Real> Lesson<T> {
             });
         }
         let [pull] = &self.pull.data.0;
+        let transposed = self.root.transpose();
         for (row, mean) in rows.iter_mut().zip(hypothesis.mean.iter_mut()) {
             *mean += product(row, pull);
-            *row = self.root.data.0.each_ref().map(|column| product(row, column));
+            *row = combine(&transposed.data.0, row);
         }
         hypothesis.covariance.take_off(&rows);
         hypothesis.covariance.hold_variances();
@@ -133,18 +141,23 @@ fn divide<T: Real>(a: &mut Gram<T>, lower: &Gram<T>, by: T) {
     }
 }
 
-/// `a b` for a lower triangular `b`, a column in registers.
+/// `a b` for a lower triangular `b`.
 #[inline(never)]
 fn multiply<T: Real>(a: &Gram<T>, b: &Gram<T>, out: &mut Gram<T>) {
     for (k, (out, b)) in out.data.0.iter_mut().zip(&b.data.0).enumerate() {
-        let mut sum = [T::zero(); SIDE_SIZE];
-        for (a, &b) in a.data.0.iter().zip(b).skip(k) {
-            for (sum, &a) in sum.iter_mut().zip(a) {
-                *sum += a * b;
-            }
-        }
-        *out = sum;
+        let (columns, shares) = (a.data.0.get(k..).unwrap_or(&[]), b.get(k..).unwrap_or(&[]));
+        *out = combine(columns, shares);
     }
+}
+
+/// So much of every column together, in registers.
+#[inline(always)]
+fn combine<T: Real, const N: usize>(columns: &[[T; N]], shares: &[T]) -> [T; N] {
+    let mut sum = [T::zero(); N];
+    for (column, &share) in columns.iter().zip(shares) {
+        sum.iter_mut().zip(column).for_each(|(sum, &value)| *sum += value * share);
+    }
+    sum
 }
 
 /// How well a hypothesis foretold a frame.
@@ -177,25 +190,25 @@ impl<T: Real> Likelihood<T> {
         let known = own.spread(instrument);
         // Half of a bin's power in each of its two numbers; frames that overlap say half of everything twice.
         let share = T::lit(0.5 / OVERLAP);
-        let total = |scale: T| {
+        let root = |scale: T| {
             let mut total = known;
             (0..ROWS).for_each(|row| total[(row, row)] += expected.power[row % BINS] * share * scale);
-            total
+            cholesky::decompose(&mut total).then_some(total)
         };
-        let plain = total(T::one()).cholesky()?;
-        let diagonal = plain.l_dirty().diagonal();
-        let log_determinant = diagonal.iter().fold(T::zero(), |sum, x| sum + T::lit(2.0) * x.ln_fast());
-        let mahalanobis_sq = rows.dot(&plain.solve(&rows));
+        let plain = root(T::one())?;
+        let log_determinant = (0..ROWS).fold(T::zero(), |sum, i| sum + T::lit(2.0) * plain[(i, i)].ln_fast());
+        let mahalanobis_sq = cholesky::solve(&plain, &rows).norm_squared();
         // A residual far larger than expected says little: Student's t with few degrees of freedom.
         let (tails, degrees) = (T::lit(TAILS), T::lit(ROWS as f64));
         let scale = ((tails + mahalanobis_sq) / (tails + degrees)).max(T::one());
-        let inverse = if scale > T::one() { total(scale).cholesky()? } else { plain }.inverse();
-        let weighted = inverse * rows;
+        let root = if scale > T::one() { root(scale)? } else { plain };
+        let white = cholesky::solve(&root, &rows);
         let mut ratio = [T::zero(); BINS];
-        for (bin, ratio) in ratio.iter_mut().enumerate() {
-            for row in [bin, BINS + bin] {
-                *ratio += share * scale * weighted[row] * weighted[row] / inverse[(row, row)];
-            }
+        for row in 0..ROWS {
+            // A column of the root's inverse, with which rows and columns of the whole inverse are products.
+            let column = cholesky::solve(&root, &SVector::ith(row, T::one()));
+            let weighted = column.dot(&white);
+            ratio[row % BINS] += share * scale * weighted * weighted / column.norm_squared();
         }
         let density = |log_determinant: T, mahalanobis_sq: T| {
             let beyond = (T::one() + mahalanobis_sq / tails).ln_fast();
@@ -210,7 +223,7 @@ impl<T: Real> Likelihood<T> {
         let own = density(log_determinant, mahalanobis_sq);
         let most = own.max(stray);
         let log = most + ((own - most).exp_fast() + (stray - most).exp_fast()).ln_fast();
-        Some(Self { log, mahalanobis_sq: rows.dot(&weighted), scale, ratio })
+        Some(Self { log, mahalanobis_sq: white.norm_squared(), scale, ratio })
     }
 }
 

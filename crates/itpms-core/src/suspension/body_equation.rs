@@ -59,6 +59,8 @@ const _: () = assert!(BINS + 1 + PASSES <= 20);
 const SAME_S: f64 = 0.006;
 
 type Parameters<T> = SVector<T, SIZE>;
+/// A lower triangle over them, packed by columns.
+type Information<T> = SVector<T, PAIRS>;
 
 /// Where the slip force of a corner's element stands.
 fn slip(element: usize, corner: Corner) -> usize {
@@ -101,7 +103,7 @@ pub(crate) struct BodyEquation<T: Real> {
     slip_first: [[T; 2]; 4],
     parameters: Parameters<T>,
     /// Its lower triangle, packed by columns.
-    information: SVector<T, PAIRS>,
+    information: Information<T>,
     score: Parameters<T>,
     /// Slip forces that the present fit holds at zero.
     held: [bool; SIZE],
@@ -180,6 +182,8 @@ impl<T: Real> BodyEquation<T> {
             if latest_s - earliest_s < SAME_S && earliest_s > self.time_s {
                 self.time_s = latest_s;
                 self.begin_learning();
+                // The frames' sample has work of their corners.
+                return Learning::UnderWay;
             }
         }
         if self.units_left == 0 {
@@ -346,16 +350,17 @@ impl<T: Real> BodyEquation<T> {
             // Towards the parameters at which the linearized residual vanishes.
             let [re, im] = [slope.map(|s| s.re), slope.map(|s| s.im)];
             let target = [re.dot(&x) - residual.re, im.dot(&x) - residual.im];
-            for (slope, target) in [re, im].iter().zip(target) {
-                let mut left = self.information.as_mut_slice();
-                for (column, &by) in slope.iter().enumerate() {
-                    let (by, below) = (weight * by, slope.as_slice().get(column..).unwrap_or(&[]));
-                    let Some((sums, others)) = left.split_at_mut_checked(below.len()) else { break };
-                    left = others;
-                    for (sum, &row) in sums.iter_mut().zip(below) {
-                        *sum += by * row;
-                    }
+            let mut left = self.information.as_mut_slice();
+            for (column, (&by_re, &by_im)) in re.iter().zip(&im).enumerate() {
+                let [by_re, by_im] = [weight * by_re, weight * by_im];
+                let [re, im] = [&re, &im].map(|part| part.as_slice().get(column..).unwrap_or(&[]));
+                let Some((sums, others)) = left.split_at_mut_checked(re.len()) else { break };
+                left = others;
+                for (sum, (&re, &im)) in sums.iter_mut().zip(re.iter().zip(im)) {
+                    *sum += by_re * re + by_im * im;
                 }
+            }
+            for (slope, target) in [re, im].iter().zip(target) {
                 self.score.axpy(weight * target, slope, T::one());
             }
         }

@@ -1,7 +1,7 @@
 //! Products of the residual's derivatives on a road of unit power, bin by bin (docs/math/shared-road.md, section 4). They change as slowly
 //! as the car does: once all are known, one bin is computed anew with every frame.
 
-use crate::belief::measurement::{BINS, Gram, Products, pack_lower};
+use crate::belief::measurement::{BINS, Products};
 use crate::memory::Blank;
 use crate::real::Real;
 
@@ -30,9 +30,9 @@ impl<T: Real> ExpectedProducts<T> {
         self.missing
     }
 
-    pub(crate) fn advance(&mut self, compute: impl Fn(usize) -> Gram<T>) {
+    pub(crate) fn advance(&mut self, compute: impl Fn(usize) -> Products<T>) {
         if let Some(of_bin) = self.of_bin.get_mut(self.due) {
-            *of_bin = pack_lower(&compute(self.due));
+            *of_bin = compute(self.due);
         }
         self.missing = self.missing.saturating_sub(1);
         self.due = (self.due + 1) % BINS;

@@ -5,11 +5,12 @@
 use nalgebra::{Complex, Matrix2, SMatrix, SVector};
 
 use crate::belief::LEAST_DAMPING;
-use crate::belief::measurement::{AxleResidual, BINS, Gram, Slope};
+use crate::belief::measurement::{AxleResidual, BINS, Products, Slope};
 use crate::belief::state::{
     BAR, DAMPING, GAIN, MASS, SIDE_BARS, SIDE_GAIN, SIDE_REAR, SIDE_SIZE, SIDE_SKEW, SKEW, SKEW_UNIT_S,
     SPRING, State, WHEELBASE, read_compliance,
 };
+use crate::cholesky::packed;
 use crate::inter_axle::alignment::channel::{BOTH, SEEN};
 use crate::inter_axle::residual::correction::FrfRatios;
 use crate::inter_axle::{BIN_SPACING_HZ, Frame, bin_hz};
@@ -233,8 +234,8 @@ impl<'a, T: Real> UnitRoad<'a, T> {
 
     /// Products of the derivatives with each other that a road of unit power makes in a bin: `Re⟨C* C⟩`.
     #[inline(never)]
-    pub(crate) fn expected_products(&self, bin: usize) -> Gram<T> {
-        let mut sum = Gram::zeros();
+    pub(crate) fn expected_products(&self, bin: usize) -> Products<T> {
+        let mut sum = Products::zeros();
         let (mut other_side, mut total) = (Matrix2::zeros(), T::zero());
         for point in 0..KERNEL {
             let offset = T::lit((point as f64 - KERNEL_HALF as f64) / KERNEL_DENSITY);
@@ -250,24 +251,25 @@ impl<'a, T: Real> UnitRoad<'a, T> {
             let slope = slopes(&[seen(0), seen(1)], self.gain, bin_hz(bin));
             // Real and imaginary part, times the root of the bin's weight at this frequency.
             let root = weight.sqrt();
-            for part in [slope.map(|of| of.re * root), slope.map(|of| of.im * root)] {
-                for column in 0..SIDE_SIZE {
-                    for row in column..SIDE_SIZE {
-                        sum[(row, column)] += part[row] * part[column];
-                    }
+            let [re, im] = [slope.map(|of| of.re * root), slope.map(|of| of.im * root)];
+            let mut left = sum.as_mut_slice();
+            for (column, (&by_re, &by_im)) in re.iter().zip(&im).enumerate() {
+                let [re, im] = [&re, &im].map(|part| part.get(column..).unwrap_or(&[]));
+                let Some((sums, others)) = left.split_at_mut_checked(re.len()) else { break };
+                left = others;
+                for (sum, (&re, &im)) in sums.iter_mut().zip(re.iter().zip(im)) {
+                    *sum += by_re * re + by_im * im;
                 }
             }
             other_side +=
                 Matrix2::from_fn(|i, j| (slope[SIDE_BARS[i]] * slope[SIDE_BARS[j]].conj()).re * weight);
             total += weight;
         }
-        sum.fill_upper_triangle_with_lower_triangle();
         // The other side moves as much, by itself, and alike under both axles.
-        for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-            sum[(SIDE_BARS[i], SIDE_BARS[j])] += other_side[(i, j)];
+        for (i, j) in [(0, 0), (1, 0), (1, 1)] {
+            sum[packed::<SIDE_SIZE>(SIDE_BARS[i], SIDE_BARS[j])] += other_side[(i, j)];
         }
-        sum /= total;
-        sum
+        sum / total
     }
 }
 

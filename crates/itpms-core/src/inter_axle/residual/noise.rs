@@ -120,16 +120,16 @@ impl<T: Real> Coherence<T> {
         seconds: T,
         beside: bool,
     ) {
-        let UpdateRecord { prefit: found, power_ratio: ratio, .. } = record;
+        let UpdateRecord { road_power, power_ratio: ratio, .. } = record;
         let gain = |time_s: f64| T::one() - (-seconds / T::lit(time_s)).exp();
         self.frames = self.frames.saturating_add(1);
         let count = T::one() / T::lit(f64::from(self.frames) + COUNTED);
         let (power, usual) = (gain(POWER_S), gain(COHERENCE_S).max(count));
         let parting = gain(PARTING_S).max(count);
         self.parting = false;
-        let (usual_power, road) = (self.usual(&found.road_power), self.road(&found.road_power));
+        let (usual_power, road) = (self.usual(road_power), self.road(road_power));
         for (bin, &ratio) in ratio.iter().enumerate() {
-            let now = found.road_power[bin];
+            let now = road_power[bin];
             let believed = self.incoherence[bin];
             let most = believed * T::lit(LARGEST_STEP) + T::lit(LARGEST_MORE);
             let seen = ((expected.power[bin] * ratio - noise[bin]) / road[bin]).min(most);
@@ -183,11 +183,11 @@ pub(crate) fn within<T: Real>(incoherence: T, half: f64) -> T {
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::{Complex, SMatrix};
 
     use super::*;
-    use crate::belief::measurement::AxleResidual;
-    use crate::belief::measurement::pack_lower;
+    use crate::belief::measurement::Products;
+    use crate::belief::state::SIDE_SIZE;
+    use crate::cholesky::packed;
 
     /// Frames of `seconds` on a road of unit power of which this share is not common; gives what of it counts as lasting.
     fn drive(coherence: &mut Coherence<f64>, seconds: f64, share: f64) -> f64 {
@@ -196,22 +196,10 @@ mod tests {
 
     /// The same, the other side's roads parting or not.
     fn drive_beside(coherence: &mut Coherence<f64>, seconds: f64, share: f64, beside: bool) -> f64 {
-        let found = AxleResidual {
-            rows: SVector::zeros(),
-            slope: SMatrix::zeros(),
-            common: [Complex::new(0.0, 0.0); BINS],
-            road_power: [1.0; BINS],
-        };
         for _ in 0..(10.0 * seconds) as u32 {
             let expected =
                 Expectation { power: [1.0; BINS], road_power: [1.0; BINS], information_root: Gram::zeros() };
-            let record = UpdateRecord {
-                prefit: found.clone(),
-                power_ratio: [share; BINS],
-                mahalanobis_sq: 0.0,
-                variance_scale: 1.0,
-                weight: 1.0,
-            };
+            let record = UpdateRecord { road_power: [1.0; BINS], power_ratio: [share; BINS], weight: 1.0 };
             coherence.learn(&expected, &record, &[0.0; BINS], 0.1, beside);
         }
         coherence.lasting()
@@ -246,8 +234,9 @@ mod tests {
     fn a_first_frame_that_hardly_hears_a_frequency_is_not_believed_more_there() {
         let mut road = [1.0; BINS];
         road[1] = 1e-6;
-        let expected =
-            Coherence::<f64>::new().expect(&road, &[0.0; BINS], &[pack_lower(&Gram::identity()); BINS]);
+        let mut products = Products::zeros();
+        (0..SIDE_SIZE).for_each(|i| products[packed::<SIDE_SIZE>(i, i)] = 1.0);
+        let expected = Coherence::<f64>::new().expect(&road, &[0.0; BINS], &[products; BINS]);
         // Half the mean of all five, of which a fifth need not be common: not a millionth of what the others have.
         assert!((expected.power[1] - START * 0.5 * 0.8).abs() < 1e-6, "{}", expected.power[1]);
         assert!((expected.power[0] - START * 0.5 * 1.8).abs() < 1e-6, "{}", expected.power[0]);

@@ -7,8 +7,9 @@ use nalgebra::Complex;
 #[allow(unused_imports)]
 use nalgebra::ComplexField;
 
-use crate::belief::measurement::{BINS, Gram, Score, Slope};
+use crate::belief::measurement::{BINS, Gram, Products, Score, Slope};
 use crate::belief::state::{BAR, GAIN, SIDE_SIZE, SKEW, State, WHEELBASE, side_indices};
+use crate::cholesky;
 use crate::inter_axle::alignment::channel::BOTH;
 use crate::inter_axle::bin_hz;
 use crate::inter_axle::residual::correction::FrfRatios;
@@ -122,15 +123,15 @@ fn expected_products_are_those_of_a_long_random_road() {
             power[bin] += found.road_power[bin];
         }
     }
-    let (wheels, ratios) = (wheels(), same());
+    let (wheels, ratios, packed) = (wheels(), same(), cholesky::packed::<SIDE_SIZE>);
     let road = UnitRoad::new(&wheels, Side::Left, &state, &ratios);
-    let expected: [Gram<f64>; BINS] = core::array::from_fn(|bin| road.expected_products(bin));
+    let expected: [Products<f64>; BINS] = core::array::from_fn(|bin| road.expected_products(bin));
     for bin in 0..BINS {
         for i in 0..SIDE_SIZE {
             for j in 0..=i {
                 let found = products[bin][(i, j)] / power[bin];
-                let scale = (expected[bin][(i, i)] * expected[bin][(j, j)]).sqrt();
-                let off = (found - expected[bin][(i, j)]) / scale;
+                let scale = (expected[bin][packed(i, i)] * expected[bin][packed(j, j)]).sqrt();
+                let off = (found - expected[bin][packed(i, j)]) / scale;
                 // Nine points, 2.5 Hz apart, stand for the window: as far apart as wheel hop is wide, so the peak counts
                 // some 15 % too much or too little, and what comes through the window's skirt into the first bin more.
                 assert!(off.abs() < 0.25, "bin {bin} {i} {j}: {off}");

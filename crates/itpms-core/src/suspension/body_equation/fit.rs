@@ -1,13 +1,11 @@
 //! The fit of the body's equation: one pass of Gauss-Newton a call, with slip forces that are never negative.
 
-use nalgebra::SMatrix;
-
 use super::{
     BAR, BAR_FIRST, BAR_SD, BodyEquation, DAMPER, DAMPER_SD, DELAY, DELAY_SD, ELEMENTS, FORCE_N, FURTHEST,
-    INERTIA, INERTIA_SD, LARGEST_STEP, MOST_DELAY, MOST_WARP, Parameters, SIZE, SLIP, SPRING, SPRING_SD,
-    WARP, WARP_SD,
+    INERTIA, INERTIA_SD, Information, LARGEST_STEP, MOST_DELAY, MOST_WARP, Parameters, SIZE, SLIP, SPRING,
+    SPRING_SD, WARP, WARP_SD,
 };
-use crate::cholesky;
+use crate::cholesky::{self, packed};
 use crate::model::{Corner, CornerConfig};
 use crate::real::Real;
 use crate::suspension::rigid_body::RigidBody;
@@ -25,11 +23,11 @@ impl<T: Real> BodyEquation<T> {
         for (i, _) in self.held.iter().enumerate().skip(SLIP).filter(|(_, held)| **held) {
             hold(&mut free, &mut best, i);
         }
-        if !cholesky::decompose(&mut free) {
+        if !cholesky::decompose_packed(free.as_mut_slice(), SIZE) {
             return true;
         }
-        free.solve_lower_triangular_unchecked_mut(&mut best);
-        free.ad_solve_lower_triangular_unchecked_mut(&mut best);
+        cholesky::solve_packed(free.as_slice(), best.as_mut_slice());
+        cholesky::solve_packed_transposed(free.as_slice(), best.as_mut_slice());
         let found = !hold_negative(&mut self.held, &best) || is_last;
         if found {
             self.move_to(&best);
@@ -37,19 +35,19 @@ impl<T: Real> BodyEquation<T> {
         found
     }
 
-    /// What the frames and the vehicle file together tell of the parameters.
-    #[inline(always)]
-    pub(super) fn with_prior(&self) -> SMatrix<T, SIZE, SIZE> {
-        let mut packed = self.information.iter();
-        let mut information = SMatrix::zeros();
-        for column in 0..SIZE {
-            for (row, &value) in (column..SIZE).zip(packed.by_ref()) {
-                (information[(row, column)], information[(column, row)]) = (value, value);
-            }
+    /// What the frames and the vehicle file together tell of the parameters: the lower triangle.
+    pub(super) fn with_prior(&self) -> Information<T> {
+        let (mut information, prior) = (self.information, self.prior_information());
+        for (i, &prior) in prior.iter().enumerate() {
+            information[packed::<SIZE>(i, i)] += prior;
         }
-        let prior = self.prior_information();
-        (0..SIZE).for_each(|i| information[(i, i)] += prior[i]);
         information
+    }
+
+    /// The root `L` of that, `L L'`: with the covariance `P` of all parameters `q' P q` is the square of `L^-1 q`.
+    pub(super) fn root(&self) -> Option<Information<T>> {
+        let mut root = self.with_prior();
+        cholesky::decompose_packed(root.as_mut_slice(), SIZE).then_some(root)
     }
 
     /// What the parameters are before anything is seen.
@@ -106,12 +104,12 @@ fn bounds<T: Real>(i: usize) -> [T; 2] {
 
 /// Makes of the equations such as leave a parameter at zero.
 #[inline(never)]
-fn hold<T: Real>(equations: &mut SMatrix<T, SIZE, SIZE>, target: &mut Parameters<T>, i: usize) {
+fn hold<T: Real>(equations: &mut Information<T>, target: &mut Parameters<T>, i: usize) {
     let i = i.min(SIZE - 1);
     for j in 0..SIZE {
-        (equations[(i, j)], equations[(j, i)]) = (T::zero(), T::zero());
+        equations[packed::<SIZE>(i.max(j), i.min(j))] = T::zero();
     }
-    (equations[(i, i)], target[i]) = (T::one(), T::zero());
+    (equations[packed::<SIZE>(i, i)], target[i]) = (T::one(), T::zero());
 }
 
 /// Holds slip forces that came out negative; true if there are any.

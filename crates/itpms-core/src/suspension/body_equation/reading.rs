@@ -1,7 +1,8 @@
 //! What the fit has found of the struts, for whoever writes it down (docs/math/learn.md, section 3). Called between
 //! samples, not with each.
 
-use super::{BodyEquation, DAMPER, ELEMENTS, FORCE_N, INERTIA, SPRING, slip};
+use super::{BodyEquation, DAMPER, ELEMENTS, FORCE_N, INERTIA, Parameters, SPRING, slip};
+use crate::cholesky;
 use crate::model::{Corner, StrutReading};
 use crate::real::Real;
 
@@ -11,31 +12,31 @@ impl<T: Real> BodyEquation<T> {
         if !(self.known && self.body.has(corner)) {
             return None;
         }
-        let covariance = self.with_prior().cholesky()?.inverse();
+        let root = self.root()?;
+        let sd = |mut of: Parameters<T>| {
+            cholesky::solve_packed(root.as_slice(), of.as_mut_slice());
+            of.norm()
+        };
         // Of the difference of two logarithms: to the body's mass, which is given by nothing but the file.
         let over_mass_sd = |i: usize| {
-            let variance =
-                covariance[(i, i)] + covariance[(INERTIA, INERTIA)] - T::lit(2.0) * covariance[(i, INERTIA)];
-            variance.max(T::zero()).sqrt()
+            let mut difference = Parameters::zeros();
+            (difference[i], difference[INERTIA]) = (T::one(), -T::one());
+            sd(difference)
         };
         let over_mass = |i: usize| self.parameters[i] - self.parameters[INERTIA];
         let per_mass = (-self.parameters[INERTIA]).exp();
         let slips = |element| slip(element, corner);
         let (damper, spring) = (DAMPER + corner.index(), SPRING + corner.index());
-        let (mut friction_n, mut variance) = (T::zero(), T::zero());
-        for i in (0..ELEMENTS).map(slips) {
-            friction_n += T::lit(FORCE_N) * self.parameters[i];
-            for j in (0..ELEMENTS).map(slips) {
-                variance += T::lit(FORCE_N * FORCE_N) * covariance[(i, j)];
-            }
-        }
+        let mut all = Parameters::zeros();
+        (0..ELEMENTS).map(slips).for_each(|i| all[i] = T::lit(FORCE_N));
+        let friction_n = all.dot(&self.parameters);
         Some(StrutReading {
             ln_damping: over_mass(damper),
             ln_damping_sd: over_mass_sd(damper),
             ln_spring: over_mass(spring),
             ln_spring_sd: over_mass_sd(spring),
             friction_n: friction_n * per_mass,
-            friction_sd_n: variance.max(T::zero()).sqrt() * per_mass,
+            friction_sd_n: sd(all) * per_mass,
             ln_sprung_mass: self.parameters[INERTIA],
         })
     }

@@ -56,13 +56,9 @@ impl<T: Real> BodyEquation<T> {
         [over(damping, self.damping[corner] * omega), over(stiffness, self.spring[corner])]
     }
 
-    /// With the covariance `P` of all parameters, the inverse of `L L'`: `q' P q` is the square of `y` where `L y = q`.
     #[inline(never)]
     pub(super) fn note_impedance_error(&mut self) {
-        let mut information = self.with_prior();
-        if !cholesky::decompose(&mut information) {
-            return;
-        }
+        let Some(root) = self.root() else { return };
         for corner in Corner::ALL.into_iter().filter(|&corner| self.body.has(corner)) {
             for part in 0..2 {
                 let (mut slope, mut sticking) = (Parameters::zeros(), T::zero());
@@ -71,9 +67,7 @@ impl<T: Real> BodyEquation<T> {
                     slope[slip(element, corner)] = per_newton * T::lit(FORCE_N);
                     sticking += per_newton * slip_n;
                 }
-                if !information.solve_lower_triangular_mut(&mut slope) {
-                    return;
-                }
+                cholesky::solve_packed(root.as_slice(), slope.as_mut_slice());
                 let model = T::lit(MODEL_ERROR) * sticking;
                 self.impedance_variance[corner][part.min(1)] = slope.norm_squared() + model * model;
             }

@@ -199,7 +199,8 @@ fn friction_begins_where_the_file_has_it() {
         assert!((force - 44.2 / 3.0).abs() < 1e-9, "{force}");
     }
     // It may as well be all in one element: each is known to (45² + 12²)^(1/2) N.
-    let prior = equation.with_prior()[(slip(0, Corner::RearLeft), slip(0, Corner::RearLeft))];
+    let prior = equation.with_prior()
+        [crate::cholesky::packed::<SIZE>(slip(0, Corner::RearLeft), slip(0, Corner::RearLeft))];
     assert!((FORCE_N / prior.sqrt() - (45.0f64.powi(2) + 144.0).sqrt()).abs() < 1e-9);
 }
 
