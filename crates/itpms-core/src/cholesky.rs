@@ -8,101 +8,68 @@ use crate::real::Real;
 /// Makes of the lower triangle that of `L` with `L L'`, what is above the diagonal stays. False where a pivot is not positive.
 #[must_use]
 pub(crate) fn decompose<T: Real, const N: usize>(matrix: &mut SMatrix<T, N, N>) -> bool {
-    eliminate(matrix, T::zero())
+    eliminate::<T, N>(matrix.as_mut_slice(), whole::<N>, T::zero())
+}
+
+/// The same of a lower triangle that is packed by columns.
+#[must_use]
+pub(crate) fn decompose_packed<T: Real, const N: usize>(lower: &mut [T]) -> bool {
+    eliminate::<T, N>(lower, packed::<N>, T::zero())
 }
 
 /// Makes of a matrix that may be semidefinite the lower triangular root `L` with `L L'`: where a pivot is what rounding has left of the
 /// diagonal, its column is zero.
 pub(crate) fn root<T: Real, const N: usize>(matrix: &mut SMatrix<T, N, N>) {
-    eliminate(matrix, T::whole((N * N) as u32) * T::epsilon());
+    eliminate::<T, N>(matrix.as_mut_slice(), whole::<N>, T::whole((N * N) as u32) * T::epsilon());
     matrix.fill_upper_triangle(T::zero(), 1);
-}
-
-/// The same of a lower triangle packed by columns, of this `size`.
-#[must_use]
-#[inline(never)]
-pub(crate) fn decompose_packed<T: Real>(lower: &mut [T], size: usize) -> bool {
-    let mut from = 0;
-    for j in 0..size {
-        let Some((before, rest)) = lower.split_at_mut_checked(from) else { return false };
-        let Some(column) = rest.get_mut(..size - j) else { return false };
-        // Where row j is in the columns before.
-        let mut at = j;
-        for k in 0..j {
-            let Some(earlier) = before.get(at..at + column.len()) else { return false };
-            subtract(column, earlier);
-            at += size - k - 1;
-        }
-        from += column.len();
-        let Some((pivot, below)) = column.split_first_mut() else { return false };
-        if !(*pivot > T::zero()) {
-            return false;
-        }
-        *pivot = pivot.sqrt();
-        below.iter_mut().for_each(|value| *value /= *pivot);
-    }
-    true
-}
-
-/// Where an entry of a lower triangle is that is packed by columns.
-pub(crate) fn packed<const SIZE: usize>(row: usize, column: usize) -> usize {
-    let at = column * (2 * SIZE - 1).saturating_sub(column) / 2 + row;
-    at.min((SIZE * (SIZE + 1) / 2).saturating_sub(1))
-}
-
-/// Makes of `b`, for a packed `L`, the solution of `L x = b`.
-#[inline(never)]
-pub(crate) fn solve_packed<T: Real>(lower: &[T], b: &mut [T]) {
-    let (mut columns, mut left) = (lower, b);
-    while let Some((value, below)) = core::mem::take(&mut left).split_first_mut() {
-        let Some((column, others)) = columns.split_at_checked(below.len() + 1) else { return };
-        let Some((&pivot, column)) = column.split_first() else { return };
-        *value /= pivot;
-        below.iter_mut().zip(column).for_each(|(below, &by)| *below -= by * *value);
-        (columns, left) = (others, below);
-    }
-}
-
-/// The same of `L' x = b`.
-#[inline(never)]
-pub(crate) fn solve_packed_transposed<T: Real>(lower: &[T], b: &mut [T]) {
-    let mut columns = lower;
-    for k in (0..b.len()).rev() {
-        let Some((value, below)) = b.get_mut(k..).and_then(<[T]>::split_first_mut) else { return };
-        let Some((others, column)) = columns.split_at_checked(columns.len() - below.len() - 1) else {
-            return;
-        };
-        let Some((&pivot, column)) = column.split_first() else { return };
-        *value = below.iter().zip(column).fold(*value, |sum, (&below, &by)| sum - by * below) / pivot;
-        columns = others;
-    }
 }
 
 /// `L^-1 b` for the lower triangle of a matrix.
 pub(crate) fn solve<T: Real, const N: usize>(lower: &SMatrix<T, N, N>, b: &SVector<T, N>) -> SVector<T, N> {
     let mut solved = *b;
-    let [values] = &mut solved.data.0;
-    for (k, column) in lower.data.0.iter().enumerate() {
-        let Some((value, below)) = values.get_mut(k..).and_then(<[T]>::split_first_mut) else { break };
-        let Some((&pivot, column)) = column.get(k..).and_then(<[T]>::split_first) else { break };
-        if *value != T::zero() {
-            *value /= pivot;
-            below.iter_mut().zip(column).for_each(|(below, &by)| *below -= by * *value);
-        }
-    }
+    substitute(lower.as_slice(), whole::<N>, &mut solved);
     solved
+}
+
+/// The same of a packed one, in place.
+pub(crate) fn solve_packed<T: Real, const N: usize>(lower: &[T], b: &mut SVector<T, N>) {
+    substitute(lower, packed::<N>, b);
+}
+
+/// `L'^-1 b` for a packed `L`, in place.
+#[inline(never)]
+pub(crate) fn solve_packed_transposed<T: Real, const N: usize>(lower: &[T], b: &mut SVector<T, N>) {
+    for k in (0..N).rev() {
+        let Some((value, below)) = b.as_mut_slice().get_mut(k..).and_then(<[T]>::split_first_mut) else {
+            return;
+        };
+        let Some((&pivot, column)) = lower.get(packed::<N>(k, k)..).and_then(<[T]>::split_first) else {
+            return;
+        };
+        *value = below.iter().zip(column).fold(*value, |sum, (&below, &by)| sum - by * below) / pivot;
+    }
+}
+
+/// Where an entry is in memory, by row and column: of a whole matrix, and of a packed lower triangle.
+fn whole<const N: usize>(row: usize, column: usize) -> usize {
+    column * N + row
+}
+
+pub(crate) fn packed<const N: usize>(row: usize, column: usize) -> usize {
+    let at = column * (2 * N - 1).saturating_sub(column) / 2 + row;
+    at.min((N * (N + 1) / 2).saturating_sub(1))
 }
 
 /// Columns whose pivot is at most `rounding` of the diagonal become zero; false if there are any.
 #[inline(never)]
-fn eliminate<T: Real, const N: usize>(matrix: &mut SMatrix<T, N, N>, rounding: T) -> bool {
-    let (columns, mut is_definite) = (&mut matrix.data.0, true);
+fn eliminate<T: Real, const N: usize>(values: &mut [T], at: fn(usize, usize) -> usize, rounding: T) -> bool {
+    let mut is_definite = true;
     for j in 0..N {
-        let (before, rest) = columns.split_at_mut(j);
-        let Some(column) = rest.first_mut().and_then(|column| column.get_mut(j..)) else { return false };
+        let Some((before, rest)) = values.split_at_mut_checked(at(j, j)) else { return false };
+        let Some(column) = rest.get_mut(..N - j) else { return false };
         let least = column.first().map_or(T::ZERO, |&diagonal| rounding * diagonal);
-        for earlier in before.iter() {
-            let Some(earlier) = earlier.get(j..) else { return false };
+        for k in 0..j {
+            let Some(earlier) = before.get(at(j, k)..at(j, k) + column.len()) else { return false };
             subtract(column, earlier);
         }
         let Some((pivot, below)) = column.split_first_mut() else { return false };
@@ -115,6 +82,20 @@ fn eliminate<T: Real, const N: usize>(matrix: &mut SMatrix<T, N, N>, rounding: T
         }
     }
     is_definite
+}
+
+#[inline(never)]
+fn substitute<T: Real, const N: usize>(lower: &[T], at: fn(usize, usize) -> usize, b: &mut SVector<T, N>) {
+    for k in 0..N {
+        let Some((value, below)) = b.as_mut_slice().get_mut(k..).and_then(<[T]>::split_first_mut) else {
+            return;
+        };
+        let Some((&pivot, column)) = lower.get(at(k, k)..).and_then(<[T]>::split_first) else { return };
+        if *value != T::zero() {
+            *value /= pivot;
+            below.iter_mut().zip(column).for_each(|(below, &by)| *below -= by * *value);
+        }
+    }
 }
 
 /// `column -= earlier * earlier[0]`.
@@ -143,30 +124,19 @@ mod tests {
         assert_eq!(found.lower_triangle(), l);
         let b = SVector::from_fn(|_, _| random.normal());
         assert!((l * solve(&found, &b) - b).amax() < 1e-12);
+        let columns = matrix.column_iter().enumerate();
+        let mut values = columns.flat_map(|(i, column)| column.into_iter().skip(i).copied());
+        let mut lower: [f64; 45] = core::array::from_fn(|_| values.next().unwrap());
+        assert!(decompose_packed::<_, 9>(&mut lower));
+        let (mut solved, mut transposed) = (b, b);
+        solve_packed(&lower, &mut solved);
+        solve_packed_transposed(&lower, &mut transposed);
+        assert_eq!(solved, solve(&found, &b));
+        assert!((l.transpose() * transposed - b).amax() < 1e-12);
         let single = matrix.map(|value| value as f32);
         let mut found = single;
         assert!(decompose(&mut found));
         assert_eq!(found.lower_triangle(), single.cholesky().unwrap().l());
-    }
-
-    #[test]
-    fn a_packed_one_is_the_same() {
-        let mut random = Random(5);
-        let root = SMatrix::<f64, 9, 9>::from_fn(|_, _| random.normal());
-        let mut matrix = root * root.transpose();
-        let columns = matrix.column_iter().enumerate();
-        let mut values = columns.flat_map(|(i, column)| column.into_iter().skip(i).copied());
-        let mut packed: [f64; 45] = core::array::from_fn(|_| values.next().unwrap());
-        assert!(decompose_packed(&mut packed, 9) && decompose(&mut matrix));
-        let l = matrix.lower_triangle();
-        let b = SVector::<f64, 9>::from_fn(|_, _| random.normal());
-        let mut solved = b;
-        solve_packed(&packed, solved.as_mut_slice());
-        assert!((l * solved - b).amax() < 1e-12);
-        let mut solved = b;
-        solve_packed_transposed(&packed, solved.as_mut_slice());
-        assert!((l.transpose() * solved - b).amax() < 1e-12);
-        assert!(!decompose_packed(&mut [1.0, 1.0, 1.0], 2) && !decompose_packed(&mut [f64::NAN], 1));
     }
 
     #[test]

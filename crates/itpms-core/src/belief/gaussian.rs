@@ -98,16 +98,10 @@ pub(crate) struct FrictionError<T> {
     pub(crate) damped: T,
 }
 
-impl<T: Real> FrictionError<T> {
-    pub(crate) fn none() -> Self {
-        Self { damping: T::zero(), spring: T::zero(), damped: T::zero() }
-    }
-}
-
 impl<T: Real> Circumstances<T> {
     /// Nothing is known of the road yet.
     pub(crate) fn of_a_car(mass_sd: [T; 4]) -> Self {
-        Self { mass_sd, friction_error: [FrictionError::none(); 4], tires_set: false }
+        Self { mass_sd, friction_error: [FrictionError::BLANK; 4], tires_set: false }
     }
 }
 

@@ -12,7 +12,7 @@ use super::measurement::{AxleResidual, SideMeasurement, UpdateRecord};
 use super::state::{MASS, RATE, SIZE, State, TIRE};
 use super::tires::Tires;
 use super::transition::{NOTICED, Transition};
-use super::update::{Lesson, Likelihood, OwnCovariance, score};
+use super::update::{Lesson, Likelihood, own_covariance, score};
 use crate::memory::{Blank, Placed};
 use crate::model::{Corner, Learned, Side};
 use crate::real::{Real, SMALLEST};
@@ -176,11 +176,11 @@ impl<T: Real> HypothesisBank<T> {
         let (hypothesis, log_weight) = self.hypotheses.get(index).zip(log_weight.get_mut(index))?;
         *log_weight = T::lit(IMPOSSIBLE);
         let prefit = linearize(&hypothesis.mean);
-        let own = OwnCovariance::new(&hypothesis.covariance, reading);
+        let own = own_covariance(&hypothesis.covariance, reading);
         let likelihood = Likelihood::new(&own, &prefit, instrument, expected)?;
         *log_weight = *weight * likelihood.log;
         let score = score(&prefit, instrument, expected);
-        let learned = own.lesson(&score, &expected.information_root, &likelihood, *weight, lesson);
+        let learned = lesson.learn(&own, &score, &expected.information_root, &likelihood, *weight);
         if index == *best {
             record.place(|record| {
                 (record.road_power, record.power_ratio) = (prefit.road_power, likelihood.ratio);

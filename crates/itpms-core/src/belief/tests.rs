@@ -19,7 +19,7 @@ use super::state::{
     BAR, DAMPING, GAIN, LEVEL, MASS, RATE, ROAD_BIAS, SIDE_SIZE, SIDE_TIRES, SIZE, SPRING, SideReading,
     State, TIRE, WHEELBASE, prior_sd, read_compliance, return_rate, side_indices, wander_sd,
 };
-use super::update::{Lesson, Likelihood, OwnCovariance};
+use super::update::{Lesson, Likelihood, own_covariance};
 use super::{Belief, Onset};
 use crate::memory::{Blank, configured};
 use crate::model::{CarConfig, Corner, CornerConfig, Inflation, Side};
@@ -230,8 +230,8 @@ fn learn(
     mahalanobis_sq: f64,
 ) {
     let likelihood = Likelihood { log: 0.0, mahalanobis_sq, scale: 1.0, ratio: [1.0; BINS] };
-    let (own, mut lesson) = (OwnCovariance::new(&hypothesis.covariance, reading), Lesson::BLANK);
-    assert!(own.lesson(score, information_root, &likelihood, 1.0, &mut lesson).is_some());
+    let (own, mut lesson) = (own_covariance(&hypothesis.covariance, reading), Lesson::BLANK);
+    assert!(lesson.learn(&own, score, information_root, &likelihood, 1.0).is_some());
     lesson.teach(hypothesis, reading);
 }
 

@@ -1,7 +1,7 @@
 //! What a frame says to one Gaussian of the belief: how likely it was, and where its quantities should go (docs/math/shared-road.md,
 //! eq. 11-13). Used by every hypothesis in turn; knows nothing of the others.
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{ArrayStorage, SMatrix, SVector};
 
 use super::covariance::{Covariance, product};
 use super::gaussian::Hypothesis;
@@ -19,60 +19,61 @@ const STRAY: f64 = 1e-3;
 /// Least power of a road in a bin, in m²/s².
 const LEAST_POWER: f64 = 1e-12;
 
-/// The part of a belief that a side's residual depends on: covariance of the side's quantities.
-pub(crate) struct OwnCovariance<T: Real> {
-    own: Gram<T>,
+/// Covariance of the quantities that a side's residual depends on.
+#[inline(never)]
+pub(crate) fn own_covariance<T: Real>(covariance: &Covariance<T>, reading: &SideReading<T>) -> Gram<T> {
+    let (parts, mut own) = (reading.parts(), Gram::zeros());
+    for (n, &(i, row, times)) in parts.iter().enumerate() {
+        for (m, &(j, column, as_often)) in parts.iter().enumerate().take(n + 1) {
+            let covariance = times * as_often * covariance[(row, column)];
+            own[(i, j)] += covariance;
+            if m < n {
+                own[(j, i)] += covariance;
+            }
+        }
+    }
+    own
 }
 
-impl<T: Real> OwnCovariance<T> {
-    #[inline(never)]
-    pub(crate) fn new(covariance: &Covariance<T>, reading: &SideReading<T>) -> Self {
-        let (parts, mut own) = (reading.parts(), Gram::zeros());
-        for (n, &(i, row, times)) in parts.iter().enumerate() {
-            for (m, &(j, column, as_often)) in parts.iter().enumerate().take(n + 1) {
-                let covariance = times * as_often * covariance[(row, column)];
-                own[(i, j)] += covariance;
-                if m < n {
-                    own[(j, i)] += covariance;
-                }
-            }
+/// Covariance of a residual that is due to what is not known of the side: its lower triangle.
+#[inline(never)]
+fn spread<T: Real>(own: &Gram<T>, slope: &Slope<T>) -> SMatrix<T, ROWS, ROWS> {
+    let by = Slope::from_data(ArrayStorage(own.data.0.map(|own| combine(&slope.data.0, &own))));
+    let mut spread = SMatrix::zeros();
+    for i in 0..ROWS {
+        for j in 0..=i {
+            spread[(i, j)] = (0..SIDE_SIZE).fold(T::zero(), |sum, k| sum + by[(i, k)] * slope[(j, k)]);
         }
-        Self { own }
     }
+    spread
+}
 
-    /// Covariance of a residual that is due to what is not known of the side: its lower triangle.
-    #[inline(never)]
-    fn spread(&self, slope: &Slope<T>) -> SMatrix<T, ROWS, ROWS> {
-        let mut by = Slope::zeros();
-        for (by, own) in by.data.0.iter_mut().zip(&self.own.data.0) {
-            *by = combine(&slope.data.0, own);
-        }
-        let mut spread = SMatrix::zeros();
-        for i in 0..ROWS {
-            for j in 0..=i {
-                spread[(i, j)] = (0..SIDE_SIZE).fold(T::zero(), |sum, k| sum + by[(i, k)] * slope[(j, k)]);
-            }
-        }
-        spread
-    }
+/// What a frame teaches one Gaussian, in the side's quantities: with the covariances `P_o` of everything with these it takes `P_o W W' P_o'`
+/// off the covariance, and moves the mean by `P_o` times the pull.
+#[derive(Blank)]
+pub(crate) struct Lesson<T: Real> {
+    root: Gram<T>,
+    pull: Score<T>,
+}
 
+impl<T: Real> Lesson<T> {
     /// A frame's information with its score, counting `weight` of them; `None` if that is no covariance. The mean moves by no more than the residual,
     /// both in standard deviations: no update by Bayes' rule would, but the score is taken with instruments, and what these
     /// measured need not have been the road, as when a wheel comes down.
     #[inline(never)]
-    pub(crate) fn lesson(
-        &self,
+    pub(crate) fn learn(
+        &mut self,
+        own: &Gram<T>,
         score: &Score<T>,
         information_root: &Gram<T>,
         likelihood: &Likelihood<T>,
         weight: T,
-        into: &mut Lesson<T>,
     ) -> Option<()> {
         let scale = likelihood.scale / weight;
         // With G G' the information over V: P' = P - P_o W W' P_o', where W = G K'^-1 and K K' = I + G' P_oo G. And with it the mean:
         // m' = m + P'_o score / V.
-        let (Lesson { root, pull }, mut inner) = (into, Gram::zeros());
-        multiply(&self.own, information_root, root);
+        let (Self { root, pull }, mut inner) = (self, Gram::zeros());
+        multiply(own, information_root, root);
         for (i, row) in information_root.data.0.iter().enumerate() {
             for (j, column) in root.data.0.iter().enumerate().take(i + 1) {
                 inner[(i, j)] = product(row, column) / scale;
@@ -85,25 +86,15 @@ impl<T: Real> OwnCovariance<T> {
         root.copy_from(information_root);
         divide(root, &inner, scale.sqrt());
         let score = score / scale;
-        *pull = score - *root * root.tr_mul(&(self.own * score));
+        *pull = score - *root * root.tr_mul(&(own * score));
         // step^T P^-1 step, as step = P_o pull.
-        let length = pull.dot(&(self.own * *pull));
+        let length = pull.dot(&(own * *pull));
         if length > likelihood.mahalanobis_sq {
             *pull *= (likelihood.mahalanobis_sq / length).sqrt();
         }
         Some(())
     }
-}
 
-/// What a frame teaches one Gaussian, in the side's quantities: with the covariances `P_o` of everything with these it takes `P_o W W' P_o'`
-/// off the covariance, and moves the mean by `P_o` times the pull.
-#[derive(Blank)]
-pub(crate) struct Lesson<T: Real> {
-    root: Gram<T>,
-    pull: Score<T>,
-}
-
-impl<T: Real> Lesson<T> {
     #[inline(never)]
     pub(crate) fn teach(&self, hypothesis: &mut Hypothesis<T>, reading: &SideReading<T>) {
         // P_o, a row for every quantity of the state; then P_o W.
@@ -115,11 +106,10 @@ impl<T: Real> Lesson<T> {
                 }
             });
         }
-        let [pull] = &self.pull.data.0;
-        let transposed = self.root.transpose();
+        let ([pull], root) = (&self.pull.data.0, self.root.transpose());
         for (row, mean) in rows.iter_mut().zip(hypothesis.mean.iter_mut()) {
             *mean += product(row, pull);
-            *row = combine(&transposed.data.0, row);
+            *row = combine(&root.data.0, row);
         }
         hypothesis.covariance.take_off(&rows);
         hypothesis.covariance.hold_variances();
@@ -176,7 +166,7 @@ impl<T: Real> Likelihood<T> {
     /// by what was measured hold the residual's own noise, which would favor who reads less of a road, or knows less (docs/math/shared-road.md, eq. 10a).
     #[inline(never)]
     pub(crate) fn new(
-        own: &OwnCovariance<T>,
+        own: &Gram<T>,
         found: &AxleResidual<T>,
         instrument: &Slope<T>,
         expected: &Expectation<T>,
@@ -187,7 +177,7 @@ impl<T: Real> Likelihood<T> {
             *relative = ((reference + T::lit(LEAST_POWER)) / (own + T::lit(LEAST_POWER))).sqrt();
         }
         let rows: SVector<T, ROWS> = SVector::from_fn(|row, _| found.rows[row] * relative[row % BINS]);
-        let known = own.spread(instrument);
+        let known = spread(own, instrument);
         // Half of a bin's power in each of its two numbers; frames that overlap say half of everything twice.
         let share = T::lit(0.5 / OVERLAP);
         let root = |scale: T| {

@@ -79,8 +79,8 @@ pub(crate) struct CrossSensorPlausibility<T: Real> {
 impl<T: Real> CrossSensorPlausibility<T> {
     pub(crate) fn configure(&mut self, noise_power: [T; 4], rate_hz: f64) {
         self.noise_density = noise_power.map(|power| power * T::lit(2.0 / rate_hz));
-        self.hop = Moments::new();
-        self.bounce = Moments::new();
+        self.hop = Moments::BLANK;
+        self.bounce = Moments::BLANK;
         (self.ratio, self.newest_ratio) = ([T::lit(f64::NAN); 4], [T::lit(f64::NAN); 4]);
         self.patterns = [SwapPattern::AsLabeled; 4];
         self.odd.fill(FaultLatch::new());

@@ -21,10 +21,6 @@ pub(crate) struct Moments<T: Real, const N: usize> {
 }
 
 impl<T: Real, const N: usize> Moments<T, N> {
-    pub(crate) fn new() -> Self {
-        Self { block: SMatrix::zeros(), count: 0, mean: SMatrix::zeros(), filled: T::zero() }
-    }
-
     /// Adds a value of every signal to the block that runs.
     pub(crate) fn push(&mut self, z: &[T; N]) {
         for i in 0..N {

@@ -95,8 +95,8 @@ impl<T: Real> Signals<T> {
         self.bounce.fill(Band::new(BOUNCE_HZ, slow_hz));
         self.slow.fill(Band::new(SLOW_HZ, slow_hz));
         self.struts = car.corners.each_ref().map(strut);
-        self.hop_moments = Moments::new();
-        self.bounce_moments = Moments::new();
+        self.hop_moments = Moments::BLANK;
+        self.bounce_moments = Moments::BLANK;
         (self.wheel_hop, self.slow_power) = ([zero; 4], [zero; 8]);
         (self.quick_steps, self.slow_steps) = (0, 0);
     }

@@ -143,7 +143,7 @@ impl<T: Real> Informed<T> {
         let sd_cells = T::lit(INITIAL_SD_KPA) * scale / self.grid.step_kpa();
         self.posterior.restart(initial_cell, sd_cells);
         self.body = Body::from(&config.quarter_car);
-        self.friction = DescribingFunction::none();
+        self.friction = DescribingFunction::BLANK;
         self.gate = Gate::new();
         self.persistence = Persistence::new(self.clock.hop_s());
         (self.variance_growth, self.learned_s) = (T::one(), T::zero());

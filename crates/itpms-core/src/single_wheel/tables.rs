@@ -141,7 +141,7 @@ impl<T: Real> Tables<T> {
         (self.next_node, self.next_bin) = (0, 0);
         for node in 0..NODES {
             for bin in (0..BINS).step_by(AT_ONCE) {
-                self.fill(node, bin, body, &DescribingFunction::none());
+                self.fill(node, bin, body, &DescribingFunction::BLANK);
             }
         }
     }
@@ -332,7 +332,7 @@ mod tests {
                 k + k_t - m_w * w * w,
             );
             let x = a.lu().solve(&nalgebra::Vector4::new(0.0, 0.0, k_t, 0.0)).unwrap();
-            let [(gain, _)] = response(&body(), &DescribingFunction::none(), [1.0 / k_t], f);
+            let [(gain, _)] = response(&body(), &DescribingFunction::BLANK, [1.0 / k_t], f);
             assert!((gain - (x[2] * x[2] + x[3] * x[3])).abs() < 1e-10 * gain);
         }
     }
@@ -355,7 +355,7 @@ mod tests {
         let mut tables =
             configured(|tables: &mut Tables<f64>| tables.configure(spacing, 500.0, &grid, &tire, &body()));
         let moved = Body { sprung_mass_kg: 260.0, damping_n_s_per_m: 1000.0, ..body() };
-        (0..BINS / AT_ONCE).for_each(|_| tables.refresh_next(&moved, &DescribingFunction::none()));
+        (0..BINS / AT_ONCE).for_each(|_| tables.refresh_next(&moved, &DescribingFunction::BLANK));
         let (theta, middle) = (tables.theta[0], tables.node_theta[MIDDLE]);
         let leak_hz = LEAK_RAD_S / std_tau();
         for bin in 0..BINS {
@@ -366,7 +366,7 @@ mod tests {
             };
             let road =
                 |f: f64, exponent: f64| f * f / (f * f + leak_hz * leak_hz) * (f / 10.0).powf(exponent);
-            let none = DescribingFunction::none();
+            let none = DescribingFunction::BLANK;
             let gain = |f: f64| {
                 let [own, middle] = response(&moved, &none, [theta, middle], f);
                 (own.0 / middle.0).ln()
@@ -397,7 +397,7 @@ mod tests {
             tables.node_theta[node] = theta;
             (0..BINS)
                 .step_by(AT_ONCE)
-                .for_each(|bin| tables.fill(node, bin, &body(), &DescribingFunction::none()));
+                .for_each(|bin| tables.fill(node, bin, &body(), &DescribingFunction::BLANK));
             for bin in 0..BINS {
                 let off = between.log_gain[bin] - tables.log_gain[(bin, node)];
                 assert!(off.abs() < 2e-3, "cell {cell}, bin {bin}: {off}");

@@ -41,10 +41,6 @@ pub(crate) struct DescribingFunction<T> {
 }
 
 impl<T: Real> DescribingFunction<T> {
-    pub(crate) fn none() -> Self {
-        Self { n_per_m: [[T::zero(); 2]; FRICTION_BINS] }
-    }
-
     /// Its value at a frequency in Hz: between bins on a line, beyond them as in the outermost.
     fn at(&self, frequency_hz: T) -> Complex<T> {
         let place = frequency_hz / T::lit(FRICTION_SPACING_HZ) - T::one();

@@ -253,7 +253,7 @@ impl<T: Real> BodyEquation<T> {
     /// What a corner's friction makes of its motion.
     pub(crate) fn describing_function(&self, corner: Corner) -> DescribingFunction<T> {
         let (powers, slip_n) = (&self.powers[corner], self.slip_forces_n(corner));
-        let mut function = DescribingFunction::none();
+        let mut function = DescribingFunction::BLANK;
         for (bin, n_per_m) in function.n_per_m.iter_mut().enumerate() {
             let velocity = powers.velocity[bin].max(T::lit(1e-15));
             for (element, slip_n) in slip_n.into_iter().enumerate() {

@@ -13,10 +13,6 @@ pub(super) struct CalibrationReading<T> {
 }
 
 impl<T: Real> CalibrationReading<T> {
-    pub(super) fn new() -> Self {
-        Self { weight: [T::zero(); 4], excess: [T::zero(); 4] }
-    }
-
     /// Takes by how much a corner's spectrum reads more than the placard's pressure, with its variance, in kPa.
     pub(super) fn take(&mut self, corner: Corner, excess_kpa: T, variance_kpa2: T) {
         let weight = T::one() / variance_kpa2;
@@ -46,7 +42,7 @@ mod tests {
 
     #[test]
     fn readings_are_weighed_by_their_variances_and_corners_alike() {
-        let mut reading = CalibrationReading::<f64>::new();
+        let mut reading = CalibrationReading::<f64>::BLANK;
         assert_eq!(reading.mean_kpa(), None);
         reading.take(Corner::FrontLeft, -40.0, 100.0);
         reading.take(Corner::FrontLeft, -60.0, 300.0);

@@ -78,11 +78,11 @@ impl<T: Real> Fusion<T> {
     ) {
         self.inter_axle.configure(config, wheelbase_m, sample_rate_hz, grid_period_s);
         self.belief.configure(config);
-        self.single_wheel = [SingleWheelEstimate::silent(); 4];
+        self.single_wheel = [SingleWheelEstimate::BLANK; 4];
         self.pseudo_measured_s = [f64::NEG_INFINITY; 4];
         self.detections = [None; 2];
-        self.speed_latency = SpeedLatency::new();
-        self.calibration_reading = CalibrationReading::new();
+        self.speed_latency = SpeedLatency::BLANK;
+        self.calibration_reading = CalibrationReading::BLANK;
         self.friction_variance = [T::zero(); 4];
         self.queue.configure(sample_rate_hz);
         self.belief.refresh(&mut self.tires);
@@ -188,7 +188,7 @@ impl<T: Real> Fusion<T> {
 
     pub(super) fn begin_calibration(&mut self) {
         self.belief.begin_calibration();
-        self.calibration_reading = CalibrationReading::new();
+        self.calibration_reading = CalibrationReading::BLANK;
     }
 
     /// By how much the spectra read more than the placard's pressures in the last calibration, the mean over the corners, and its sd as

@@ -9,6 +9,7 @@ use crate::belief::state::{SKEW, SKEW_UNIT_S, TIRE, WHEELBASE};
 use crate::inter_axle::alignment::axle_pair::AxlePair;
 use crate::inter_axle::alignment::delay_search::Found;
 use crate::inter_axle::alignment::speed_latency::{Find, Latency, SpeedLatency};
+use crate::memory::Blank;
 use crate::model::{Learned, Side};
 use crate::real::Real;
 
@@ -74,7 +75,7 @@ impl<T: Real> Fusion<T> {
     fn correct(&mut self, lag: &Latency<T>) {
         self.queue.clear();
         self.inter_axle.add_speed_latency(lag.seconds);
-        self.speed_latency = SpeedLatency::new();
+        self.speed_latency = SpeedLatency::BLANK;
         let tires = self.belief.restore_point().map(|before| {
             let variance =
                 |i: usize| before.covariance[(TIRE + i, TIRE + i)] + T::lit(DOUBTED_SD * DOUBTED_SD);

@@ -28,10 +28,6 @@ pub(in crate::car) struct SingleWheelEstimate<T> {
 }
 
 impl<T: Real> SingleWheelEstimate<T> {
-    pub(in crate::car) fn silent() -> Self {
-        Self { changing: T::zero(), stiffness_n_per_m: T::zero(), sd_n_per_m: T::zero() }
-    }
-
     /// Chance per second that the pressure begins to move because the corner's own spectrum looks like it: where front and
     /// rear share the road, their frames tell sooner and surer, and where they part for seconds only, as in a bend, a hole that
     /// each of them meets by itself looks like a leak.
@@ -146,7 +142,7 @@ mod tests {
     fn what_is_no_number_is_left_out() {
         let nan = f64::NAN;
         let strange = [
-            SingleWheelEstimate::silent(),
+            SingleWheelEstimate::BLANK,
             SingleWheelEstimate { changing: nan, ..low(1.0) },
             SingleWheelEstimate { stiffness_n_per_m: nan, ..low(1.0) },
             SingleWheelEstimate { sd_n_per_m: f64::INFINITY, ..low(1.0) },

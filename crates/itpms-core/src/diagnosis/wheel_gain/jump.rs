@@ -66,10 +66,6 @@ pub(crate) struct WheelGainJump<T> {
 }
 
 impl<T: Real> Baseline<T> {
-    fn new() -> Self {
-        Self { mean: T::zero(), deviation: [T::zero(); NEWEST] }
-    }
-
     /// Takes a block; the middle one of the newest.
     fn deviation(&mut self, log: T) -> T {
         self.deviation.rotate_left(1);
@@ -86,8 +82,8 @@ impl<T: Real> Baseline<T> {
 impl<T: Real> WheelGainJump<T> {
     pub(crate) fn new() -> Self {
         Self {
-            strut_over_body: Baseline::new(),
-            wheel_over_strut: Baseline::new(),
+            strut_over_body: Baseline::BLANK,
+            wheel_over_strut: Baseline::BLANK,
             debouncer: Debouncer::new(),
             ..Self::BLANK
         }

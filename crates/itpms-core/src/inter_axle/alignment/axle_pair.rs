@@ -108,14 +108,14 @@ impl<T: Real> AxlePair<T> {
         self.aligned = false;
         self.clock.configure(HOP_S, period_s);
         self.instruments = [Instrument::new(), Instrument::new()];
-        self.frf_correction = FrfCorrection::new();
+        self.frf_correction = FrfCorrection::BLANK;
         self.saved.iter_mut().for_each(Placed::clear);
-        self.imbalance = Imbalance::new();
+        self.imbalance = Imbalance::BLANK;
         self.way = None;
         self.coherence = Coherence::new();
         self.products.restart();
         self.on_line = [false; 2];
-        self.hop_excess = HopExcess::new();
+        self.hop_excess = HopExcess::BLANK;
         (self.log_snr, self.used) = (None, None);
         (self.invalid_hops, self.spectral_updates) = (0, 0);
         self.learned_until_s = f64::NEG_INFINITY;

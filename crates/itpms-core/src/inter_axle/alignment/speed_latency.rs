@@ -50,10 +50,6 @@ pub(crate) struct Latency<T> {
 }
 
 impl<T: Real> SpeedLatency<T> {
-    pub(crate) fn new() -> Self {
-        Self { count: T::zero(), information: Matrix3::zeros(), score: Vector3::zeros(), square: T::zero() }
-    }
-
     /// Takes what both sides found; gives the lag that explains all of it, if there is one.
     pub(crate) fn take(&mut self, find: &Find<T>) -> Option<Latency<T>> {
         // A speed that is late by L while it grows by g per second reads less by g L, and the way comes out as much too short.
@@ -103,7 +99,7 @@ mod tests {
         [[0.2, 0.3], [-0.25, 0.25], [0.05, 0.15], [-0.1, 0.2], [0.3, 0.4], [0.0, 0.1]];
 
     fn last(later: impl Fn(usize, f64, f64) -> f64) -> Option<Latency<f64>> {
-        let mut lag = SpeedLatency::new();
+        let mut lag = SpeedLatency::BLANK;
         let mut lag_found = None;
         for (i, [growth_per_s, delay_s]) in MOMENTS.into_iter().cycle().take(60).enumerate() {
             lag_found = lag.take(&Find { later: later(i, growth_per_s, delay_s), delay_s, growth_per_s });
@@ -132,10 +128,10 @@ mod tests {
         assert_eq!(last(|_, _, _| f64::NAN), None);
         // At one acceleration it might be a scale as well.
         let find = |growth_per_s: f64, later: f64| Find { later, delay_s: 0.2, growth_per_s };
-        let mut same = SpeedLatency::new();
+        let mut same = SpeedLatency::BLANK;
         assert!((0..20).all(|_| same.take(&find(0.2, -0.03)).is_none()));
         // Two finds are none.
-        let mut few = SpeedLatency::new();
+        let mut few = SpeedLatency::BLANK;
         assert!(few.take(&find(0.2, -0.03)).is_none() && few.take(&find(-0.2, 0.03)).is_none());
     }
 }

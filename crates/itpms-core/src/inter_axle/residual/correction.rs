@@ -39,16 +39,6 @@ pub(crate) struct FrfCorrection<T: Real> {
 }
 
 impl<T: Real> FrfCorrection<T> {
-    pub(crate) fn new() -> Self {
-        Self {
-            measured: Products::zero(),
-            foretold: Products::zero(),
-            frames: T::zero(),
-            all_frames: T::zero(),
-            response_error: T::zero(),
-        }
-    }
-
     /// How the axles answer, as far as was seen: one where nothing was.
     pub(crate) fn frf_ratios(&self) -> FrfRatios<T> {
         let share = self.frames / (self.frames + T::lit(COUNTED));
@@ -126,7 +116,7 @@ mod tests {
     }
 
     fn correction(ratio: C, frames: usize) -> FrfCorrection<f64> {
-        let mut frf_correction = FrfCorrection::<f64>::new();
+        let mut frf_correction = FrfCorrection::<f64>::BLANK;
         for i in 0..frames {
             let road = C::new(0.3 + i as f64, 0.1);
             let mut frame = Frame::<f64>::zero();

@@ -20,10 +20,6 @@ pub(crate) struct HopExcess<T> {
 }
 
 impl<T: Real> HopExcess<T> {
-    pub(crate) fn new() -> Self {
-        Self { log: T::zero(), seconds: T::zero() }
-    }
-
     /// Takes the incoherence of every bin (5, 10, ... 25 Hz) after another `seconds` of frames.
     pub(crate) fn take(&mut self, incoherence: &SVector<T, BINS>, seconds: T) {
         self.seconds += seconds;
@@ -50,7 +46,7 @@ mod tests {
     #[test]
     fn a_road_beside_the_track_is_no_hop_and_a_tuned_mass_is() {
         let value = |incoherence: [f64; BINS]| {
-            let mut excess = HopExcess::new();
+            let mut excess = HopExcess::BLANK;
             assert_eq!(excess.value(), None);
             (0..500).for_each(|_| excess.take(&SVector::from(incoherence), 0.1));
             excess.value().unwrap()

@@ -45,19 +45,6 @@ pub(crate) struct Imbalance<T: Real> {
 }
 
 impl<T: Real> Imbalance<T> {
-    pub(crate) fn new() -> Self {
-        Self {
-            cosine: SVector::zeros(),
-            sine: SVector::zeros(),
-            looked_m: T::zero(),
-            power: SVector::zeros(),
-            looks: 0,
-            per_m: None,
-            turned: T::zero(),
-            lines: [[T::zero(); 2]; BOTH],
-        }
-    }
-
     /// Takes the line off both axles' signals, `distance_m` after the last ones.
     pub(crate) fn clear(&mut self, signals: &mut [T; BOTH], distance_m: T, speed_m_s: T) {
         let Some(per_m) = self.per_m else { return };
@@ -184,7 +171,7 @@ mod tests {
     /// Drives at a speed that swings, with a line of amplitude `line` at `per_m`; gives power of what is in the first
     /// signal after a while, power of that without the line, and the rate that was found.
     fn drive(line: f64, per_m: f64) -> (f64, f64, Option<f64>) {
-        let (mut imbalance, mut white) = (Imbalance::<f64>::new(), White(1));
+        let (mut imbalance, mut white) = (Imbalance::<f64>::BLANK, White(1));
         let (mut distance_m, mut left, mut plain) = (0.0, 0.0, 0.0);
         for i in 0..24_000 {
             let time_s = f64::from(i) * PERIOD_S;
@@ -225,7 +212,7 @@ mod tests {
     #[test]
     fn what_is_not_a_line_is_left() {
         // A wheel hop is a hundred times as wide: 4 Hz at 25 m/s are 1 rad/m.
-        let (mut imbalance, mut white) = (Imbalance::<f64>::new(), White(7));
+        let (mut imbalance, mut white) = (Imbalance::<f64>::BLANK, White(7));
         let mut state = [0.0; 2];
         for _ in 0..24_000 {
             let (omega, damping) = (core::f64::consts::TAU * 12.0, core::f64::consts::TAU * 2.0);

@@ -23,11 +23,11 @@ impl<T: Real> BodyEquation<T> {
         for (i, _) in self.held.iter().enumerate().skip(SLIP).filter(|(_, held)| **held) {
             hold(&mut free, &mut best, i);
         }
-        if !cholesky::decompose_packed(free.as_mut_slice(), SIZE) {
+        if !cholesky::decompose_packed::<T, SIZE>(free.as_mut_slice()) {
             return true;
         }
-        cholesky::solve_packed(free.as_slice(), best.as_mut_slice());
-        cholesky::solve_packed_transposed(free.as_slice(), best.as_mut_slice());
+        cholesky::solve_packed(free.as_slice(), &mut best);
+        cholesky::solve_packed_transposed(free.as_slice(), &mut best);
         let found = !hold_negative(&mut self.held, &best) || is_last;
         if found {
             self.move_to(&best);
@@ -47,7 +47,7 @@ impl<T: Real> BodyEquation<T> {
     /// The root `L` of that, `L L'`: with the covariance `P` of all parameters `q' P q` is the square of `L^-1 q`.
     pub(super) fn root(&self) -> Option<Information<T>> {
         let mut root = self.with_prior();
-        cholesky::decompose_packed(root.as_mut_slice(), SIZE).then_some(root)
+        cholesky::decompose_packed::<T, SIZE>(root.as_mut_slice()).then_some(root)
     }
 
     /// What the parameters are before anything is seen.

@@ -14,7 +14,7 @@ impl<T: Real> BodyEquation<T> {
         }
         let root = self.root()?;
         let sd = |mut of: Parameters<T>| {
-            cholesky::solve_packed(root.as_slice(), of.as_mut_slice());
+            cholesky::solve_packed(root.as_slice(), &mut of);
             of.norm()
         };
         // Of the difference of two logarithms: to the body's mass, which is given by nothing but the file.

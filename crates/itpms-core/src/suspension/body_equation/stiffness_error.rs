@@ -67,7 +67,7 @@ impl<T: Real> BodyEquation<T> {
                     slope[slip(element, corner)] = per_newton * T::lit(FORCE_N);
                     sticking += per_newton * slip_n;
                 }
-                cholesky::solve_packed(root.as_slice(), slope.as_mut_slice());
+                cholesky::solve_packed(root.as_slice(), &mut slope);
                 let model = T::lit(MODEL_ERROR) * sticking;
                 self.impedance_variance[corner][part.min(1)] = slope.norm_squared() + model * model;
             }

@@ -8,6 +8,7 @@ use crate::belief::state::{SideReading, State, read_compliance};
 use crate::inter_axle::residual::model::{AxleFrame, UnitRoad, Wheel, common_road, instrument_slope};
 use crate::inter_axle::residual::noise::{MOST_LASTING, POWER_S, fading};
 use crate::inter_axle::{HOP_S, NEAR_HOP_BINS, bin_hz};
+use crate::memory::Blank;
 use crate::real::Real;
 use crate::spectrum::COHERENCE_S;
 use crate::spectrum::transfer::{DescribingFunction, response};
@@ -136,7 +137,7 @@ impl<T: Real> AxlePair<T> {
             let mut sum = T::zero();
             for (wheel, &density) in wheels.iter().zip(&self.noise_density) {
                 let theta = wheel.theta * read_compliance(state, wheel.corner);
-                let [(_, noise)] = response(&wheel.body, &DescribingFunction::none(), [theta], bin_hz(bin));
+                let [(_, noise)] = response(&wheel.body, &DescribingFunction::BLANK, [theta], bin_hz(bin));
                 sum += density * noise;
             }
             sum
