@@ -32,8 +32,6 @@ const ABOVE_NOISE: f64 = 3.0;
 /// a wheel that is a body, as a log of powers.
 const LIKE_A_WHEEL: f64 = 2.0;
 
-/// Log of how much better bodies follow their own wheels than each other's, above which they do.
-const OWN: f64 = 0.4;
 /// Sum over time of what speaks for a swap (7a) from which it is reported, if that shall happen once in a hundred hours by chance: the log of those over the
 /// memory of the moments, 6 s; and the share of it from which the two sensors are not believed.
 const SURE: f64 = 11.0;
@@ -259,7 +257,7 @@ impl<T: Real> CrossSensorPlausibility<T> {
 
     /// Bodies that follow their wheels but are no plane as they are, and one if two corners change places.
     fn judge_corners(&mut self, at: [f64; 2], following: Option<&Following<T>>, plane: Option<&Plane<T>>) {
-        let own = |f: &Following<T>| f.own_over_other.iter().all(|log| *log > T::lit(OWN));
+        let own = |f: &Following<T>| f.own_over_other.iter().all(|log| *log > T::zero());
         let follows = following.is_some_and(own);
         for (word, changed) in self.corners.iter_mut().zip([Changed::Sides, Changed::Axles]) {
             let evidence = plane.map_or(Evidence::NoData, |plane| {

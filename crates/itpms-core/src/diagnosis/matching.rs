@@ -14,8 +14,6 @@ pub(crate) const PAIRS: [[Corner; 2]; 6] = {
 };
 /// What is added to the wheels' moments, as a share of their trace: roads that are alike must not blow up the regression.
 const RIDGE: f64 = 1e-3;
-/// Independent values in the moments of hop: two per Hz of the band and second.
-const INDEPENDENT: f64 = 2.0 * width_hz(HOP_BAND_HZ) * BLOCK_S * HOP_BLOCKS;
 /// Share of the warp that one sensor's gain must explain; noise has its part in it, too.
 const EXPLAINED: f64 = 0.65;
 /// Warp from which corners may be in each other's place; and what is left of it when they are put back.
@@ -48,10 +46,11 @@ pub(crate) fn following<T: Real>(hop: &SMatrix<T, 8, 8>) -> Option<Following<T>>
     let follows = wheels.cholesky()?.solve(&wheels_by_bodies);
     let of = |wheel: Corner, body: Corner| follows[(wheel.index(), body.index())];
     let square = |wheel, body| of(wheel, body) * of(wheel, body);
-    // Where friction holds a strut, or an engine shakes the body, the wheels leave much of its motion unexplained.
+    // Where friction holds a strut, or an engine shakes the body, the wheels leave much of its motion unexplained. Two values per Hz and second are independent.
+    let independent = T::lit(2.0 * width_hz(HOP_BAND_HZ) * BLOCK_S * HOP_BLOCKS);
     let own_sd = |i: usize| {
         let unexplained = hop[(i, i)] - follows.column(i).dot(&wheels_by_bodies.column(i));
-        (unexplained.max(T::zero()) / (wheels[(i, i)] * T::lit(INDEPENDENT))).sqrt()
+        (unexplained.max(T::zero()) / (wheels[(i, i)] * independent)).sqrt()
     };
     let log = |[i, j]: [Corner; 2]| ((square(i, i) + square(j, j)) / (square(i, j) + square(j, i))).ln();
     Some(Following {
@@ -218,7 +217,7 @@ mod tests {
         let runs = 400.0;
         for _ in 0..runs as u32 {
             let mut moments = SMatrix::<f64, 8, 8>::zeros();
-            for _ in 0..INDEPENDENT as u32 {
+            for _ in 0..144 {
                 let wheels = Vector4::from_fn(|_, _| random.normal());
                 let bodies = wheels * 0.8 + Vector4::from_fn(|_, _| 0.8 * random.normal());
                 let mut all = SVector::<f64, 8>::zeros();
