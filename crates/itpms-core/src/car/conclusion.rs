@@ -58,7 +58,7 @@ impl<T: Real> CarEstimator<T> {
             }
         });
         let paired = fusion.filter(|fusion| fusion.has_partner(corner));
-        let fit = paired.map_or(AxleFit::unknown(), |fusion| fusion.axle_fit(corner.side()));
+        let fit = paired.map_or(AxleFit::BLANK, |fusion| fusion.axle_fit(corner.side()));
         let concluded = estimator.conclude(time_s, fused.as_ref(), &fit);
         self.concluded.corners[corner].place(|place| *place = concluded);
     }

@@ -117,8 +117,7 @@ pub(crate) struct Triangle<T> {
 
 impl<T: Real> Triangle<T> {
     pub(crate) fn new(of: u32) -> Self {
-        let none = [T::zero(); 8];
-        Self { of: of.max(1), count: 0, rising: none, falling: none, risen: none }
+        Self { of: of.max(1), ..Self::BLANK }
     }
 
     /// The means, with every `of`-th call.

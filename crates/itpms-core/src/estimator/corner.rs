@@ -72,7 +72,7 @@ impl<T: Real> CornerEstimator<T> {
         let car = &config.quarter_car;
         let masses_kg = [car.unsprung_mass_kg(), car.sprung_mass_kg()];
         self.strut.configure(self.resampler.grid_period_s(), masses_kg, noise_density);
-        (self.fit, self.judged_from_s, self.has_fitted) = (BodyFit::unknown(), None, false);
+        (self.fit, self.judged_from_s, self.has_fitted) = (BodyFit::BLANK, None, false);
         (self.friction_variance, self.learned_before_s) = (T::zero(), T::zero());
         self.misfit.clear();
         Ok(())
@@ -300,7 +300,7 @@ impl<T: Real> CornerEstimator<T> {
     pub(crate) fn restart(&mut self) {
         self.resampler.interrupt();
         self.strut.restart();
-        (self.fit, self.judged_from_s, self.has_fitted) = (BodyFit::unknown(), None, false);
+        (self.fit, self.judged_from_s, self.has_fitted) = (BodyFit::BLANK, None, false);
         self.misfit.clear();
         self.informed.restart();
         self.begin_reading();

@@ -96,7 +96,7 @@ impl<T: Real> Estimator<T> {
             self.corner.set_strut(&self.body_equation, Corner::FrontLeft);
         }
         let with_pulses = self.corner.with_pulses(&mut self.pulses, at.now_s);
-        self.corner.conclude(at.now_s, with_pulses.as_ref(), &AxleFit::unknown()).at(time_s)
+        self.corner.conclude(at.now_s, with_pulses.as_ref(), &AxleFit::BLANK).at(time_s)
     }
 
     /// Takes a piece of its wheel's torsional analysis, calibrated at the placard pressure

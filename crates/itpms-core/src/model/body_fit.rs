@@ -48,19 +48,12 @@ pub struct BodyFit<T> {
     pub friction_n: T,
 }
 
-/// How well front and rear of a side go together on their road: the fields of [`BodyFit`].
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// How well front and rear of a side go together on their road: the fields of [`BodyFit`]; blank without another corner on the side.
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
 pub(crate) struct AxleFit<T> {
     pub(crate) hop_excess: Option<T>,
     pub(crate) response_error: Option<T>,
     pub(crate) is_apart: bool,
-}
-
-impl<T> AxleFit<T> {
-    /// Nothing was seen yet, or there is no other corner on the side.
-    pub(crate) fn unknown() -> Self {
-        Self { hop_excess: None, response_error: None, is_apart: false }
-    }
 }
 
 /// What does not fit.
@@ -121,10 +114,6 @@ impl core::fmt::Display for Misfit {
 }
 
 impl<T: Real> BodyFit<T> {
-    pub(crate) fn unknown() -> Self {
-        Self { ..Self::BLANK }
-    }
-
     /// Whether body and wheel surely go together well enough for a pressure, be it one of more doubt: also where the shares are as large as so few averages allow. Of `K` averages a coherence
     /// `γ²` is estimated with a standard deviation of `(1 - γ²) √(2 γ² / K)`, a share of a power with `√(2 / K)` of it, both over the root of the
     /// number of bins (Bendat and Piersol, *Random Data*, chapter 9).
@@ -177,7 +166,7 @@ mod tests {
 
     #[test]
     fn what_does_not_fit_is_detected_until_it_clearly_does() {
-        let fit = |incoherence: f64| BodyFit { incoherence: Some(incoherence), ..BodyFit::unknown() };
+        let fit = |incoherence: f64| BodyFit { incoherence: Some(incoherence), ..BodyFit::BLANK };
         assert_eq!(fit(0.36).misfit(None), None);
         assert_eq!(fit(0.5).misfit(None), Some(Misfit::Incoherent));
         assert_eq!(fit(0.43).misfit(None), None);
@@ -198,6 +187,6 @@ mod tests {
         for misfit in [Misfit::Response, Misfit::Apart] {
             assert_eq!(misfit.doubt(Level::Calibration), None);
         }
-        assert_eq!(BodyFit::<f64>::unknown().misfit(None), None);
+        assert_eq!(BodyFit::<f64>::BLANK.misfit(None), None);
     }
 }

@@ -51,15 +51,13 @@ impl<T: Real> FrontEnd<T> {
         let rate_hz = 1.0 / grid_period_s;
         Self {
             reconstruction: Reconstruction::new(grid_period_s),
-            friction: [Channel::new(); ELEMENTS],
             sections: [
                 Section::low_pass(SMOOTH_HZ, rate_hz, QUALITY[0]),
                 Section::low_pass(SMOOTH_HZ, rate_hz, QUALITY[1]),
                 Section::high_pass(LOWEST_HZ, rate_hz, QUALITY[0]),
                 Section::high_pass(LOWEST_HZ, rate_hz, QUALITY[1]),
             ],
-            motion_states: [[[T::zero(); 2]; 4]; SIGNALS],
-            friction_states: [[[T::zero(); 2]; 4]; ELEMENTS],
+            ..Self::BLANK
         }
     }
 
@@ -68,8 +66,7 @@ impl<T: Real> FrontEnd<T> {
     pub(crate) fn restart(&mut self) {
         self.reconstruction.restart();
         self.friction.iter_mut().for_each(Channel::restart);
-        self.motion_states = [[[T::zero(); 2]; 4]; SIGNALS];
-        self.friction_states = [[[T::zero(); 2]; 4]; ELEMENTS];
+        (self.motion_states, self.friction_states) = (Blank::BLANK, Blank::BLANK);
     }
 
     /// Takes a grid step; `friction` gives the forces of its elements for the wheel's acceleration less the body's, offsets taken off.

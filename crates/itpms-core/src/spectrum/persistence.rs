@@ -38,8 +38,7 @@ pub(crate) struct Persistence<T: Real> {
 impl<T: Real> Persistence<T> {
     /// For frames of which one comes every `hop_s`.
     pub(crate) fn new(hop_s: f64) -> Self {
-        let zero = Complex::new(T::zero(), T::zero());
-        Self { before: [[zero; NEAR_HOP]; LAG], product: zero, power: T::zero(), frames: 0, hop_s }
+        Self { hop_s, ..Self::BLANK }
     }
 
     pub(crate) fn take(&mut self, road: [Complex<T>; NEAR_HOP]) {

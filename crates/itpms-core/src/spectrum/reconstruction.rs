@@ -44,13 +44,9 @@ pub(crate) struct Channel<T> {
 }
 
 impl<T: Real> Channel<T> {
-    pub(crate) fn new() -> Self {
-        Self { offset: T::zero(), acceleration: [T::zero(); 2 * LAG + 1], integral: [T::zero(); 2] }
-    }
-
     /// Forgets the signal, keeps the offset.
     pub(crate) fn restart(&mut self) {
-        *self = Self { offset: self.offset, ..Self::new() };
+        *self = Self { offset: self.offset, ..Self::BLANK };
     }
 
     /// Takes the value of step number `steps`; gives its leaky integral, itself and its derivative, [`LAG`] steps earlier.
@@ -102,7 +98,7 @@ pub struct Reconstruction<T> {
 impl<T: Real> Reconstruction<T> {
     /// For steps of `grid_period_s`.
     pub fn new(grid_period_s: f64) -> Self {
-        Self { dt: T::lit(grid_period_s), steps: 0, body: Channel::new(), wheel: Channel::new() }
+        Self { dt: T::lit(grid_period_s), steps: 0, body: Channel::BLANK, wheel: Channel::BLANK }
     }
 
     /// The signal was interrupted: start again, keep the sensors' offsets. Apart, as all that is seldom done to what is large: with it in

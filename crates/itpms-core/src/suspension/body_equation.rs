@@ -82,16 +82,6 @@ struct Powers<T: Real> {
     loudness: [T; 2],
 }
 
-impl<T: Real> Powers<T> {
-    fn clear(&mut self) {
-        for power in [&mut self.body, &mut self.residual, &mut self.noise, &mut self.velocity] {
-            power.fill(T::zero());
-        }
-        self.elements.fill(T::zero());
-        self.loudness = [T::zero(); 2];
-    }
-}
-
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct BodyEquation<T: Real> {
@@ -149,7 +139,7 @@ impl<T: Real> BodyEquation<T> {
         self.parameters = self.first();
         self.information.fill(T::zero());
         self.score.fill(T::zero());
-        self.powers.iter_mut().for_each(Powers::clear);
+        self.powers = [const { Powers::BLANK }; 4];
         self.hop_bin = corners.each_ref().map(|corner| corner.as_ref().map_or(0, stiffness_error::hop_bin));
         self.impedance_variance = [[T::zero(); 2]; 4];
         (self.learned_s, self.known, self.time_s) = (T::zero(), false, f64::NEG_INFINITY);
@@ -161,7 +151,7 @@ impl<T: Real> BodyEquation<T> {
     pub(crate) fn restart(&mut self) {
         self.information.fill(T::zero());
         self.score.fill(T::zero());
-        self.powers.iter_mut().for_each(Powers::clear);
+        self.powers = [const { Powers::BLANK }; 4];
         self.learned_s = T::zero();
         self.units_left = 0;
     }
@@ -375,7 +365,7 @@ impl<T: Real> BodyEquation<T> {
         let omega = T::two_pi() * T::lit((bin + 1) as f64 * FRICTION_SPACING_HZ);
         Corner::ALL.map(|corner| {
             if !self.body.has(corner) {
-                return Force::nothing();
+                return Force::BLANK;
             }
             let (damping, stiffness) = (
                 self.damping[corner] * x[DAMPER + corner.index()].exp(),
@@ -416,6 +406,7 @@ impl<T: Real> BodyEquation<T> {
 
 /// The rate of a strut's force and its parts: derivatives by the logarithms of damping and spring, by the bar, by the slip forces and by
 /// the time by which the wheel's sensor is late.
+#[derive(Blank)]
 struct Force<T> {
     damper: Complex<T>,
     spring: Complex<T>,
@@ -425,21 +416,6 @@ struct Force<T> {
     total: Complex<T>,
     /// Power density of the sensors' noise in it.
     noise: T,
-}
-
-impl<T: Real> Force<T> {
-    fn nothing() -> Self {
-        let zero = Complex::new(T::zero(), T::zero());
-        Self {
-            damper: zero,
-            spring: zero,
-            bar: zero,
-            elements: [zero; ELEMENTS],
-            advance: zero,
-            total: zero,
-            noise: T::zero(),
-        }
-    }
 }
 
 #[cfg(test)]

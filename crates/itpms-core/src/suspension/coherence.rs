@@ -27,13 +27,7 @@ pub(super) struct Coherence<T: Real> {
 
 impl<T: Real> Coherence<T> {
     pub(super) fn new() -> Self {
-        Self {
-            body: SVector::zeros(),
-            wheel: SVector::zeros(),
-            cross: SMatrix::zeros(),
-            learned_s: T::zero(),
-            incoherence: T::one(),
-        }
+        Self { incoherence: T::one(), ..Self::BLANK }
     }
 
     /// Takes the bins of a frame, body and wheel, that is so many seconds newer than the last; `noise`: power of either sensor's noise,

@@ -21,11 +21,6 @@ pub(crate) struct MaxwellSlip<T> {
 }
 
 impl<T: Real> MaxwellSlip<T> {
-    pub(crate) fn new() -> Self {
-        let zero = T::zero();
-        Self { last_accel: zero, velocity: zero, force: [zero; ELEMENTS] }
-    }
-
     /// Takes the acceleration of the wheel less that of the body, without the sensors' offsets; gives the force of each element, -1 to 1.
     pub(crate) fn push(&mut self, accel: T, dt: T) -> [T; ELEMENTS] {
         let half_leak = T::lit(0.5 * LEAK_RAD_S) * dt;
@@ -51,7 +46,7 @@ mod tests {
     /// A sine of relative motion of this amplitude in m; gives the work of each element over the last cycle, per newton.
     fn work_of_a_cycle(amplitude_m: f64, frequency_hz: f64) -> [f64; ELEMENTS] {
         let (dt, omega) = (1e-4, core::f64::consts::TAU * frequency_hz);
-        let (mut slip, mut work) = (MaxwellSlip::<f64>::new(), [0.0; ELEMENTS]);
+        let (mut slip, mut work) = (MaxwellSlip::<f64>::BLANK, [0.0; ELEMENTS]);
         // Long enough for what the beginning left in the integral to fade: 60 s, of which the last cycle is looked at.
         let (all, cycle) = ((60.0 / dt) as usize, (1.0 / (frequency_hz * dt)) as usize);
         for i in 0..all {
@@ -86,7 +81,7 @@ mod tests {
     #[test]
     fn what_hardly_moves_sticks_like_a_spring() {
         // 2 % of the slip distance: a spring of F/δ.
-        let mut slip = MaxwellSlip::<f64>::new();
+        let mut slip = MaxwellSlip::<f64>::BLANK;
         let (dt, omega, amplitude) = (1e-4, core::f64::consts::TAU * 8.0, 2e-6);
         let mut reach = [[f64::INFINITY, f64::NEG_INFINITY]; ELEMENTS];
         for i in 0..600_000 {

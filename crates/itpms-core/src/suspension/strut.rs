@@ -71,7 +71,7 @@ impl<T: Real> Strut<T> {
     pub(crate) fn configure(&mut self, grid_period_s: f64, masses_kg: [T; 2], noise_density: T) {
         let every = ((1.0 / grid_period_s / THINNED_HZ + 1e-9) as u32).max(1);
         self.slip_force_n = [T::zero(); ELEMENTS];
-        self.slip = MaxwellSlip::new();
+        self.slip = MaxwellSlip::BLANK;
         self.front_end = FrontEnd::new(grid_period_s);
         (self.masses_kg, self.dt) = (masses_kg, T::lit(grid_period_s));
         (self.every, self.step) = (every, 0);
@@ -100,7 +100,7 @@ impl<T: Real> Strut<T> {
 
     #[inline(never)]
     fn begin_again(&mut self, time_s: f64) {
-        self.slip = MaxwellSlip::new();
+        self.slip = MaxwellSlip::BLANK;
         self.front_end.restart();
         self.clock.restart();
         (self.begun, self.invalid_hops) = (false, SETTLING_HOPS);

@@ -33,15 +33,8 @@ pub(crate) struct AllLow<T> {
 
 impl<T: Real> AllLow<T> {
     pub(crate) fn new() -> Self {
-        Self {
-            debouncer: Debouncer::new(),
-            shift: Debouncer::new(),
-            mean_share: T::one(),
-            sd_share: T::zero(),
-            probability: T::zero(),
-            shifted: Wheels::NONE,
-            shifted_share: [T::one(), T::zero()],
-        }
+        let (debouncer, shift) = (Debouncer::new(), Debouncer::new());
+        Self { debouncer, shift, mean_share: T::one(), shifted_share: [T::one(), T::zero()], ..Self::BLANK }
     }
 
     pub(crate) fn debouncer(&self) -> &Debouncer {

@@ -33,28 +33,21 @@ enum Unit {
     Conclude,
 }
 
-/// All units, in the order in which they are done.
-const ORDER: [Unit; UNITS] = {
-    let mut order = [Unit::Conclude; UNITS];
-    let mut part = 0;
-    while part < PREDICTION_PARTS {
-        order[part] = Unit::Predict(part);
-        part += 1;
+impl Unit {
+    /// The one that is due when so many are done.
+    fn after(done: usize) -> Self {
+        const PREPARED: usize = PREDICTION_PARTS + 1 + PRODUCT_PARTS;
+        match done {
+            0..PREDICTION_PARTS => Self::Predict(done),
+            PREDICTION_PARTS => Self::Checkpoint,
+            ..PREPARED => Self::Prepare(done - PREDICTION_PARTS - 1),
+            PREPARED => Self::Measure,
+            _ if done <= PREPARED + HYPOTHESES => Self::Update(done - PREPARED - 1),
+            _ => Self::Conclude,
+        }
     }
-    order[PREDICTION_PARTS] = Unit::Checkpoint;
-    let mut part = 0;
-    while part < PRODUCT_PARTS {
-        order[PREDICTION_PARTS + 1 + part] = Unit::Prepare(part);
-        part += 1;
-    }
-    order[PREDICTION_PARTS + PRODUCT_PARTS + 1] = Unit::Measure;
-    let mut hypothesis = 0;
-    while hypothesis < HYPOTHESES {
-        order[PREDICTION_PARTS + PRODUCT_PARTS + 2 + hypothesis] = Unit::Update(hypothesis);
-        hypothesis += 1;
-    }
-    order
-};
+}
+
 const UNITS: usize = PREDICTION_PARTS + PRODUCT_PARTS + HYPOTHESES + 3;
 /// Both sides' units have to fit into a hop, with what falls due between two samples at 20 Hz, and leave a quarter of it for the work that
 /// is done between frames.
@@ -130,8 +123,7 @@ impl<T: Real> Fusion<T> {
     }
 
     pub(in crate::car) fn is_large_next(&self) -> bool {
-        let next = ORDER.get(self.queue.done);
-        !self.queue.is_empty() && matches!(next, Some(Unit::Predict(_) | Unit::Update(_)))
+        !self.queue.is_empty() && matches!(Unit::after(self.queue.done), Unit::Predict(_) | Unit::Update(_))
     }
 
     /// Whether the belief is at rest, and not in the middle of a frame.
@@ -144,7 +136,7 @@ impl<T: Real> Fusion<T> {
     fn do_unit(&mut self) {
         let side = self.queue.first;
         loop {
-            let unit = ORDER.get(self.queue.done).copied().unwrap_or(Unit::Conclude);
+            let unit = Unit::after(self.queue.done);
             self.queue.done += 1;
             let done = match unit {
                 Unit::Predict(part) => {

@@ -81,12 +81,7 @@ impl<T: Real> Baseline<T> {
 
 impl<T: Real> WheelGainJump<T> {
     pub(crate) fn new() -> Self {
-        Self {
-            strut_over_body: Baseline::BLANK,
-            wheel_over_strut: Baseline::BLANK,
-            debouncer: Debouncer::new(),
-            ..Self::BLANK
-        }
+        Self { debouncer: Debouncer::new(), ..Self::BLANK }
     }
 
     /// Whether its corner is not to be learned from.

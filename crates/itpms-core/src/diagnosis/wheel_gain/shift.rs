@@ -63,8 +63,7 @@ struct Shift<T> {
 
 impl<T: Real> Shift<T> {
     fn new() -> Self {
-        let baseline = Hop { strut_over_body: T::zero(), wheel_over_strut: T::zero() };
-        Self { baseline, debouncer: Debouncer::new(), pending_since_s: f64::NAN, ..Self::BLANK }
+        Self { debouncer: Debouncer::new(), pending_since_s: f64::NAN, ..Self::BLANK }
     }
 
     fn learn(&mut self, hop: Hop<T>) {

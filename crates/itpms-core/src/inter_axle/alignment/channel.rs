@@ -57,11 +57,9 @@ impl Channel {
         Self {
             grid_period_s,
             every: every(1.0 / grid_period_s),
-            step: 0,
-            invalid: false,
-            echo_steps: 0,
             most_echo_steps: (ECHO_S / grid_period_s + 0.5) as u32,
             after_gap: true,
+            ..Self::BLANK
         }
     }
 

@@ -49,17 +49,7 @@ pub(crate) struct Found<T> {
 
 impl<T: Real> DelaySearch<T> {
     pub(crate) fn new(reach: f64) -> Self {
-        Self {
-            reach,
-            cross: SVector::zeros(),
-            front: SVector::zeros(),
-            rear: SVector::zeros(),
-            seconds: 0.0,
-            delay_sum_s: T::zero(),
-            stretch_sum: T::zero(),
-            count: T::zero(),
-            used: None,
-        }
+        Self { reach, ..Self::BLANK }
     }
 
     pub(crate) fn restart(&mut self) {

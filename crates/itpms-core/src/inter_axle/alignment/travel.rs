@@ -22,13 +22,7 @@ pub(crate) struct Travel<T> {
 
 impl<T: Real> Travel<T> {
     pub(crate) fn new() -> Self {
-        Self {
-            time_s: f64::NAN,
-            way: Way::BLANK,
-            speed_m_s: T::lit(f64::NAN),
-            mean_speed_m_s: T::zero(),
-            unshared_s: T::zero(),
-        }
+        Self { time_s: f64::NAN, speed_m_s: T::lit(f64::NAN), ..Self::BLANK }
     }
 
     /// Takes a sample's time and speed; NaN: the speed is unknown.

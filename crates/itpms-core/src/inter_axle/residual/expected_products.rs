@@ -11,7 +11,7 @@ pub(crate) struct ExpectedProducts<T: Real> {
     of_bin: [Products<T>; BINS],
     /// Which bin is next, and how many are not known.
     due: usize,
-    missing: usize,
+    pub(crate) missing: usize,
 }
 
 impl<T: Real> ExpectedProducts<T> {
@@ -24,10 +24,6 @@ impl<T: Real> ExpectedProducts<T> {
     pub(crate) fn restart(&mut self) {
         self.of_bin.iter_mut().for_each(|products| products.fill(T::zero()));
         (self.due, self.missing) = (0, BINS);
-    }
-
-    pub(crate) fn missing(&self) -> usize {
-        self.missing
     }
 
     pub(crate) fn advance(&mut self, compute: impl Fn(usize) -> Products<T>) {

@@ -28,19 +28,11 @@ pub(crate) struct Instrument<T: Real> {
 
 impl<T: Real> Instrument<T> {
     pub(crate) fn new() -> Self {
-        Self {
-            transition: SMatrix::zeros(),
-            input: SVector::zeros(),
-            state: SVector::zeros(),
-            last_road: T::zero(),
-            car: [T::one(); 5],
-            damper: T::one(),
-        }
+        Self { car: [T::one(); 5], damper: T::one(), ..Self::BLANK }
     }
 
     pub(crate) fn restart(&mut self) {
-        self.state = SVector::zeros();
-        self.last_road = T::zero();
+        (self.state, self.last_road) = (SVector::zeros(), T::zero());
     }
 
     /// Takes over an axle's parameters, for steps of `period_s`.

@@ -49,13 +49,7 @@ pub(crate) struct Coherence<T: Real> {
 
 impl<T: Real> Coherence<T> {
     pub(crate) fn new() -> Self {
-        Self {
-            incoherence: SVector::repeat(T::lit(START)),
-            power: SVector::zeros(),
-            frames: 0,
-            parting: false,
-            lasting: T::zero(),
-        }
+        Self { incoherence: SVector::repeat(T::lit(START)), ..Self::BLANK }
     }
 
     /// The road is another one: what it shares is seen anew.

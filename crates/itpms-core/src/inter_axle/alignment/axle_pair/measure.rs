@@ -39,7 +39,7 @@ impl<T: Real> AxlePair<T> {
             self.coherence.restart();
         }
         // The last one is left for the measurement, which computes one in any case.
-        let due = self.products.missing().saturating_sub(1).min(PRODUCTS_AT_ONCE);
+        let due = self.products.missing.saturating_sub(1).min(PRODUCTS_AT_ONCE);
         if due > 0 {
             let frf_ratios = self.frf_correction.frf_ratios();
             let road = UnitRoad::new(wheels, self.side, state, &frf_ratios);
