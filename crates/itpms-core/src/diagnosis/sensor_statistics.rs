@@ -7,12 +7,9 @@ use crate::real::Real;
 /// Values around a spike that are looked at; the one in the middle is judged.
 const WINDOW: usize = 9;
 const MIDDLE: usize = WINDOW / 2;
-/// A spike stands out of its neighbors by so much, in m/s², and by so many times what is usual.
+/// A spike stands out of its neighbors by more than these differ, by so much, in m/s², and by so many times what is usual.
 const LEAST_SPIKE_M_S2: f64 = 1.0;
 const SPIKE_OVER_USUAL: f64 = 10.0;
-/// With the spike taken out, so little of the window's fourth differences is left: no wheel can jump for one sample
-/// behind an anti-alias filter.
-const LEFT_WITHOUT_SPIKE: f64 = 0.1;
 /// Time constants in s of the usual values, and of the share of missing ones.
 const USUAL_S: f64 = 0.3;
 const MISSING_S: f64 = 1.0;
@@ -106,14 +103,11 @@ impl<T: Real> SensorWatch<T> {
         let expected = (near + w[m - 3] + w[m + 3]) / T::lit(20.0);
         let deviation = (w[m] - expected).abs();
         let over = (T::lit(SPIKE_OVER_USUAL) * self.usual).at_least(T::lit(LEAST_SPIKE_M_S2));
-        if deviation > over {
-            let mut without = self.window;
-            without[m] = expected;
-            let left = roughness(&without);
-            if left < T::lit(LEFT_WITHOUT_SPIKE) * roughness(&self.window) {
-                self.spikes += 1;
-            }
-        }
+        // Where the neighbors themselves go so far within six samples, the wheel has met an edge.
+        let neighbors = (m - 3..=m + 3).filter(|i| *i != m).map(|i| w[i]);
+        let [least, most] =
+            neighbors.fold([w[m - 3]; 2], |[least, most], of| [least.at_most(of), most.at_least(of)]);
+        self.spikes += u32::from(deviation > over.at_least(most - least));
         let oldest = self.deviations[0];
         if self.usual.is_finite() {
             self.usual += self.usual_share * (oldest - self.usual);
@@ -154,10 +148,6 @@ impl<T: Real> SensorWatch<T> {
     }
 }
 
-fn roughness<T: Real>(window: &[T; WINDOW]) -> T {
-    window.windows(5).map(fourth_difference).fold(T::zero(), |sum, fourth| sum + fourth * fourth)
-}
-
 fn fourth_difference<T: Real>(w: &[T]) -> T {
     w[0] + w[4] + T::lit(6.0) * w[2] - T::lit(4.0) * (w[1] + w[3])
 }
@@ -196,6 +186,14 @@ mod tests {
         assert_eq!(watch((0..4000).map(|i| ride(i) + if i > 2000 { 20.0 } else { 0.0 })).spikes, 0);
     }
 
+    /// A joint of slabs as a wheel of another simulation meets it at 25 m/s (250 Hz, smooth road), every half second.
+    #[test]
+    fn an_edge_is_no_spike() {
+        const JOINT: [f64; 14] = [-0.7, 0.6, 0.9, 0.2, -1.0, -3.0, -8.8, 3.9, 9.1, 6.5, 3.1, 0.4, -1.0, -0.6];
+        let joint = |i: u32| JOINT.get((i % 125) as usize).copied().unwrap_or(0.0);
+        assert_eq!(watch((0..4000).map(|i| 0.05 * ride(i) + joint(i))).spikes, 0);
+    }
+
     /// From the first value on.
     #[test]
     fn a_sensor_that_is_noisy_has_no_spikes() {
@@ -210,7 +208,7 @@ mod tests {
         }
     }
 
-    /// A wheel that drops into a hole every two seconds, at 1 kHz, and the log has lost a sample of each flank; the next one is 0.4 ms late.
+    /// A wheel that drops into a hole every two seconds, at 1 kHz, and the log has lost a sample of each flank, said or not; the next one is 0.4 ms late.
     #[test]
     fn a_flank_with_a_lost_sample_is_no_spike() {
         let hole = |i: u32| {
@@ -227,8 +225,7 @@ mod tests {
             }
             watch.end_block(20.0).spikes
         };
-        assert!(spikes(false) >= 10);
-        assert_eq!(spikes(true), 0);
+        assert_eq!([spikes(false), spikes(true)], [0; 2]);
     }
 
     #[test]
