@@ -40,7 +40,7 @@ impl Unit {
         match done {
             0..PREDICTION_PARTS => Self::Predict(done),
             PREDICTION_PARTS => Self::Checkpoint,
-            ..PREPARED => Self::Prepare(done - PREDICTION_PARTS - 1),
+            _ if done < PREPARED => Self::Prepare(done - PREDICTION_PARTS - 1),
             PREPARED => Self::Measure,
             _ if done <= PREPARED + HYPOTHESES => Self::Update(done - PREPARED - 1),
             _ => Self::Conclude,
