@@ -26,6 +26,7 @@ pub(crate) fn own_covariance<T: Real>(covariance: &Covariance<T>, reading: &Side
     for (n, &(i, row, times)) in parts.iter().enumerate() {
         for (m, &(j, column, as_often)) in parts.iter().enumerate().take(n + 1) {
             let covariance = times * as_often * covariance[(row, column)];
+            let [i, j] = [i, j].map(|place: usize| place.min(SIDE_SIZE - 1));
             own[(i, j)] += covariance;
             if m < n {
                 own[(j, i)] += covariance;

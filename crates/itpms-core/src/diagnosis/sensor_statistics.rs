@@ -97,16 +97,14 @@ impl<T: Real> SensorWatch<T> {
 
     /// Interpolates the middle of the window from its neighbors, sixth order.
     fn look_for_spike(&mut self) {
-        let w = &self.window;
-        let m = MIDDLE;
-        let near = T::lit(15.0) * (w[m - 1] + w[m + 1]) - T::lit(6.0) * (w[m - 2] + w[m + 2]);
-        let expected = (near + w[m - 3] + w[m + 3]) / T::lit(20.0);
-        let deviation = (w[m] - expected).abs();
+        let [_, a, b, c, value, d, e, f, _] = self.window;
+        let expected = (T::lit(15.0) * (c + d) - T::lit(6.0) * (b + e) + a + f) / T::lit(20.0);
+        let deviation = (value - expected).abs();
         let over = (T::lit(SPIKE_OVER_USUAL) * self.usual).at_least(T::lit(LEAST_SPIKE_M_S2));
         // Where the neighbors themselves go so far within six samples, the wheel has met an edge.
-        let neighbors = (m - 3..=m + 3).filter(|i| *i != m).map(|i| w[i]);
+        let neighbors = [b, c, d, e, f];
         let [least, most] =
-            neighbors.fold([w[m - 3]; 2], |[least, most], of| [least.at_most(of), most.at_least(of)]);
+            neighbors.iter().fold([a; 2], |[least, most], &of| [least.at_most(of), most.at_least(of)]);
         self.spikes += u32::from(deviation > over.at_least(most - least));
         let oldest = self.deviations[0];
         if self.usual.is_finite() {
