@@ -44,6 +44,7 @@ fn calibration(placard_kpa: [f64; 4]) -> VehicleCalibration<f64> {
     VehicleCalibration {
         corners: placard_kpa.map(|kpa| Some(corner(kpa))),
         bar: [learned; 2],
+        rear_axle_coupling: learned,
         gain: [learned; 2],
         wheelbase: learned,
         skew_s: [Learned { value: 0.0, sd: 1e-3 }; 2],

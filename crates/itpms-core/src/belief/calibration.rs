@@ -3,7 +3,7 @@
 
 use super::Belief;
 use super::state::{
-    BAR, COMMON_BIAS, DAMPING, GAIN, MASS, OWN_BIAS, ROAD_BIAS, SKEW, SKEW_UNIT_S, SPRING, State, TIRE,
+    BAR, COUPLING, DAMPING, GAIN, MASS, ROAD_BIAS, SKEW, SKEW_UNIT_S, SPECTRUM_BIAS, SPRING, State, TIRE,
     WHEELBASE,
 };
 use crate::conditioning::pauses::ENOUGH_S;
@@ -18,9 +18,9 @@ const CALIBRATION_SD: f64 = 0.004;
 /// Seconds of shared road learned from in a calibration after which tires may change all the same.
 const CALIBRATING_ENOUGH_S: f64 = 6.0;
 
-/// Least sd that is loaded: unsprung mass (another rim), damping (warm oil; a damper that is not straight is another one on another road), spring, bar, gain, wheelbase over speed
+/// Least sd that is loaded: unsprung mass (another rim), damping (warm oil; a damper that is not straight is another one on another road), spring, bar, coupling, gain, wheelbase over speed
 /// (other tires), skew in s, the spectrum's bias as a share of the placard pressure, and the inter-axle residual's.
-const LEAST_SD: [f64; 9] = [0.003, 0.2, 0.02, 0.01, 0.003, 0.003, 5e-4, 0.02, 0.01];
+const LEAST_SD: [f64; 10] = [0.003, 0.2, 0.02, 0.01, 0.005, 0.003, 0.003, 5e-4, 0.02, 0.01];
 
 /// Where the car is with its calibration.
 #[derive(Debug, Clone, PartialEq, Blank)]
@@ -130,14 +130,12 @@ impl<T: Real> Belief<T> {
         let corner = |i: usize| {
             self.present[i].then(|| {
                 let placard = self.scale.placard_kpa[i];
-                let (common, own) = (of(COMMON_BIAS, placard), of(OWN_BIAS + i, placard));
-                let bias_sd = (common.sd * common.sd + own.sd * own.sd).sqrt();
                 CornerCalibration {
                     placard_kpa: placard,
                     unsprung_mass: one(MASS + i),
                     damping: one(DAMPING + i),
                     spring: one(SPRING + i),
-                    spectrum_bias_kpa: Learned { value: common.value + own.value, sd: bias_sd },
+                    spectrum_bias_kpa: of(SPECTRUM_BIAS + i, placard),
                     shared_road_bias: one(ROAD_BIAS + i),
                 }
             })
@@ -145,6 +143,7 @@ impl<T: Real> Belief<T> {
         VehicleCalibration {
             corners: core::array::from_fn(corner),
             bar: [one(BAR), one(BAR + 1)],
+            rear_axle_coupling: one(COUPLING),
             gain: [one(GAIN), one(GAIN + 1)],
             wheelbase: one(WHEELBASE),
             skew_s: [SKEW, SKEW + 1].map(|at| of(at, T::lit(SKEW_UNIT_S))),
@@ -158,7 +157,8 @@ impl<T: Real> Belief<T> {
         &mut self,
         calibration: &VehicleCalibration<T>,
     ) -> Result<(), CalibrationError> {
-        let [mass, damping, spring, bar, gain, wheelbase, skew, bias, road_bias] = LEAST_SD.map(T::lit);
+        let [mass, damping, spring, bar, coupling, gain, wheelbase, skew, bias, road_bias] =
+            LEAST_SD.map(T::lit);
         // A tenth of a kPa is more than any file loses.
         let is_its = |(i, learned): (usize, &Option<CornerCalibration<T>>)| match learned {
             Some(learned) => {
@@ -178,7 +178,7 @@ impl<T: Real> Belief<T> {
             bank.set_quantity(MASS + i, &learned.unsprung_mass, mass, T::one());
             bank.set_quantity(DAMPING + i, &learned.damping, damping, T::one());
             bank.set_quantity(SPRING + i, &learned.spring, spring, T::one());
-            bank.set_quantity(OWN_BIAS + i, &learned.spectrum_bias_kpa, bias * placard, placard);
+            bank.set_quantity(SPECTRUM_BIAS + i, &learned.spectrum_bias_kpa, bias * placard, placard);
             bank.set_quantity(ROAD_BIAS + i, &learned.shared_road_bias, road_bias, T::one());
         }
         for i in 0..2 {
@@ -186,7 +186,10 @@ impl<T: Real> Belief<T> {
             bank.set_quantity(GAIN + i, &calibration.gain[i], gain, T::one());
             bank.set_quantity(SKEW + i, &calibration.skew_s[i], skew, T::lit(SKEW_UNIT_S));
         }
+        bank.set_quantity(COUPLING, &calibration.rear_axle_coupling, coupling, T::one());
         bank.set_quantity(WHEELBASE, &calibration.wheelbase, wheelbase, T::one());
+        // On another day, roads are others.
+        bank.free_common_bias();
         self.calibration.loaded.set(Some(*calibration));
         self.calibration.calibrated = true;
         Ok(())

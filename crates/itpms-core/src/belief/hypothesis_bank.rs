@@ -9,7 +9,9 @@ use super::hypotheses::{
 };
 use super::instruments::Instruments;
 use super::measurement::{AxleResidual, SideMeasurement, UpdateRecord};
-use super::state::{MASS, RATE, SIZE, State, TIRE};
+use super::state::{
+    IN_COMMON, MASS, RATE, SIZE, SPECTRUM_BIAS, SPECTRUM_BIAS_SD, State, TIRE, add_to_common_bias,
+};
 use super::tires::Tires;
 use super::transition::{NOTICED, Transition};
 use super::update::{Lesson, Likelihood, own_covariance, score};
@@ -290,6 +292,15 @@ impl<T: Real> HypothesisBank<T> {
         for hypothesis in &mut self.hypotheses {
             hypothesis.mean[at] = learned.value / unit;
             hypothesis.covariance.isolate(at, sd * sd);
+        }
+    }
+
+    /// What the spectra of all corners read too much alike is another thing, and as unknown as at first.
+    pub(super) fn free_common_bias(&mut self) {
+        let common = T::lit(IN_COMMON * SPECTRUM_BIAS_SD * SPECTRUM_BIAS_SD);
+        for hypothesis in &mut self.hypotheses {
+            (0..4).for_each(|i| hypothesis.covariance[(SPECTRUM_BIAS + i, SPECTRUM_BIAS + i)] += common);
+            add_to_common_bias(&mut hypothesis.covariance, common);
         }
     }
 

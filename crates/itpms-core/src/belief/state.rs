@@ -3,8 +3,9 @@
 
 use nalgebra::SVector;
 
+use super::covariance::Covariance;
 use crate::memory::Blank;
-use crate::model::{Corner, Side, UNCALIBRATED_BIAS_SD};
+use crate::model::{Corner, Side, UNCALIBRATED_BIAS_SD, UNKNOWN_COUPLING_SD};
 use crate::real::Real;
 
 pub(crate) const SIZE: usize = 37;
@@ -16,15 +17,16 @@ pub(crate) const DAMPING: usize = 8;
 pub(crate) const SPRING: usize = 12;
 /// Stiffness of each axle's anti-roll bar at a wheel, over its spring's.
 pub(crate) const BAR: usize = 16;
+/// Share of a rear wheel's unsprung mass that moves with the other one: of a twist beam, of a solid axle.
+pub(crate) const COUPLING: usize = 18;
 /// Gain of the front wheel's sensor over the rear one's, left and right, less one.
-pub(crate) const GAIN: usize = 18;
+pub(crate) const GAIN: usize = 19;
 /// Relative deviation of wheelbase over speed.
-pub(crate) const WHEELBASE: usize = 20;
+pub(crate) const WHEELBASE: usize = 21;
 /// Time by which the rear wheel's sensor is late, left and right, in units of [`SKEW_UNIT_S`].
-pub(crate) const SKEW: usize = 21;
-/// What the road's spectrum reads too much: all corners alike, and each on its own, as a share of the placard pressure.
-pub(crate) const COMMON_BIAS: usize = 23;
-pub(crate) const OWN_BIAS: usize = 24;
+pub(crate) const SKEW: usize = 22;
+/// What the road's spectrum reads too much of each tire, as a share of the placard pressure: in part the same of all ([`IN_COMMON`]).
+pub(crate) const SPECTRUM_BIAS: usize = 24;
 /// What the shared road reads too much of each tire's compliance, as a share of that at placard pressure.
 pub(crate) const ROAD_BIAS: usize = 28;
 /// Level of each tire: its compliance, as [`TIRE`] is one, when its loss of this drive began to be counted. It is constant, and what it is
@@ -35,17 +37,21 @@ pub(crate) const RATE: usize = 36;
 
 const _: () = assert!(RATE == SIZE - 1);
 
-/// Quantities that a side's residual depends on: front tire, mass, damping, spring, anti-roll bar, the same of the rear, gain, and by how
-/// much the rear reads the road too late ([`SideReading`]).
-pub(crate) const SIDE_SIZE: usize = 12;
+/// Standard deviation of a spectrum's bias, and the share of its variance that all corners have in common.
+pub(crate) const SPECTRUM_BIAS_SD: f64 = 0.05;
+pub(crate) const IN_COMMON: f64 = 0.64;
+
+/// Quantities that a side's residual depends on: front tire, mass, damping, spring, anti-roll bar, the same of the rear, its axle's
+/// coupling, gain, and by how much the rear reads the road too late ([`SideReading`]).
+pub(crate) const SIDE_SIZE: usize = 13;
 /// Where the rear's begin among them.
 pub(crate) const SIDE_REAR: usize = 5;
 /// The two tires.
 pub(crate) const SIDE_TIRES: [usize; 2] = [0, SIDE_REAR];
-/// The two anti-roll bars.
-pub(crate) const SIDE_BARS: [usize; 2] = [4, SIDE_REAR + 4];
-pub(crate) const SIDE_GAIN: usize = 10;
-pub(crate) const SIDE_SKEW: usize = 11;
+/// The two anti-roll bars and the coupling: what the other side's wheels act by.
+pub(crate) const SIDE_OTHERS: [usize; 3] = [4, SIDE_REAR + 4, SIDE_REAR + 5];
+pub(crate) const SIDE_GAIN: usize = 11;
+pub(crate) const SIDE_SKEW: usize = 12;
 
 /// So that skews are of the size of the other quantities.
 pub(crate) const SKEW_UNIT_S: f64 = 0.1;
@@ -65,8 +71,21 @@ pub(crate) type State<T> = SVector<T, SIZE>;
 /// Standard deviations before anything is learned, unsprung masses known as the vehicle file says; the rate's is that of a hypothesis
 /// that moves.
 pub(crate) fn prior_sd<T: Real>(mass_sd: &[T; 4]) -> State<T> {
-    let mut prior =
-        filled([0.11, 0.0, 0.15, 0.1, 0.3, 0.012, 0.01, 0.02, 0.04, 0.03, ROAD_BIAS_SD[0], 0.0, 0.0]);
+    let mut prior = filled([
+        0.11,
+        0.0,
+        0.15,
+        0.1,
+        0.3,
+        UNKNOWN_COUPLING_SD,
+        0.012,
+        0.01,
+        0.02,
+        SPECTRUM_BIAS_SD,
+        ROAD_BIAS_SD[0],
+        0.0,
+        0.0,
+    ]);
     prior.fixed_rows_mut::<4>(MASS).copy_from_slice(mass_sd);
     prior
 }
@@ -80,7 +99,7 @@ pub(crate) fn rear_bar_variance<T: Real>(front: T) -> [T; 2] {
 
 /// Growth of the standard deviations in a second, of those that change by themselves.
 pub(crate) fn wander_sd<T: Real>() -> State<T> {
-    let mut wander = filled([8e-4, 5e-5, 1e-3, 1e-3, 1e-3, 5e-5, 1e-4, 5e-4, 1e-3, 1e-3, 0.0, 0.0, 0.0]);
+    let mut wander = filled([8e-4, 5e-5, 1e-3, 1e-3, 1e-3, 5e-5, 5e-5, 1e-4, 5e-4, 1.4e-3, 0.0, 0.0, 0.0]);
     let road_bias = T::lit(ROAD_BIAS_SD[1]) * T::lit(2.0 / ROAD_BIAS_S).sqrt();
     wander.fixed_rows_mut::<4>(ROAD_BIAS).fill(road_bias);
     wander
@@ -144,6 +163,7 @@ pub(crate) fn side_indices(side: Side) -> [usize; SIDE_SIZE] {
         DAMPING + rear,
         SPRING + rear,
         BAR + 1,
+        COUPLING,
         GAIN + side.index(),
         SKEW + side.index(),
     ]
@@ -154,6 +174,13 @@ pub(crate) fn read_compliance<T: Real>(state: &State<T>, corner: Corner) -> T {
     T::one() + state[TIRE + corner.index()] + state[ROAD_BIAS + corner.index()]
 }
 
+/// Corners' spectra read so much more too much alike, as a variance that is in each one's already.
+pub(crate) fn add_to_common_bias<T: Real>(covariance: &mut Covariance<T>, common: T) {
+    for i in SPECTRUM_BIAS..SPECTRUM_BIAS + 4 {
+        (SPECTRUM_BIAS..i).for_each(|j| covariance[(i, j)] += common);
+    }
+}
+
 /// One value per kind of quantity, in the order above.
 fn filled<T: Real>(kinds: [f64; 13]) -> State<T> {
     let starts = [
@@ -162,11 +189,11 @@ fn filled<T: Real>(kinds: [f64; 13]) -> State<T> {
         DAMPING,
         SPRING,
         BAR,
+        COUPLING,
         GAIN,
         WHEELBASE,
         SKEW,
-        COMMON_BIAS,
-        OWN_BIAS,
+        SPECTRUM_BIAS,
         ROAD_BIAS,
         LEVEL,
         RATE,

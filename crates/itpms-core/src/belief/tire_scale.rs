@@ -1,7 +1,7 @@
 //! The tires at their placard pressures: between compliances, stiffnesses and pressures, and what a corner's spectrum should
 //! say in a state (docs/math/shared-road.md, eq. 15). Knows nothing of beliefs.
 
-use super::state::{COMMON_BIAS, OWN_BIAS, State, TIRE};
+use super::state::{SPECTRUM_BIAS, State, TIRE};
 use crate::memory::Blank;
 use crate::model::{CarConfig, Corner, CornerConfig};
 use crate::real::Real;
@@ -57,13 +57,12 @@ impl<T: Real> TireScale<T> {
     pub(crate) fn spectral_stiffness(&self, corner: Corner, state: &State<T>) -> (T, State<T>) {
         let placard = self.placard_n_per_m[corner];
         // Biases are shares of the placard pressure; the spectrum's own unit is N/m.
-        let bias = self.pressures_part_n_per_m(corner);
-        let (tire, own_bias) = (TIRE + corner.index(), OWN_BIAS + corner.index());
+        let unit = self.pressures_part_n_per_m(corner);
+        let (tire, bias) = (TIRE + corner.index(), SPECTRUM_BIAS + corner.index());
         let factor = (T::one() + state[tire]).max(T::lit(LEAST_COMPLIANCE));
         let mut slope = State::zeros();
         slope[tire] = -placard / (factor * factor);
-        slope[COMMON_BIAS] = bias;
-        slope[own_bias] = bias;
-        (placard / factor + bias * (state[COMMON_BIAS] + state[own_bias]), slope)
+        slope[bias] = unit;
+        (placard / factor + unit * state[bias], slope)
     }
 }

@@ -16,7 +16,7 @@ pub(crate) mod residual;
 mod tests;
 
 use self::alignment::axle_pair::{AxlePair, PairingContext};
-use self::alignment::channel::{Channel, Entry, RELATIVE};
+use self::alignment::channel::{Channel, Entry, JERK, RELATIVE};
 use self::alignment::delay_search::Found;
 use self::alignment::opposite_side::OppositeSide;
 use self::alignment::travel::Travel;
@@ -180,7 +180,7 @@ impl<T: Real> InterAxle<T> {
         let apart_s = |other: &&Entry<T>| (other.time_s - entry.time_s).abs();
         let others = || self.rear[side.other()].iter().flatten();
         match others().find(|other| apart_s(other) < near_s && !other.invalid) {
-            Some(other) => OppositeSide::Known(other.signals[RELATIVE]),
+            Some(other) => OppositeSide::Known([RELATIVE, JERK].map(|i| other.signals[i])),
             None if others().all(|other| apart_s(&other) > PAUSE_S) => OppositeSide::Silent,
             None => OppositeSide::Missed,
         }

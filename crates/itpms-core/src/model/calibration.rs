@@ -9,6 +9,9 @@ use crate::real::Real;
 /// Standard deviation of the inter-axle residual's bias of a tire's compliance, as a share of that at placard pressure,
 /// before any calibration.
 pub(crate) const UNCALIBRATED_BIAS_SD: f64 = 0.015;
+/// Standard deviation of a rear axle's coupling before anything is learned: none of independent wheels, some 0.05 to 0.1 of a twist beam,
+/// 0.2 to 0.33 of a solid axle.
+pub(crate) const UNKNOWN_COUPLING_SD: f64 = 0.15;
 
 /// A learned quantity and its standard deviation.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
@@ -53,6 +56,8 @@ pub struct VehicleCalibration<T> {
     pub corners: [Option<CornerCalibration<T>>; 4],
     /// Stiffness of the front and the rear anti-roll bar at a wheel, over its spring's in the vehicle file.
     pub bar: [Learned<T>; 2],
+    /// Share of a rear wheel's unsprung mass that moves with the other one.
+    pub rear_axle_coupling: Learned<T>,
     /// Gain of the front wheel's sensor over the rear one's, left and right, less one.
     pub gain: [Learned<T>; 2],
     /// Wheelbase over speed, relative deviation.
@@ -86,18 +91,24 @@ impl core::fmt::Display for CalibrationError {
 
 impl core::error::Error for CalibrationError {}
 
-/// Largest plausible values: relative unsprung mass, damping, spring, anti-roll bar, gain, wheelbase; the spectrum's bias as a share
+/// Largest plausible values: relative unsprung mass, damping, spring, anti-roll bar, coupling, gain, wheelbase; the spectrum's bias as a share
 /// of the placard pressure; skew in s; the shared road's bias. A file of typical values knows a car's unsprung masses to 15 %, its dampers
 /// to 30 % and its springs to 25 %: a car three standard deviations off is a car.
-const FURTHEST: [f64; 9] = [0.5, 1.0, 1.0, 2.0, 0.1, 0.05, 0.25, 0.02, 0.25];
+const FURTHEST: [f64; 10] = [0.5, 1.0, 1.0, 2.0, 0.5, 0.1, 0.05, 0.25, 0.02, 0.25];
 
 impl<T: Real> VehicleCalibration<T> {
+    /// What is believed of [`rear_axle_coupling`](Self::rear_axle_coupling) before any calibration has taught it.
+    pub fn unknown_coupling() -> Learned<T> {
+        Learned { value: T::zero(), sd: T::lit(UNKNOWN_COUPLING_SD) }
+    }
+
     /// Checks every number: finite, with a positive sd, and no further out than a car can be.
     ///
     /// # Errors
     /// The first quantity that fails.
     pub fn check(&self) -> Result<(), CalibrationError> {
-        let [mass, damping, spring, bar, gain, wheelbase, bias, skew, road_bias] = FURTHEST.map(T::lit);
+        let [mass, damping, spring, bar, coupling, gain, wheelbase, bias, skew, road_bias] =
+            FURTHEST.map(T::lit);
         for corner in self.corners.iter().flatten() {
             if !(corner.placard_kpa > T::zero() && corner.placard_kpa.is_finite()) {
                 return Err(CalibrationError::NotANumber("placard_kpa"));
@@ -109,6 +120,7 @@ impl<T: Real> VehicleCalibration<T> {
             plausible("shared_road_bias", &corner.shared_road_bias, road_bias)?;
         }
         self.bar.iter().try_for_each(|learned| plausible("bar", learned, bar))?;
+        plausible("rear_axle_coupling", &self.rear_axle_coupling, coupling)?;
         self.gain.iter().try_for_each(|learned| plausible("gain", learned, gain))?;
         plausible("wheelbase", &self.wheelbase, wheelbase)?;
         self.skew_s.iter().try_for_each(|learned| plausible("skew_s", learned, skew))?;

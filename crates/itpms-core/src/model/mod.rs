@@ -21,8 +21,8 @@ pub use self::air::{Air, standard_atmosphere_kpa};
 pub(crate) use self::body_fit::AxleFit;
 pub use self::body_fit::{BodyFit, Misfit};
 pub(crate) use self::body_fit::{COHERENCE_BINS, UNEXPLAINED_BINS};
-pub(crate) use self::calibration::UNCALIBRATED_BIAS_SD;
 pub use self::calibration::{CalibrationError, CornerCalibration, Learned, VehicleCalibration};
+pub(crate) use self::calibration::{UNCALIBRATED_BIAS_SD, UNKNOWN_COUPLING_SD};
 pub use self::car::{CarConfig, Inflation};
 pub use self::car_estimate::{CarEstimate, TrackState};
 pub use self::estimate::{

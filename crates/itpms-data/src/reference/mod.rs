@@ -5,7 +5,7 @@
 //! the reason, and the caller decides whether to go on without a reference.
 //!
 //! ```text
-//! itpms-reference 3 f6d0c1f2a5a1b1c3      format, checksum of the format and of everything below
+//! itpms-reference 9 f6d0c1f2a5a1b1c3      format, checksum of the format and of everything below
 //! [vehicle]
 //! name = "mid-size sedan"
 //! id = "WXY00000000000001"               # where the vehicle file has one
@@ -16,7 +16,7 @@
 //! wheelbase_m = 2.61                     # where the vehicle file's was assumed: the one the deviation counts from
 //! wheelbase = 0.004                      # every quantity with its standard deviation
 //! wheelbase_sd = 0.001
-//! front_bar = 0.28                       # anti-roll bars, and rear_bar
+//! front_bar = 0.28                       # anti-roll bars, and rear_bar, rear_axle_coupling
 //! front_bar_sd = 0.02
 //! [learned.left]                         # and right: gain, skew_s
 //! [corner.fl]                            # placard_kpa, unsprung_mass, damping, spring, spectrum_bias_kpa, shared_road_bias
@@ -53,14 +53,11 @@ pub use problem::ReferenceProblem;
 pub use suspension::{FRICTION_ELEMENTS, SuspensionReference};
 pub use text::day;
 
-/// The newest format that is read, and that of a reference with struts.
-pub const FORMAT: u32 = 8;
-/// The format of one with days and without struts.
-const WITHOUT_SUSPENSION: u32 = 7;
-/// The format of one with wheel speeds and without days.
-const WITHOUT_DAYS: u32 = 6;
-/// The format of one without.
-const WITHOUT_WHEEL_SPEEDS: u32 = 3;
+/// The newest format that is read, and that of a reference with corners.
+pub const FORMAT: u32 = 9;
+/// The format of one of wheel speeds alone, with days and without.
+const WITH_DAYS: u32 = 7;
+const WITH_WHEEL_SPEEDS: u32 = 6;
 
 /// What tooth pulses taught of each wheel, with the kPa by which its pressure was above the placard's.
 pub type LearnedTorsion = [Option<(TorsionCalibration<f64>, f64)>; 4];
@@ -234,6 +231,7 @@ fn nothing_of_corners() -> VehicleCalibration<f64> {
     VehicleCalibration {
         corners: [None; 4],
         bar: [nothing; 2],
+        rear_axle_coupling: nothing,
         gain: [nothing; 2],
         wheelbase: nothing,
         skew_s: [nothing; 2],

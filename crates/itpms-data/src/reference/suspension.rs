@@ -158,6 +158,7 @@ mod tests {
         let calibration = VehicleCalibration {
             corners: [Some(corner); 4],
             bar: [nothing; 2],
+            rear_axle_coupling: nothing,
             gain: [nothing; 2],
             wheelbase: nothing,
             skew_s: [nothing; 2],
@@ -166,12 +167,12 @@ mod tests {
         let stored = StoredReference::new(&Vehicle::paper(), calibration, 1_900_000_000).unwrap();
         let old = stored.to_text();
         assert!(
-            old.starts_with("itpms-reference 3 ")
+            old.starts_with("itpms-reference 9 ")
                 && StoredReference::parse(old.as_bytes()).unwrap() == stored
         );
         let stored = stored.with_suspension(Some(learned));
         let text = stored.to_text();
-        assert!(text.starts_with("itpms-reference 8 "), "{text}");
+        assert!(text.starts_with("itpms-reference 9 "), "{text}");
         assert_eq!(StoredReference::parse(text.as_bytes()).unwrap(), stored);
         learned.spring_n_per_m[2] = -1.0;
         let text = stored.with_suspension(Some(learned)).to_text();

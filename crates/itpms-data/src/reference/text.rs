@@ -8,8 +8,8 @@ use itpms_files::{Date, Unsealed, seal, unsealed};
 use toml::de::DeTable;
 
 use super::{
-    FORMAT, ReferenceProblem, StoredReference, VehicleIdentity, WITHOUT_DAYS, WITHOUT_SUSPENSION,
-    WITHOUT_WHEEL_SPEEDS, days, nothing_of_corners, suspension, torsion, wheel_speeds,
+    FORMAT, ReferenceProblem, StoredReference, VehicleIdentity, WITH_DAYS, WITH_WHEEL_SPEEDS, days,
+    nothing_of_corners, suspension, torsion, wheel_speeds,
 };
 use crate::error::Problem;
 use crate::toml_table::{Table, escaped, syntax_problem};
@@ -26,12 +26,10 @@ const SIDE_QUANTITIES: [&str; 2] = ["gain", "skew_s"];
 /// The file with its first line.
 pub(super) fn sealed(stored: &StoredReference) -> String {
     let body = body(stored);
-    let rolls = torsion::is_there(&stored.torsion) || stored.wheel_speeds.is_some();
-    let format = match (stored.days.is_empty(), rolls) {
-        _ if stored.suspension.is_some() => FORMAT,
-        (false, _) => WITHOUT_SUSPENSION,
-        (true, true) => WITHOUT_DAYS,
-        (true, false) => WITHOUT_WHEEL_SPEEDS,
+    let format = match stored.days.is_empty() {
+        _ if stored.has_corners() => FORMAT,
+        false => WITH_DAYS,
+        true => WITH_WHEEL_SPEEDS,
     };
     seal(MAGIC, &format.to_string(), body.as_bytes()) + &body
 }
@@ -90,6 +88,7 @@ fn corners(out: &mut String, stored: &StoredReference) {
     write_learned(out, "wheelbase", &reference.wheelbase);
     write_learned(out, "front_bar", &reference.bar[0]);
     write_learned(out, "rear_bar", &reference.bar[1]);
+    write_learned(out, "rear_axle_coupling", &reference.rear_axle_coupling);
     for (i, side) in SIDES.into_iter().enumerate() {
         let _ = writeln!(out, "\n[learned.{side}]");
         write_learned(out, "gain", &reference.gain[i]);
@@ -162,6 +161,11 @@ fn read_body(text: &str, format: u32) -> Result<StoredReference, Problem> {
             read_learned(&learned, "front_bar", "front_bar_sd")?,
             read_learned(&learned, "rear_bar", "rear_bar_sd")?,
         ],
+        rear_axle_coupling: if format < FORMAT {
+            VehicleCalibration::unknown_coupling()
+        } else {
+            read_learned(&learned, "rear_axle_coupling", "rear_axle_coupling_sd")?
+        },
         gain: [left_gain, right_gain],
         wheelbase: read_learned(&learned, "wheelbase", "wheelbase_sd")?,
         skew_s: [left_skew, right_skew],

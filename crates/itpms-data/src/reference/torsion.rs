@@ -31,10 +31,6 @@ const AROUND: &str = "around_hz";
 const PIECES: &str = "pieces";
 const ABOVE: &str = "above_placard_kpa";
 
-pub(super) fn is_there(learned: &LearnedTorsion) -> bool {
-    learned.iter().any(Option::is_some)
-}
-
 pub(super) fn write(out: &mut String, learned: &LearnedTorsion) {
     for (corner, learned) in Corner::ALL.into_iter().zip(learned) {
         let Some((learned, above_kpa)) = learned else { continue };

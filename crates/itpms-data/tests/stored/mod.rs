@@ -18,6 +18,7 @@ pub(crate) fn learned(scale: f64) -> VehicleCalibration<f64> {
     VehicleCalibration {
         corners: [Some(corner(1.0)), Some(corner(2.0)), Some(corner(3.0)), Some(corner(4.0))],
         bar: [Learned { value: 0.25, sd: 0.02 }, Learned { value: 0.1, sd: 0.02 }],
+        rear_axle_coupling: Learned { value: 0.07, sd: 0.02 },
         gain: [pair(0.011, 0.002), pair(-0.007, 0.002)],
         wheelbase: pair(0.003, 0.0004),
         skew_s: [pair(0.0004, 0.0001), pair(-0.0001, 0.0001)],

@@ -2,7 +2,7 @@
 
 use super::Fusion;
 use crate::belief::LONGEST_SILENCE_S;
-use crate::belief::state::{COMMON_BIAS, OWN_BIAS};
+use crate::belief::state::SPECTRUM_BIAS;
 use crate::conditioning::pauses::PAUSE_S;
 use crate::model::Corner;
 use crate::real::Real;
@@ -78,9 +78,8 @@ impl<T: Real> Fusion<T> {
     /// How much too stiff a corner's road spectrum reads, in N/m, and the variance of that.
     pub(super) fn spectral_bias(&self, corner: Corner) -> (T, T) {
         let unit = self.belief.scale().pressures_part_n_per_m(corner);
-        let (common, own) =
-            (self.belief.quantity(COMMON_BIAS), self.belief.quantity(OWN_BIAS + corner.index()));
-        (unit * (common.0 + own.0), unit * unit * (common.1 + own.1))
+        let (bias, variance) = self.belief.quantity(SPECTRUM_BIAS + corner.index());
+        (unit * bias, unit * unit * variance)
     }
 
     /// What a corner's road spectrum is expected to tell: stiffness and sd in N/m.

@@ -9,7 +9,7 @@ use crate::belief::measurement::{BINS, SideMeasurement};
 use crate::belief::state::{GAIN, SKEW_UNIT_S, State};
 use crate::conditioning::STANDING_M_S;
 use crate::conditioning::pauses::{MISSING_S, PAUSE_S};
-use crate::inter_axle::alignment::channel::{BOTH, Entry, RELATIVE, SEEN};
+use crate::inter_axle::alignment::channel::{BOTH, Entry, FRONT, JERK, KEPT, RELATIVE, SEEN};
 use crate::inter_axle::alignment::delay_line::{DelayLine, Read};
 use crate::inter_axle::alignment::delay_search::{AT_FIRST, DelaySearch, Found, LATER};
 use crate::inter_axle::alignment::opposite_side::{OppositeSide, of_other_side, with_other};
@@ -18,7 +18,7 @@ use crate::inter_axle::residual::correction::FrfCorrection;
 use crate::inter_axle::residual::expected_products::ExpectedProducts;
 use crate::inter_axle::residual::hop_excess::HopExcess;
 use crate::inter_axle::residual::imbalance::Imbalance;
-use crate::inter_axle::residual::instrument::Instrument;
+use crate::inter_axle::residual::instrument::{Instrument, Mode, by_both_roads};
 use crate::inter_axle::residual::model::{Axle, AxleFrame, Wheel};
 use crate::inter_axle::residual::noise::{Coherence, MOST_LASTING};
 use crate::inter_axle::{HOP_S, SIGNALS};
@@ -77,7 +77,10 @@ pub(crate) struct AxlePair<T: Real> {
     delay_search: DelaySearch<T>,
     aligned: bool,
     clock: FrameClock<T, BINS, SIGNALS>,
-    instruments: [Instrument<T>; 2],
+    /// Of the front, and of the rear's wheels as they move together and against each other.
+    instruments: [Instrument<T>; 3],
+    /// What the newest common road makes of the latter two.
+    rear_modes: [[T; KEPT]; 2],
     frf_correction: FrfCorrection<T>,
     /// As it was at the belief's checkpoints, the newest first.
     saved: [Placed<SavedCorrection<T>>; 2],
@@ -107,7 +110,7 @@ impl<T: Real> AxlePair<T> {
         self.delay_search = DelaySearch::new(AT_FIRST);
         self.aligned = false;
         self.clock.configure(HOP_S, period_s);
-        self.instruments = [Instrument::new(), Instrument::new()];
+        self.instruments = [Instrument::new(), Instrument::new(), Instrument::new()];
         self.frf_correction = FrfCorrection::BLANK;
         self.saved.iter_mut().for_each(Placed::clear);
         self.imbalance = Imbalance::BLANK;
@@ -172,14 +175,14 @@ impl<T: Real> AxlePair<T> {
         let (delay_line, per_second) = (&self.delay_line, T::lit(1.0 / self.period_s));
         let steps = delay_line.steps_back_at(entry.way?.ahead(-road.length_m(wheelbase)))?;
         let axles = road.axles();
-        let rear = axles[1].road_velocity(&with_other(entry.signals, None));
+        let rear = axles[1].road_velocity(&with_other(entry.signals, None, None));
         let delay_s = self.delay_s(entry, steps);
         let skew_s = T::lit(SKEW_UNIT_S) * skew;
         let stretch =
             delay_line.read_back(steps).map_or(T::zero(), |read| (entry.speed_m_s / read.speed_m_s).ln());
         self.delay_search.push(rear, [delay_s, stretch], self.period_s, |later_s| {
             let read = delay_line.read_back(steps + (skew_s + later_s) * per_second)?;
-            Some(axles[0].road_velocity(&with_other(read.signals, None)))
+            Some(axles[0].road_velocity(&with_other(read.signals, None, None)))
         })
     }
 
@@ -211,6 +214,7 @@ impl<T: Real> AxlePair<T> {
         let Some((read, steps, delay_s)) = front else {
             self.clock.restart();
             self.instruments.iter_mut().for_each(Instrument::restart);
+            self.rear_modes = [[T::zero(); KEPT]; 2];
             self.tune(road);
             // The first frames count all the same: while nothing is known yet, they bring more than they can spoil.
             self.invalid_hops = if self.used.is_some() { SETTLING_HOPS } else { 0 };
@@ -225,19 +229,24 @@ impl<T: Real> AxlePair<T> {
         let steps = steps + other.delay_line.steps_back(self.delay_line.newest_s());
         let at_front = other.delay_line.read_back(steps).map(|read| read.signals[RELATIVE]);
         let others = of_other_side(at_front, beside, ratio);
-        let mut both = [T::zero(); BOTH];
-        both[..SEEN].copy_from_slice(&with_other(read.signals, others[0]).map(|signal| ratio * signal));
-        both[SEEN..].copy_from_slice(&with_other(entry.signals, others[1]));
+        let jerk_beside = match beside {
+            OppositeSide::Known([_, jerk]) => Some(jerk),
+            OppositeSide::Missed | OppositeSide::Silent => None,
+        };
+        let ahead = with_other(read.signals, others[0], None).map(|signal| ratio * signal);
+        let mut both = of_both(&ahead, &with_other(entry.signals, others[1], jerk_beside));
         self.clear(&mut both, entry, road);
         let [ahead, behind] = road.velocities(&both, self.side);
         let common = T::lit(0.5) * (ahead + behind);
         let mut signals = [T::zero(); SIGNALS];
         signals[..BOTH].copy_from_slice(&both);
-        let scales = [ratio, T::one()];
-        for (axle, instrument) in self.instruments.iter_mut().enumerate() {
-            let there = with_other(instrument.push(common), others[axle].map(|other| scales[axle] * other));
-            signals[(2 + axle) * SEEN..(3 + axle) * SEEN].copy_from_slice(&there);
-        }
+        let [front, rear_modes @ ..] = self.instruments.each_mut().map(|instrument| instrument.push(common));
+        self.rear_modes = rear_modes;
+        // The other side's jerk as its road makes it, and not as measured: that moves with what of the rear's road is this side's own.
+        let [rear, beside] = by_both_roads([&self.rear_modes, &other.rear_modes]);
+        let front = with_other(front, others[0].map(|other| ratio * other), None);
+        let rear = with_other(rear, others[1], jerk_beside.map(|_| beside[JERK]));
+        signals[BOTH..].copy_from_slice(&of_both(&front, &rear));
         if let Some(frame) = self.clock.push_if(!(entry.unloaded || read.unloaded), &signals) {
             self.tune(road);
             let used = self.used.replace([road.wheelbase, road.skew]);
@@ -266,9 +275,11 @@ impl<T: Real> AxlePair<T> {
 
     /// Brings the instruments up to date with what is believed.
     fn tune(&mut self, road: &PairingContext<'_, T>) {
-        for ((instrument, axle), wheel) in self.instruments.iter_mut().zip(road.axles()).zip(&road.wheels) {
-            instrument.tune(&axle, wheel.body.sprung_mass_kg, self.period_s);
-        }
+        let [front, together, against] = &mut self.instruments;
+        let ([ahead, behind], [front_body, rear_body]) = (road.axles(), road.wheels.map(|wheel| wheel.body));
+        front.tune(&ahead, Mode::Together, front_body.sprung_mass_kg, self.period_s);
+        together.tune(&behind, Mode::Together, rear_body.sprung_mass_kg, self.period_s);
+        against.tune(&behind, Mode::Against, rear_body.sprung_mass_kg, self.period_s);
     }
 
     /// What the front reported of the place where the rear is, how many steps before its newest entry, and how long ago.
@@ -358,9 +369,18 @@ impl<T: Real> PairingContext<'_, T> {
     /// Road velocities that both axles' signals tell, the front's times its gain.
     fn velocities(&self, both: &[T; BOTH], side: Side) -> [T; 2] {
         let axles = self.axles();
-        let of = |axle: usize| axles[axle].road_velocity(&core::array::from_fn(|i| both[axle * SEEN + i]));
-        [(T::one() + self.state[GAIN + side.index()]) * of(0), of(1)]
+        let (front, rear) = both.split_at(FRONT);
+        let gain = T::one() + self.state[GAIN + side.index()];
+        [gain * axles[0].road_velocity(front), axles[1].road_velocity(rear)]
     }
+}
+
+/// The signals of both axles, in their places.
+fn of_both<T: Real>(front: &[T; SEEN], rear: &[T; SEEN]) -> [T; BOTH] {
+    core::array::from_fn(|at| match at.checked_sub(FRONT) {
+        Some(at) => rear.get(at).copied().unwrap_or(T::zero()),
+        None => front.get(at).copied().unwrap_or(T::zero()),
+    })
 }
 
 #[cfg(test)]

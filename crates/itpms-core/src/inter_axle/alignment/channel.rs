@@ -11,16 +11,25 @@ use crate::spectrum::reconstruction::{
 
 /// Signals kept of a corner: wheel velocity, wheel jerk, relative acceleration, relative velocity.
 pub(crate) const KEPT: usize = 4;
-/// Signals of an axle's side: those kept of a corner, and its relative velocity less that of the other side.
-pub(crate) const SEEN: usize = KEPT + 1;
-/// Those of both axles.
-pub(crate) const BOTH: usize = 2 * SEEN;
+/// Signals of a front corner: those kept, and its relative velocity less that of the other side.
+pub(crate) const FRONT: usize = KEPT + 1;
+/// Signals of a rear corner: the same, and the other side's wheel jerk less its own.
+pub(crate) const SEEN: usize = FRONT + 1;
+/// Those of both axles, the front's first.
+pub(crate) const BOTH: usize = FRONT + SEEN;
+
+/// Place of a corner's signal among those of both axles; `None`: the front's jerk against the other side's, which nobody needs.
+pub(crate) fn place(axle: usize, signal: usize) -> Option<usize> {
+    (signal < if axle == 0 { FRONT } else { SEEN }).then_some(axle * FRONT + signal)
+}
+
 /// Time in s after which a tenth is left of what the filters answer to something short. Waiting longer cost more road than it
 /// brought.
 const ECHO_S: f64 = 0.05;
 /// Thinned signals come at this rate in Hz at least.
 const LEAST_RATE_HZ: f64 = 200.0;
-/// Place of the relative velocity among them.
+/// Places of the wheel's jerk and the relative velocity among them.
+pub(crate) const JERK: usize = 1;
 pub(crate) const RELATIVE: usize = 3;
 
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]

@@ -6,7 +6,7 @@ use nalgebra::Complex;
 
 use crate::belief::measurement::BINS;
 use crate::inter_axle::Frame;
-use crate::inter_axle::alignment::channel::{BOTH, SEEN};
+use crate::inter_axle::alignment::channel::{BOTH, FRONT, JERK, RELATIVE};
 use crate::memory::Blank;
 use crate::real::Real;
 use crate::spectrum::Frame as Spectra;
@@ -55,9 +55,10 @@ impl<T: Real> FrfCorrection<T> {
                 }
             });
             // What the other side of an axle does is its own.
-            for axle in 0..2 {
-                frf_ratios[axle * SEEN + SEEN - 1] = frf_ratios[axle * SEEN + SEEN - 2];
+            for axle in [0, FRONT] {
+                frf_ratios[axle + RELATIVE + 1] = frf_ratios[axle + RELATIVE];
             }
+            frf_ratios[BOTH - 1] = frf_ratios[FRONT + JERK];
             frf_ratios
         })
     }
@@ -79,7 +80,7 @@ impl<T: Real> FrfCorrection<T> {
             let more = |bin| self.more(bin, wheel).norm_sqr();
             (0..BINS).fold(T::zero(), |sum, bin| sum + more(bin))
         };
-        (squares(0).max(squares(SEEN)) / T::lit(BINS as f64)).sqrt()
+        (squares(0).max(squares(FRONT)) / T::lit(BINS as f64)).sqrt()
     }
 
     /// Learns from a frame, given the road that both axles agree on and how far the frame is trusted.

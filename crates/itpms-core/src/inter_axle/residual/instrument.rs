@@ -12,6 +12,14 @@ use crate::real::Real;
 /// Wheel velocity, body velocity, deflection of the spring, force of the tire.
 const STATES: usize = 4;
 
+/// How the wheels of an axle move: as one, or against each other, where an axle that couples them has less mass. A wheel by itself moves by
+/// half of each.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Mode {
+    Together,
+    Against,
+}
+
 /// A quarter car on a road of given velocity, by the bilinear rule.
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -20,7 +28,7 @@ pub(crate) struct Instrument<T: Real> {
     input: SVector<T, STATES>,
     state: SVector<T, STATES>,
     last_road: T,
-    /// Unsprung mass, sprung mass, damping with friction's, spring, tire.
+    /// Mass of the mode, sprung mass, damping with friction's, spring, tire.
     car: [T; 5],
     /// Damping without friction's.
     damper: T,
@@ -36,9 +44,10 @@ impl<T: Real> Instrument<T> {
     }
 
     /// Takes over an axle's parameters, for steps of `period_s`.
-    pub(crate) fn tune(&mut self, axle: &Axle<T>, sprung_mass_kg: T, period_s: f64) {
-        let [wheel, damper, spring, _] = axle.factors;
+    pub(crate) fn tune(&mut self, axle: &Axle<T>, mode: Mode, sprung_mass_kg: T, period_s: f64) {
+        let [_, damper, spring, ..] = axle.factors;
         let (damping, tire) = (axle.whole_damping, T::one() / axle.theta.max(T::lit(1e-8)));
+        let wheel = axle.mode_mass_kg(mode);
         self.car = [wheel, sprung_mass_kg, damping, spring, tire];
         self.damper = damper;
         let (zero, one) = (T::zero(), T::one());
@@ -67,4 +76,14 @@ impl<T: Real> Instrument<T> {
             (tire * (road - wheel) - self.damper * relative_acceleration - spring * relative) / wheel_kg;
         [wheel, jerk, relative_acceleration, relative]
     }
+}
+
+/// Signals of a rear wheel and of the other one, given how the axle answers the road of each side in both modes: half of each mode, and the
+/// other wheel's with the opposite sign where they move against each other.
+pub(crate) fn by_both_roads<T: Real>([own, other]: [&[[T; KEPT]; 2]; 2]) -> [[T; KEPT]; 2] {
+    let half = T::lit(0.5);
+    let of = |[together, against]: &[[T; KEPT]; 2], [by_together, by_against]: &[[T; KEPT]; 2]| {
+        core::array::from_fn(|i| half * (together[i] + against[i] + by_together[i] - by_against[i]))
+    };
+    [of(own, other), of(other, own)]
 }

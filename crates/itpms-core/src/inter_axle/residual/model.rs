@@ -2,17 +2,18 @@
 //! eq. 1-7). Gives the residual of a frame, bin by bin, and how it changes with every unknown quantity. Knows nothing
 //! of beliefs.
 
-use nalgebra::{Complex, Matrix2, SMatrix, SVector};
+use nalgebra::{Complex, Matrix3, SMatrix, SVector};
 
 use crate::belief::LEAST_DAMPING;
 use crate::belief::measurement::{AxleResidual, BINS, Products, Slope};
 use crate::belief::state::{
-    BAR, DAMPING, GAIN, MASS, SIDE_BARS, SIDE_GAIN, SIDE_REAR, SIDE_SIZE, SIDE_SKEW, SKEW, SKEW_UNIT_S,
-    SPRING, State, WHEELBASE, read_compliance,
+    BAR, COUPLING, DAMPING, GAIN, MASS, SIDE_GAIN, SIDE_OTHERS, SIDE_REAR, SIDE_SIZE, SIDE_SKEW, SKEW,
+    SKEW_UNIT_S, SPRING, State, WHEELBASE, read_compliance,
 };
 use crate::cholesky::packed;
-use crate::inter_axle::alignment::channel::{BOTH, SEEN};
+use crate::inter_axle::alignment::channel::{BOTH, SEEN, place};
 use crate::inter_axle::residual::correction::FrfRatios;
+use crate::inter_axle::residual::instrument::Mode;
 use crate::inter_axle::{BIN_SPACING_HZ, Frame, bin_hz};
 use crate::memory::Blank;
 use crate::model::{Corner, Side};
@@ -53,6 +54,12 @@ pub(crate) struct AxleFrame<T: Real> {
     pub(crate) used_skew: T,
 }
 
+/// Most of an axle's coupling that is believed: a rod with its mass at both ends has none, a uniform one a third, and a mass that is all in
+/// the middle a half, against which its wheels would move without any.
+const MOST_COUPLING: f64 = 0.4;
+/// What a side's residual has of one axle: tire, mass, damping, spring, bar, coupling.
+const OWN: usize = SEEN;
+
 /// Whose signals of a frame.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Signals<'a, T: Real> {
@@ -66,9 +73,10 @@ pub(crate) struct Axle<T> {
     /// Compliance in m/N of the tire, as it is and at placard pressure.
     pub(crate) theta: T,
     placard: T,
-    /// Unsprung mass, damping, spring, anti-roll bar: as they are, and as the vehicle file says; the bar's is the spring's.
-    pub(crate) factors: [T; 4],
-    nominal: [T; 4],
+    /// Unsprung mass, damping, spring, anti-roll bar, the mass that the other wheel moves: as they are, and by how much of each the quantities
+    /// of the state count.
+    pub(crate) factors: [T; OWN - 1],
+    nominal: [T; OWN - 1],
     /// Damping with which the strut answers a road: that of the friction, which is taken out of the signals, included. What the belief
     /// takes off a damper because too much friction was taken out is there again.
     pub(crate) whole_damping: T,
@@ -80,9 +88,17 @@ impl<T: Real> Axle<T> {
         let at = |kind: usize| T::one() + state[kind + corner.index()];
         let body = &wheel.body;
         let spring = body.spring_n_per_m;
-        let nominal = [body.unsprung_mass_kg, body.damping_n_s_per_m, spring, spring];
-        let bar = spring * state[BAR + corner.axle()];
-        let factors = [nominal[0] * at(MASS), nominal[1] * at(DAMPING), spring * at(SPRING), bar];
+        // Of a front axle that is one body nothing is known here.
+        let coupled = if corner.axle() == 0 { T::zero() } else { body.unsprung_mass_kg };
+        let nominal = [body.unsprung_mass_kg, body.damping_n_s_per_m, spring, spring, coupled];
+        let coupling = state[COUPLING].clamp(T::lit(-MOST_COUPLING), T::lit(MOST_COUPLING));
+        let factors = [
+            nominal[0] * at(MASS),
+            nominal[1] * at(DAMPING),
+            spring * at(SPRING),
+            spring * state[BAR + corner.axle()],
+            coupled * coupling,
+        ];
         let least = T::lit(LEAST_DAMPING) * nominal[1];
         let whole_damping = (factors[1] + wheel.friction_n_s_per_m).max(least);
         let theta = wheel.theta * read_compliance(state, corner);
@@ -90,31 +106,49 @@ impl<T: Real> Axle<T> {
     }
 
     /// The road velocity that the signals of an entry tell.
-    pub(crate) fn road_velocity(&self, signals: &[T; SEEN]) -> T {
-        let force = self.factors.iter().zip(&signals[1..]).fold(T::zero(), |sum, (&f, &x)| sum + f * x);
-        signals[0] + self.theta * force
+    pub(crate) fn road_velocity(&self, signals: &[T]) -> T {
+        let Some((&wheel, signals)) = signals.split_first() else { return T::zero() };
+        let force = self.factors.iter().zip(signals).fold(T::zero(), |sum, (&f, &x)| sum + f * x);
+        wheel + self.theta * force
     }
 
-    /// The signals that a road of unit velocity makes at a frequency in Hz, if the other side does not move.
+    /// Mass in kg that a wheel has as both move alike or against each other.
+    pub(crate) fn mode_mass_kg(&self, mode: Mode) -> T {
+        let [unsprung_mass_kg, .., coupled_kg] = self.factors;
+        match mode {
+            Mode::Together => unsprung_mass_kg,
+            Mode::Against => unsprung_mass_kg - T::lit(2.0) * coupled_kg,
+        }
+    }
+
+    /// The signals that a road of unit velocity makes at a frequency in Hz if the other wheel has none, the bar's as if it stood still.
     fn over_unit_road(&self, sprung_mass_kg: T, frequency_hz: T) -> [Complex<T>; SEEN] {
+        let of = |mode| self.mode_over_unit_road(self.mode_mass_kg(mode), sprung_mass_kg, frequency_hz);
+        let [together, against] = [of(Mode::Together), of(Mode::Against)];
+        let mut own = core::array::from_fn(|i| (together[i] + against[i]) * T::lit(0.5));
+        own[SEEN - 1] = against[SEEN - 1];
+        own
+    }
+
+    fn mode_over_unit_road(&self, mass_kg: T, sprung_mass_kg: T, frequency_hz: T) -> [Complex<T>; SEEN] {
         let s = Complex::new(T::zero(), T::two_pi() * frequency_hz);
         let one = Complex::new(T::one(), T::zero());
         let z = s * self.whole_damping + one * self.factors[2];
         let friction = s * (self.whole_damping - self.factors[1]);
-        let (sprung, unsprung) = (s * s * sprung_mass_kg, s * s * self.factors[0]);
+        let (sprung, unsprung) = (s * s * sprung_mass_kg, s * s * mass_kg);
         // v_w - v_b = Q v_w, and R = v_w (1 + θ (m s² + Z Q)).
         let relative = sprung / (sprung + z);
         let wheel = one / (one + (unsprung + z * relative) * self.theta);
         // The wheel's jerk is given with friction's part of it taken out.
-        let jerk = s * s + friction * relative / self.factors[0];
-        [wheel, jerk * wheel, s * relative * wheel, relative * wheel, relative * wheel]
+        let jerk = s * s + friction * relative / mass_kg;
+        [wheel, jerk * wheel, s * relative * wheel, relative * wheel, relative * wheel, -jerk * wheel]
     }
 
-    /// Road and its derivatives by tire, mass, damping, spring, bar, from wheel velocity and the force signals.
-    fn road(&self, signals: [Complex<T>; SEEN]) -> (Complex<T>, [Complex<T>; SIDE_REAR]) {
+    /// Road and its derivatives by tire, mass, damping, spring, bar, coupling, from wheel velocity and the force signals.
+    fn road(&self, signals: [Complex<T>; SEEN]) -> (Complex<T>, [Complex<T>; OWN]) {
         let mut force = Complex::new(T::zero(), T::zero());
-        let mut slope = [force; SIDE_REAR];
-        for i in 0..SEEN - 1 {
+        let mut slope = [force; OWN];
+        for i in 0..OWN - 1 {
             force += signals[i + 1] * self.factors[i];
             slope[i + 1] = signals[i + 1] * (self.theta * self.nominal[i]);
         }
@@ -184,14 +218,11 @@ impl<T: Real> AxleResidual<T> {
     ) {
         let bin = bin.min(BINS - 1);
         let of = |axle: usize| {
-            let ratio = |frf_ratios: &FrfRatios<T>, i: usize| {
-                let ratios = frf_ratios.get(bin).and_then(|ratios| ratios.get(axle * SEEN + i));
-                ratios.copied().unwrap_or(Complex::new(T::zero(), T::zero()))
-            };
-            core::array::from_fn(|i| match signals {
-                Signals::Measured => taken.frame.at(bin, axle * SEEN + i),
-                Signals::Common(frf_ratios) => {
-                    taken.frame.at(bin, BOTH + axle * SEEN + i) * ratio(frf_ratios, i)
+            core::array::from_fn(|i| match (place(axle, i), signals) {
+                (None, _) => Complex::new(T::zero(), T::zero()),
+                (Some(at), Signals::Measured) => taken.frame.at(bin, at),
+                (Some(at), Signals::Common(frf_ratios)) => {
+                    taken.frame.at(bin, BOTH + at) * ratio(&frf_ratios[bin], at)
                 }
             })
         };
@@ -236,7 +267,7 @@ impl<'a, T: Real> UnitRoad<'a, T> {
     #[inline(never)]
     pub(crate) fn expected_products(&self, bin: usize) -> Products<T> {
         let mut sum = Products::zeros();
-        let (mut other_side, mut total) = (Matrix2::zeros(), T::zero());
+        let (mut other_side, mut total) = (Matrix3::zeros(), T::zero());
         for point in 0..KERNEL {
             let offset = T::lit((point as f64 - KERNEL_HALF as f64) / KERNEL_DENSITY);
             let frequency = (bin_hz::<T>(bin) + T::lit(BIN_SPACING_HZ) * offset).abs().max(T::lit(LOWEST_HZ));
@@ -245,7 +276,10 @@ impl<'a, T: Real> UnitRoad<'a, T> {
                 let foretold =
                     self.axles[axle].over_unit_road(self.wheels[axle].body.sprung_mass_kg, frequency);
                 let ratios = &self.frf_ratios[bin.min(BINS - 1)];
-                self.axles[axle].road(core::array::from_fn(|i| foretold[i] * ratios[axle * SEEN + i]))
+                self.axles[axle].road(core::array::from_fn(|i| match place(axle, i) {
+                    Some(at) => foretold[i] * ratio(ratios, at),
+                    None => Complex::new(T::zero(), T::zero()),
+                }))
             };
             // As a frame sees it: its turns are those of the middle of a bin.
             let slope = slopes(&[seen(0), seen(1)], self.gain, bin_hz(bin));
@@ -262,20 +296,25 @@ impl<'a, T: Real> UnitRoad<'a, T> {
                 }
             }
             other_side +=
-                Matrix2::from_fn(|i, j| (slope[SIDE_BARS[i]] * slope[SIDE_BARS[j]].conj()).re * weight);
+                Matrix3::from_fn(|i, j| (slope[SIDE_OTHERS[i]] * slope[SIDE_OTHERS[j]].conj()).re * weight);
             total += weight;
         }
         // The other side moves as much, by itself, and alike under both axles.
-        for (i, j) in [(0, 0), (1, 0), (1, 1)] {
-            sum[packed::<SIDE_SIZE>(SIDE_BARS[i], SIDE_BARS[j])] += other_side[(i, j)];
+        for (i, j) in [(0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2)] {
+            sum[packed::<SIDE_SIZE>(SIDE_OTHERS[i], SIDE_OTHERS[j])] += other_side[(i, j)];
         }
         sum / total
     }
 }
 
+/// How a signal of an axle is on the common road, over what the instruments make of it.
+fn ratio<T: Real>(ratios: &[Complex<T>; BOTH], at: usize) -> Complex<T> {
+    ratios.get(at).copied().unwrap_or(Complex::new(T::zero(), T::zero()))
+}
+
 /// Derivatives of a residual, from each axle's road and its derivatives.
 fn slopes<T: Real>(
-    seen: &[(Complex<T>, [Complex<T>; SIDE_REAR]); 2],
+    seen: &[(Complex<T>, [Complex<T>; OWN]); 2],
     gain: T,
     frequency_hz: T,
 ) -> [Complex<T>; SIDE_SIZE] {
@@ -286,6 +325,8 @@ fn slopes<T: Real>(
         slope[i] = front_slope[i] * gain;
         slope[SIDE_REAR + i] = -rear_slope[i];
     }
+    let [.., coupling] = SIDE_OTHERS;
+    slope[coupling] = -rear_slope[OWN - 1];
     slope[SIDE_GAIN] = *front;
     slope[SIDE_SKEW] = -turn * T::lit(SKEW_UNIT_S);
     slope

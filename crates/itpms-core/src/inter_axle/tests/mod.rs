@@ -15,9 +15,9 @@ use nalgebra::Complex;
 use nalgebra::ComplexField;
 
 use crate::belief::measurement::BINS;
-use crate::belief::state::{BAR, DAMPING, GAIN, MASS, SPRING, State, TIRE};
-use crate::inter_axle::alignment::channel::SEEN;
-use crate::inter_axle::residual::instrument::Instrument;
+use crate::belief::state::{BAR, COUPLING, DAMPING, GAIN, MASS, SPRING, State, TIRE};
+use crate::inter_axle::alignment::channel::{BOTH, FRONT, SEEN, place};
+use crate::inter_axle::residual::instrument::{Instrument, Mode};
 use crate::inter_axle::residual::model::{Axle, AxleFrame, Wheel};
 use crate::inter_axle::{Frame, HOP_S, SIGNALS};
 use crate::memory::configured;
@@ -57,6 +57,7 @@ fn deviating() -> State<f64> {
         (SPRING + 2, -0.05),
         (BAR, 0.35),
         (BAR + 1, 0.12),
+        (COUPLING, 0.15),
         (GAIN, 0.015),
     ] {
         state[at] = value;
@@ -64,18 +65,21 @@ fn deviating() -> State<f64> {
     state
 }
 
-/// What moves an axle at one frequency: the road, and the other side's relative velocity through the anti-roll bar.
+/// What moves an axle at one frequency: the road, the other side's relative velocity through the anti-roll bar, and its wheel's jerk
+/// through an axle that is one body.
 #[derive(Debug, Clone, Copy)]
 struct Moved {
     road: C,
     other: C,
+    other_jerk: C,
 }
 
-const STILL: Moved = Moved { road: C::new(0.0, 0.0), other: C::new(0.0, 0.0) };
+const STILL: Moved = Moved { road: ZERO, other: ZERO, other_jerk: ZERO };
+const ZERO: C = C::new(0.0, 0.0);
 
 impl Moved {
     fn by_road(road: C) -> Self {
-        Self { road, other: C::new(0.0, 0.0) }
+        Self { road, ..STILL }
     }
 }
 
@@ -86,15 +90,21 @@ fn signals(wheel: &Wheel<f64>, state: &State<f64>, s: C, moved: Moved) -> [C; SE
     let mass = body.unsprung_mass_kg * (1.0 + state[MASS + i]);
     let z = s * (body.damping_n_s_per_m * (1.0 + state[DAMPING + i]) + wheel.friction_n_s_per_m)
         + body.spring_n_per_m * (1.0 + state[SPRING + i]);
+    let coupled = [0.0, body.unsprung_mass_kg * state[COUPLING]][i / 2];
     let bar = body.spring_n_per_m * state[BAR + i / 2];
     let tire = 1.0 / (wheel.theta * (1.0 + state[TIRE + i]));
-    let (a, b, d) = (s * s * mass + z + bar + tire, -(z + bar), s * s * body.sprung_mass_kg + z + bar);
+    // What friction is taken out for is the jerk times all of the wheel's mass.
     let friction = s * wheel.friction_n_s_per_m / mass;
-    let (wheel_side, body_side) = (moved.road * tire + moved.other * bar, -moved.other * bar);
-    let determinant = a * d - b * b;
+    let held = z - friction * coupled;
+    let (a, b) = (s * s * (mass - coupled) + held + bar + tire, -(held + bar));
+    let (c, d) = (-(z + bar), s * s * body.sprung_mass_kg + z + bar);
+    let wheel_side = moved.road * tire + moved.other * bar - moved.other_jerk * coupled;
+    let body_side = -moved.other * bar;
+    let determinant = a * d - b * c;
     let wheel = (wheel_side * d - body_side * b) / determinant;
-    let relative = wheel - (body_side * a - wheel_side * b) / determinant;
-    [wheel, s * s * wheel + friction * relative, s * relative, relative, relative - moved.other]
+    let relative = wheel - (body_side * a - wheel_side * c) / determinant;
+    let jerk = s * s * wheel + friction * relative;
+    [wheel, jerk, s * relative, relative, relative - moved.other, moved.other_jerk - jerk]
 }
 
 /// A frame of both axles at `frequency_hz`, front and rear moved as given, times `amplitude`; the state is the truth.
@@ -108,10 +118,14 @@ fn frame(frequency_hz: f64, moved: [Moved; 2], state: &State<f64>, amplitude: C)
         signals(&wheels[0], state, s, moved[0]).map(|x| x * amplitude / gain),
         signals(&wheels[1], state, s, moved[1]).map(|x| x * amplitude),
     ];
-    let mut instruments = [Instrument::new(), Instrument::new()];
-    for ((instrument, axle), wheel) in instruments.iter_mut().zip(&axles).zip(&wheels) {
-        instrument.tune(axle, wheel.body.sprung_mass_kg, PERIOD_S);
-    }
+    let modes = [[Mode::Together; 2], [Mode::Together, Mode::Against]];
+    let mut instruments: [[_; 2]; 2] = core::array::from_fn(|axle| {
+        modes[axle].map(|mode| {
+            let mut instrument = Instrument::new();
+            instrument.tune(&axles[axle], mode, wheels[axle].body.sprung_mass_kg, PERIOD_S);
+            instrument
+        })
+    });
     let mut clock = configured(|clock: &mut FrameClock<_, BINS, SIGNALS>| clock.configure(HOP_S, PERIOD_S));
     for step in -SETTLED.. {
         let turn = (s * (f64::from(step) * PERIOD_S)).exp();
@@ -119,16 +133,15 @@ fn frame(frequency_hz: f64, moved: [Moved; 2], state: &State<f64>, amplitude: C)
         let common = 0.5 * (gain * axles[0].road_velocity(&now[0]) + axles[1].road_velocity(&now[1]));
         let mut all = [0.0; SIGNALS];
         for axle in 0..2 {
-            let [wheel, jerk, acceleration, relative] = instruments[axle].push(common);
-            let other = now[axle][3] - now[axle][4];
-            all[axle * SEEN..][..SEEN].copy_from_slice(&now[axle]);
-            all[(2 + axle) * SEEN..][..SEEN].copy_from_slice(&[
-                wheel,
-                jerk,
-                acceleration,
-                relative,
-                relative - other,
-            ]);
+            let modes = instruments[axle].each_mut().map(|instrument| instrument.push(common));
+            let [wheel, jerk, acceleration, relative] =
+                core::array::from_fn(|i| 0.5 * (modes[0][i] + modes[1][i]));
+            let (other, other_jerk) = (now[axle][3] - now[axle][4], now[axle][5] + now[axle][1]);
+            let foretold = [wheel, jerk, acceleration, relative, relative - other, other_jerk - jerk];
+            for at in 0..[FRONT, SEEN][axle] {
+                let place = place(axle, at).unwrap();
+                (all[place], all[BOTH + place]) = (now[axle][at], foretold[at]);
+            }
         }
         if step >= 0
             && let Some(frame) = clock.push(&all)

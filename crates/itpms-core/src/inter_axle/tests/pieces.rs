@@ -4,13 +4,13 @@ use core::f64::consts::TAU;
 
 use nalgebra::ComplexField;
 
-use crate::belief::state::{BAR, DAMPING, State};
+use crate::belief::state::{BAR, COUPLING, DAMPING, MASS, State};
 use crate::inter_axle::alignment::channel::Entry;
 use crate::inter_axle::alignment::delay_line::{DelayLine, Read};
 use crate::inter_axle::alignment::way::Way;
-use crate::inter_axle::residual::instrument::Instrument;
+use crate::inter_axle::residual::instrument::{Instrument, Mode, by_both_roads};
 use crate::inter_axle::residual::model::{Axle, Wheel};
-use crate::inter_axle::tests::{C, Moved, PERIOD_S, SETTLED, deviating, signals, wheels};
+use crate::inter_axle::tests::{C, Moved, PERIOD_S, SETTLED, STILL, deviating, signals, wheels};
 use crate::memory::{Blank, configured};
 
 /// A car that gains 3 m/s², as far as it came and as fast as it is.
@@ -105,16 +105,24 @@ fn the_instrument_is_the_quarter_car() {
     let mut state = deviating();
     state[BAR] = 0.0;
     state[BAR + 1] = 0.0;
-    let plain = wheels().map(|wheel| (wheel, state));
+    state[COUPLING] = 0.0;
+    let plain = wheels().map(|wheel| (wheel, state, state, Mode::Together));
+    let [_, rear] = wheels();
+    let mut coupled = state;
+    coupled[COUPLING] = 0.15;
+    // Against each other the wheels have less mass by twice that.
+    let mut lighter = state;
+    lighter[MASS + rear.corner.index()] -= 0.3;
     // So much was taken out for friction that a damper which drives its wheel stands for the rest.
-    let sticking = plain.map(|(wheel, mut state)| {
+    let sticking = plain.map(|(wheel, mut state, _, mode)| {
         state[DAMPING + wheel.corner.index()] = -1.3;
-        (Wheel { friction_n_s_per_m: 1.1 * wheel.body.damping_n_s_per_m, ..wheel }, state)
+        (Wheel { friction_n_s_per_m: 1.1 * wheel.body.damping_n_s_per_m, ..wheel }, state, state, mode)
     });
-    for (wheel, state) in plain.into_iter().chain(sticking) {
+    let against = [(rear, coupled, lighter, Mode::Against)];
+    for (wheel, told, state, mode) in plain.into_iter().chain(sticking).chain(against) {
         for frequency_hz in [1.0, 5.0, 9.7, 12.0, 25.0] {
             let mut instrument = Instrument::new();
-            instrument.tune(&Axle::new(&wheel, &state), wheel.body.sprung_mass_kg, PERIOD_S);
+            instrument.tune(&Axle::new(&wheel, &told), mode, wheel.body.sprung_mass_kg, PERIOD_S);
             // The bilinear rule is exact at another frequency: s = 2/dt i tan(pi f dt).
             let s = C::new(0.0, 2.0 / PERIOD_S * (0.5 * TAU * frequency_hz * PERIOD_S).tan());
             let unit = signals(&wheel, &state, s, Moved::by_road(C::new(1.0, 0.0)));
@@ -132,6 +140,67 @@ fn the_instrument_is_the_quarter_car() {
     }
 }
 
+/// Two equal wheels on a rod of length `t`, mass `M` and inertia `J` about its middle: as both move alike each carries `M/2`, against each
+/// other `J/(t/2)²/2`. A uniform rod, `J = M t²/12`, leaves a third of the mass.
+#[test]
+fn a_uniform_rod_has_a_third_of_its_mass_in_roll() {
+    let [_, wheel] = wheels();
+    let mut state = State::zeros();
+    state[COUPLING] = 1.0 / 3.0;
+    let axle = Axle::new(&wheel, &state);
+    let (length_m, mass_kg) = (1.6, 2.0 * wheel.body.unsprung_mass_kg);
+    let inertia = mass_kg * length_m * length_m / 12.0;
+    let against = inertia / (0.5 * length_m).powi(2) / 2.0;
+    assert!((axle.mode_mass_kg(Mode::Against) - against).abs() < 1e-9);
+    assert!((axle.mode_mass_kg(Mode::Together) - mass_kg / 2.0).abs() < 1e-9);
+    // The force on a wheel is that of both modes together.
+    let (own, other) = (3.0, -7.0);
+    let force = 0.5 * (own + other) * mass_kg / 2.0 + 0.5 * (own - other) * against;
+    let signals = [0.0, own, 0.0, 0.0, 0.0, other - own];
+    assert!((axle.road_velocity(&signals) / axle.theta - force).abs() < 1e-9);
+    // Of a front axle it is not known.
+    let [front, _] = wheels();
+    let axle = Axle::new(&front, &state);
+    assert_eq!(axle.mode_mass_kg(Mode::Against), axle.mode_mass_kg(Mode::Together));
+}
+
+/// A road under one wheel of an axle that couples both: each wheel's equations of motion with the other one's jerk, `J = a + b J_o` and
+/// `J_o = b J`, against what the two modes make of it.
+#[test]
+fn both_wheels_of_an_axle_answer_the_road_under_one() {
+    let ([_, rear], mut state) = (wheels(), deviating());
+    let wheel = Wheel { friction_n_s_per_m: 0.0, ..rear };
+    (state[BAR + 1], state[COUPLING]) = (0.0, 0.2);
+    let modes = [Mode::Together, Mode::Against];
+    for frequency_hz in [5.0, 9.7, 12.0, 15.0, 25.0] {
+        let s = C::new(0.0, 2.0 / PERIOD_S * (0.5 * TAU * frequency_hz * PERIOD_S).tan());
+        let one = C::new(1.0, 0.0);
+        let alone = signals(&wheel, &state, s, Moved::by_road(one))[1];
+        let by_other = signals(&wheel, &state, s, Moved { other_jerk: one, ..STILL })[1];
+        let own_jerk = alone / (one - by_other * by_other);
+        let own =
+            signals(&wheel, &state, s, Moved { other_jerk: by_other * own_jerk, ..Moved::by_road(one) });
+        let other = signals(&wheel, &state, s, Moved { other_jerk: own_jerk, ..STILL });
+        let mut instruments = modes.map(|mode| {
+            let mut instrument = Instrument::new();
+            instrument.tune(&Axle::new(&wheel, &state), mode, wheel.body.sprung_mass_kg, PERIOD_S);
+            instrument
+        });
+        let mut worst = 0.0f64;
+        for step in -4 * SETTLED..100 {
+            let turn = C::new(0.0, TAU * frequency_hz * f64::from(step) * PERIOD_S).exp();
+            let there = instruments.each_mut().map(|instrument| instrument.push(turn.re));
+            let found = by_both_roads([&there, &[[0.0; 4]; 2]]);
+            for (found, expected) in found.iter().zip([&own, &other]).filter(|_| step >= 0) {
+                for (found, expected) in found.iter().zip(expected) {
+                    worst = worst.max((found - (expected * turn).re).abs() / own[1].modulus().max(1.0));
+                }
+            }
+        }
+        assert!(worst < 1e-8, "{frequency_hz} Hz: {worst:e}");
+    }
+}
+
 #[test]
 fn a_strut_never_drives_its_wheel() {
     for damping in [-1.0, -1.4, -3.0] {
@@ -139,7 +208,7 @@ fn a_strut_never_drives_its_wheel() {
         state[DAMPING] = damping;
         let [wheel, _] = wheels();
         let mut instrument = Instrument::new();
-        instrument.tune(&Axle::new(&wheel, &state), wheel.body.sprung_mass_kg, PERIOD_S);
+        instrument.tune(&Axle::new(&wheel, &state), Mode::Together, wheel.body.sprung_mass_kg, PERIOD_S);
         let mut largest = [0.0f64; 4];
         for signal in core::iter::once(1.0).chain([0.0; 250]).map(|road| instrument.push(road)) {
             largest = core::array::from_fn(|i| largest[i].max(signal[i].abs()));

@@ -8,7 +8,7 @@ use nalgebra::Complex;
 use nalgebra::ComplexField;
 
 use crate::belief::measurement::{BINS, Gram, Products, Score, Slope};
-use crate::belief::state::{BAR, GAIN, SIDE_SIZE, SKEW, State, WHEELBASE, side_indices};
+use crate::belief::state::{BAR, COUPLING, GAIN, SIDE_SIZE, SKEW, State, WHEELBASE, side_indices};
 use crate::cholesky;
 use crate::inter_axle::alignment::channel::BOTH;
 use crate::inter_axle::bin_hz;
@@ -49,7 +49,8 @@ fn on_one_road(state: &State<f64>) -> AxleFrame<f64> {
         .map(|(i, &f)| {
             let road = C::new(0.0, 1.7 * i as f64).exp();
             let other = [C::new(0.3, -0.2 * i as f64), C::new(-0.1, 0.4)];
-            frame(f, other.map(|other| Moved { road, other }), state, ONE)
+            let other_jerk = C::new(-2e3, 7e2 * i as f64);
+            frame(f, other.map(|other| Moved { road, other, other_jerk }), state, ONE)
         })
         .collect();
     sum(frames.iter().map(|frame| (1.0, frame)))
@@ -99,19 +100,28 @@ fn derivatives_match_finite_differences() {
 fn expected_products_are_those_of_a_long_random_road() {
     // No bars, as the other side's answer to this side's road is left out, and no gain, as it is in the road's power.
     let mut state = deviating();
-    for place in [BAR, BAR + 1, GAIN] {
+    for place in [BAR, BAR + 1, COUPLING, GAIN] {
         state[place] = 0.0;
     }
-    let relative = |f: f64| {
+    let other_side = |f: f64| {
         let s = C::new(0.0, core::f64::consts::TAU * f);
-        wheels().map(|wheel| signals(&wheel, &state, s, Moved::by_road(ONE))[3])
+        wheels().map(|wheel| {
+            let seen = signals(&wheel, &state, s, Moved::by_road(ONE));
+            [seen[3], seen[1]]
+        })
     };
     let left = |f: f64| ONE * high_pass_power(f).sqrt();
     // On a road that is white before the signals' high-pass every frequency has a random amplitude of its own, so products average to the sum of those of
     // unit cosines and sines; the other side's road is another one.
     let mut products = [Gram::zeros(); BINS];
     let mut power = [0.0; BINS];
-    let beside = |f: f64| relative(f).map(|other| Moved { road: C::new(0.0, 0.0), other: other * left(f) });
+    let beside = |f: f64| {
+        other_side(f).map(|[other, other_jerk]| Moved {
+            road: C::new(0.0, 0.0),
+            other: other * left(f),
+            other_jerk: other_jerk * left(f),
+        })
+    };
     let own = unit_frames(&state, |f| [Moved::by_road(left(f)); 2]);
     for taken in own.iter().chain(&unit_frames(&state, beside)) {
         let found = linearize(taken, Signals::Measured, &wheels(), Side::Left, &state);
@@ -175,7 +185,7 @@ fn roads_that_differ_do_not_pull_the_instruments() {
         let n = f64::from(frames);
         (sum / n).zip_map(&square, |mean, square| mean / ((square / n - mean * mean) / n).sqrt())
     });
-    // Twelve means of nothing within three standard errors; the plain derivatives of both tires far out.
+    // Thirteen means of nothing within three standard errors; the plain derivatives of both tires far out.
     let [plain, instrument] = standard_errors;
     assert!(instrument.amax() < 3.0, "{instrument}");
     assert!(plain[0].abs() > 10.0 && plain[5].abs() > 10.0, "{plain}");
