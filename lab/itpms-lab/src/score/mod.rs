@@ -264,11 +264,4 @@ mod tests {
         let refused = score(&of_cars, &go).unwrap_err().to_string();
         assert!(refused.starts_with("drive is scored for informed alone"), "{refused}");
     }
-
-    #[test]
-    fn labels_name_parts() {
-        for part in Part::ALL {
-            assert_eq!(Part::from_label(part.label()), Some(part));
-        }
-    }
 }
