@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use itpms_core::model::Corner;
-use itpms_data::log::{CornerColumns, LogColumns, LogCorner, LogMotion, LogOptions, UnitCheck};
+use itpms_data::log::{CornerColumns, LogColumns, LogCorner, LogOptions, UnitCheck};
 use itpms_data::out::{LogWriter, Packing};
 use itpms_data::{LogReader, LogRow};
 
@@ -35,7 +35,7 @@ fn truth() -> Vec<LogRow> {
             let mut corners = [None; 4];
             corners[Corner::FrontLeft.index()] = Some(corner(0.0));
             corners[Corner::FrontRight.index()] = Some(corner(1.0));
-            LogRow { time_s, speed_m_s: 20.0 + 0.7 * time_s, corners, motion: LogMotion::UNKNOWN }
+            LogRow::without_motion(time_s, 20.0 + 0.7 * time_s, corners)
         })
         .collect()
 }
