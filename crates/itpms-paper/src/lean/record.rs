@@ -33,7 +33,6 @@ pub struct LeanRecord<T: Real> {
 
 impl<T: Real> LeanRecord<T> {
     /// `zᵀ (H P⁻ Hᵀ + R)⁻¹ z`: 2 on average for a filter that believes rightly (`lean-aekf-ui.md`, eq. 67).
-    #[allow(non_snake_case)]
     pub fn nis(&self) -> T {
         let (z, C) = (&self.residual_m_s2, &self.believed_covariance);
         let along = C.m12 / C.m11;
