@@ -219,7 +219,6 @@ impl RotationWatch {
     }
 
     /// What the drive has shown.
-    #[must_use]
     pub fn conclude(&self, wheel: &TurningWheel) -> OncePerTurn {
         if self.parts.len() < FEWEST * PARTS {
             return OncePerTurn::default();

@@ -1,6 +1,6 @@
 //! A real broker that is stopped and started again in the middle: every warning arrives.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, VecDeque};
 use std::io::{Write as _, stderr};
 use std::net::TcpListener;
 use std::path::Path;
@@ -16,7 +16,6 @@ use itpms_live::output::Mqtt;
 use itpms_live::queue::Queue;
 use itpms_live::source::broker;
 use rumqttc::{Client, Event, MqttOptions, Packet, QoS};
-use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 

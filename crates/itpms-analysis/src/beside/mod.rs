@@ -34,7 +34,6 @@ pub struct Identified {
 
 impl Identified {
     /// By an estimator; nothing of a car without one.
-    #[must_use]
     pub fn by(estimator: Option<&CarEstimator<f64>>) -> Self {
         estimator.map_or_else(Self::default, |estimator| Self {
             quarter_cars: estimator.quarter_cars(),
@@ -54,7 +53,6 @@ pub struct Beside {
 
 impl Beside {
     /// For rows of these corners so many seconds apart; `reference`: what the car was when it was healthy.
-    #[must_use]
     pub fn new(
         vehicle: &Vehicle,
         corners: &[Corner],
@@ -95,13 +93,11 @@ impl Beside {
     }
 
     /// What the tires' own sensors sent last, in kPa; NaN: nothing.
-    #[must_use]
     pub fn sent_kpa(&self) -> [f64; 4] {
         self.sensors_kpa
     }
 
     /// What is known so far, which takes some tenths of a second.
-    #[must_use]
     pub fn conclude(&self, car: &Identified) -> Findings {
         Findings {
             suspension: self.suspension.as_ref().map(SuspensionWatch::conclude),
@@ -130,7 +126,6 @@ pub struct Findings {
 
 impl Findings {
     /// As in `itpms estimate --json`: each null where it is not looked at.
-    #[must_use]
     pub fn json(&self) -> [(&'static str, Value); 5] {
         [
             ("dampers", dampers_json(self.suspension.as_ref())),
@@ -142,14 +137,12 @@ impl Findings {
     }
 
     /// In lines, as the command shows them after those of the pressures.
-    #[must_use]
     pub fn lines(&self) -> Vec<String> {
         let lines = suspension_lines(self.suspension.as_ref()).into_iter();
         lines.chain(self.sent_loads.line()).chain(rotation_line(&self.once_per_turn)).collect()
     }
 
     /// What should be known before believing a drive that began at `origin_s`, a sentence each.
-    #[must_use]
     pub fn concerns(&self, origin_s: f64, unit: PressureUnit) -> Vec<String> {
         let of = |(corner, sensor): (&Corner, &WatchedSensor)| sensor.words(*corner, origin_s, unit);
         let sensors = Corner::ALL.iter().zip(&self.sensors).filter_map(of);

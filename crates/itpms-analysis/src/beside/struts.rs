@@ -114,7 +114,6 @@ impl SentLoads {
     }
 
     /// That in a line, where anything was sent.
-    #[must_use]
     pub fn line(&self) -> Option<String> {
         let one = |(name, kg): (&str, f64)| kg.is_finite().then(|| format!("{name} axle {kg:.0} kg"));
         let axles: Vec<String> = ["front", "rear"].into_iter().zip(self.axle_kg).filter_map(one).collect();

@@ -125,7 +125,6 @@ pub(super) fn json(wheels: &[Option<OncePerTurn>; 4]) -> Value {
 }
 
 /// A line of the wheels whose force is known.
-#[must_use]
 pub fn rotation_line(wheels: &[Option<OncePerTurn>; 4]) -> Option<String> {
     let known = Corner::ALL.iter().zip(wheels).filter_map(|(corner, one)| {
         let (one, force) = (one.as_ref()?, one.as_ref()?.force_n?);

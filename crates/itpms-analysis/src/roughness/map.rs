@@ -128,7 +128,6 @@ pub struct MapCell {
 pub const MAP_STYLE: &str = STYLE;
 
 /// Squares of road from above, by roughness, with a key; empty where there are none.
-#[must_use]
 pub fn cells_picture(cells: &[MapCell]) -> String {
     let all: Vec<[f64; 2]> = cells.iter().flat_map(|cell| cell.corners_deg).collect();
     let Some(to) = Projection::of(&all) else { return String::new() };

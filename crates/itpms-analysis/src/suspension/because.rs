@@ -22,7 +22,6 @@ itpms_core::labelled! {
 
 impl Because {
     /// As the end of a sentence.
-    #[must_use]
     pub fn words(self) -> &'static str {
         match self {
             Self::Short => {

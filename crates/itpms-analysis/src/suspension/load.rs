@@ -83,7 +83,6 @@ impl Load {
     }
 
     /// Whether front and rear axle carry more than they may, surely so: one driver in twenty is warned of what is just allowed.
-    #[must_use]
     pub fn overloaded_axles(&self) -> [bool; 2] {
         let (Some(masses), Some(limits)) = (&self.masses, self.gross_axle_kg) else { return [false; 2] };
         std::array::from_fn(|i| masses.axles_kg[i].value - ONE_SIDED_95 * masses.axles_kg[i].sd > limits[i])

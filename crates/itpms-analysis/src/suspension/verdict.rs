@@ -34,7 +34,6 @@ pub struct SuspensionVerdict {
 
 impl SuspensionVerdict {
     /// Of a car, with or without what it was when it was healthy.
-    #[must_use]
     pub fn of(
         car: &CarBody,
         spectra: &SuspensionSpectra,

@@ -51,7 +51,6 @@ impl WatchedSensor {
     };
 
     /// That in words; `None` while there is nothing to say.
-    #[must_use]
     pub fn words(&self, corner: Corner, origin_s: f64, unit: PressureUnit) -> Option<String> {
         let [say, since] = [corner.label().to_owned(), format!("found at {:.0} s", self.since_s - origin_s)];
         let shown =
@@ -94,7 +93,6 @@ impl WatchedSensor {
     }
 
     /// That as a line of `events.jsonl`.
-    #[must_use]
     pub fn event(&self, corner: Corner) -> Option<Map<String, Value>> {
         let text = self.words(corner, 0.0, PressureUnit::Kpa)?;
         let mut event = self.object();

@@ -10,8 +10,7 @@ use itpms_sim::time_profile::Pressure;
 use super::super::row::{Cell, Column, Goal, Row};
 use super::super::stats::{ErrorSum, percentile};
 use super::learned_car::{DrawnCar, PLACARD_KPA, Subject, estimator};
-use crate::runner::StudyError;
-use crate::runner::{Runner, Turn};
+use crate::runner::{Runner, StudyError, Turn};
 use itpms_analysis::learn::{LearnedCorner, Parameter};
 
 /// Cars per seed asked for: 200 of forty.

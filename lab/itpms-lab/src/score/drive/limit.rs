@@ -4,13 +4,12 @@
 
 use itpms_core::model::Corner;
 use itpms_sim::plant::Deviations;
-use itpms_sim::road::{Iso8608, Surface};
+use itpms_sim::road::{Iso8608, Surface, coherence};
 
 use super::super::case::{bound_setting, bound_times_s, invalid};
 use super::{Drive, Setup};
 use crate::runner::StudyError;
 use itpms_analysis::bound::SideBound;
-use itpms_sim::road::coherence;
 
 /// Sd in kPa of each pressure at the start: that of the estimator of a car.
 const START_SD_KPA: f64 = 36.0;

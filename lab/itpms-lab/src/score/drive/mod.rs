@@ -37,8 +37,7 @@ use itpms_sim::time_profile::Speed;
 use super::Part;
 use super::row::Row;
 use super::stats::Window;
-use crate::runner::Runner;
-use crate::runner::StudyError;
+use crate::runner::{Runner, StudyError};
 use crate::sensors::{equipped, wheel_speeds_beside};
 
 /// Length in s of the reset that a row's `reset` stands for.

@@ -14,8 +14,7 @@ use super::super::row::{Cell, Column, Row};
 use super::super::stats::{ErrorSum, percentile};
 use super::real_list::{Deviation, LIST};
 use super::{Drive, Plant, Setup};
-use crate::runner::StudyError;
-use crate::runner::{Runner, Turn};
+use crate::runner::{Runner, StudyError, Turn};
 
 const KM_H: f64 = 80.0;
 const RATE_HZ: f64 = 200.0;
