@@ -88,7 +88,7 @@ fn a_drive_goes_through_every_bus_log() {
 }
 
 #[test]
-fn what_a_frame_cannot_hold_is_said() {
+fn what_a_frame_cannot_hold_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     let mut rows = truth();
     let left = |row: &mut LogRow| row.corners[0].as_mut().unwrap().body_accel_m_s2 = 70.0;

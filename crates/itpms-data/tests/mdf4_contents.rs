@@ -224,9 +224,9 @@ fn a_log_that_is_cut_off_says_so() {
     assert!(LogReader::open(&path).is_ok());
     let bytes = fs::read(&path).unwrap();
     fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
-    let said = LogReader::open(&path).unwrap_err().to_string();
+    let messages = LogReader::open(&path).unwrap_err().to_string();
     assert!(
-        said.contains("too few values of the mapped accelerations (") && said.contains("cut off"),
-        "{said}"
+        messages.contains("too few values of the mapped accelerations (") && messages.contains("cut off"),
+        "{messages}"
     );
 }

@@ -59,11 +59,11 @@ fn the_scenarios_are_those_of_the_contract() {
             let found = rows[(time_s * 500.0_f64).round() as usize].pressure_kpa;
             assert!((found - pressure).abs() < 1e-9, "{name}, {time_s} s: {found}");
         }
-        let told = s.corner_config(Corner::FrontLeft).unwrap();
-        let car = told.quarter_car;
+        let configured = s.corner_config(Corner::FrontLeft).unwrap();
+        let car = configured.quarter_car;
         assert_eq!((car.spring_n_per_m(), car.damping_n_s_per_m()), (20_663.0, 435.2));
-        assert_eq!((car.sprung_mass_kg(), told.placard_kpa), (240.0, placard));
-        assert!((told.initial_stiffness_n_per_m() - 200_000.0).abs() < 1e-6);
+        assert_eq!((car.sprung_mass_kg(), configured.placard_kpa), (240.0, placard));
+        assert!((configured.initial_stiffness_n_per_m() - 200_000.0).abs() < 1e-6);
     }
 }
 
@@ -169,8 +169,8 @@ fn the_wheel_sensors_noise_has_the_stated_variances() {
         assert!((mean_square(|r| r.wheel_accel_m_s2) / variance - 1.0).abs() < 0.033, "{variance}");
         assert!((mean_square(|r| r.body_accel_m_s2) / 0.0025 - 1.0).abs() < 0.033);
         // The estimator is given the nominal one throughout.
-        let told = noisy.corner_config(Corner::FrontLeft).unwrap().accel_noise_m_s2.unwrap();
-        assert!((told * told - 0.248).abs() < 1e-5, "{told}");
+        let configured = noisy.corner_config(Corner::FrontLeft).unwrap().accel_noise_m_s2.unwrap();
+        assert!((configured * configured - 0.248).abs() < 1e-5, "{configured}");
     }
     let nominal = scenario("bench-drop").corner.fl.unwrap().wheel_sensor.unwrap().noise_m_s2;
     assert!((nominal * nominal - 0.248).abs() < 1e-5);

@@ -144,7 +144,7 @@ impl Findings {
 
     /// What should be known before believing a drive that began at `origin_s`, a sentence each.
     pub fn concerns(&self, origin_s: f64, unit: PressureUnit) -> Vec<String> {
-        let of = |(corner, sensor): (&Corner, &WatchedSensor)| sensor.words(*corner, origin_s, unit);
+        let of = |(corner, sensor): (&Corner, &WatchedSensor)| sensor.text(*corner, origin_s, unit);
         let sensors = Corner::ALL.iter().zip(&self.sensors).filter_map(of);
         sensors.chain(turning::rises(&self.once_per_turn, origin_s)).collect()
     }

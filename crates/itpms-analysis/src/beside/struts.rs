@@ -161,7 +161,7 @@ pub fn left_right_lines(verdict: &SuspensionVerdict) -> Vec<String> {
                 format!("{name} dampers: {left} over {right} {:.2} (sd {sd:.2}){advice}", 1.0 + value)
             }
             (None, because) => {
-                format!("{name} dampers: not judged: {}", because.map_or("nothing was read", Because::words))
+                format!("{name} dampers: not judged: {}", because.map_or("nothing was read", Because::text))
             }
         }
     };
@@ -185,7 +185,7 @@ pub fn suspension_lines(verdict: Option<&SuspensionVerdict>) -> Vec<String> {
     };
     let all: Vec<String> = Corner::ALL.iter().zip(&verdict.dampers).map(of).collect();
     lines.push(match first.because.filter(|_| first.damping_n_s_per_m.is_none()) {
-        Some(because) => format!("dampers: {}: {}", first.state.label(), because.words()),
+        Some(because) => format!("dampers: {}: {}", first.state.label(), because.text()),
         None => format!("dampers over the reference: {}", all.join(", ")),
     });
     lines.push(match (&verdict.load.masses, verdict.load.because) {
@@ -199,7 +199,7 @@ pub fn suspension_lines(verdict: Option<&SuspensionVerdict>) -> Vec<String> {
             if verdict.load.state == LoadState::Overload { ": OVERLOAD" } else { "" }
         ),
         (None, because) => {
-            format!("load: {}: {}", verdict.load.state.label(), because.map_or("nothing was read", Because::words))
+            format!("load: {}: {}", verdict.load.state.label(), because.map_or("nothing was read", Because::text))
         }
     });
     lines

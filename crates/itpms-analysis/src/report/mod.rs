@@ -25,7 +25,7 @@ mod wheels;
 mod witness;
 mod words;
 
-pub use cold::cold_words;
+pub use cold::cold_text;
 pub use collector::{CornerRow, ReportCollector, ReportOptions};
 pub use figures::{CornerFigures, DriveFigures, Reading, TruthFigures};
 pub use html::{PLOT_LICENSE, PLOT_SCRIPT, PLOT_STYLE, page as render_report};

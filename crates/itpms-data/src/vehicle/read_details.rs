@@ -150,5 +150,5 @@ fn word<T: Copy>(
 ) -> Result<Option<T>, Problem> {
     let Some(text) = table.text(key)? else { return Ok(None) };
     let found = known.iter().find(|(label, _)| *label == text).map(|(_, value)| *value);
-    found.map(Some).ok_or_else(|| table.wrong_word(key, &text, expected))
+    found.map(Some).ok_or_else(|| table.unknown_value(key, &text, expected))
 }

@@ -59,7 +59,7 @@ pub(crate) fn transition(seq: u64) -> Arc<Transition> {
 }
 
 /// Notes into the test's own output.
-pub(crate) fn say() -> NoteSink {
+pub(crate) fn notes() -> NoteSink {
     Arc::new(|note| match note {
         Note::Remark(text) => println!("{text}"),
         Note::Warning(text) => println!("warning: {text}"),

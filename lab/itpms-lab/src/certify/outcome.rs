@@ -158,7 +158,7 @@ impl Outcome {
             name: procedure.name(),
             rule: procedure.rule,
             clause: procedure.rule.clause(procedure.test),
-            what: procedure.words(),
+            what: procedure.text(),
             verdict: Verdict::of(&findings, course.limit_s),
             warned_after_s: findings.warned_after_s,
             limit_s: course.limit_s,

@@ -32,7 +32,7 @@ impl Failure {
         }
     }
 
-    pub(super) fn words(self) -> String {
+    pub(super) fn text(self) -> String {
         let place = |place| if place == FaultPlace::Wheel { "wheel" } else { "body" };
         match self {
             Self::Unplugged(corner, at) => format!("{} {} sensor unplugged", corner.label(), place(at)),

@@ -169,7 +169,7 @@ fn curves(subject: &Subject, sources: Sources) -> Result<Vec<Curve>, StudyError>
         let bound = SourceBound::new(subject, sources, car, Circumstances::of(subject))?;
         curves.extend(Situation::ALL.map(|situation| Curve {
             sources: sources.to_string(),
-            words: sources.words(),
+            words: sources.text(),
             situation,
             car,
             points: TIMES_S.iter().map(|&t| (t, bound.sd_kpa(situation, t))).collect(),

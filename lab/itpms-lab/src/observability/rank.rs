@@ -39,7 +39,7 @@ pub enum Stiffness {
 }
 
 impl Stiffness {
-    pub fn words(self) -> &'static str {
+    pub fn text(self) -> &'static str {
         match self {
             Stiffness::Free => "free",
             Stiffness::DifferenceOnly => "difference only",

@@ -51,7 +51,7 @@ impl WatchedSensor {
     };
 
     /// That in words; `None` while there is nothing to say.
-    pub fn words(&self, corner: Corner, origin_s: f64, unit: PressureUnit) -> Option<String> {
+    pub fn text(&self, corner: Corner, origin_s: f64, unit: PressureUnit) -> Option<String> {
         let [say, since] = [corner.label().to_owned(), format!("found at {:.0} s", self.since_s - origin_s)];
         let shown =
             |[value, sd]: [f64; 2]| format!("{} {unit} (sd {})", unit.number(value, 0), unit.number(sd, 0));
@@ -94,7 +94,7 @@ impl WatchedSensor {
 
     /// That as a line of `events.jsonl`.
     pub fn event(&self, corner: Corner) -> Option<Map<String, Value>> {
-        let text = self.words(corner, 0.0, PressureUnit::Kpa)?;
+        let text = self.text(corner, 0.0, PressureUnit::Kpa)?;
         let mut event = self.object();
         let kind = format!("tire-sensor-{}", self.state.label());
         for (key, value) in [

@@ -206,7 +206,7 @@ fn parameter_row(subject: &Subject, name: &str, all: &[Learnt], cars: usize) -> 
     const WITHIN: Column = Column::new("within", "within", 3);
     const BEFORE: Column = Column::new("file_rms", "file rms", 1);
     const AFTER: Column = Column::new("learned_rms", "rms", 1);
-    const SAID: Column = Column::new("learned_sd", "sd stated", 1);
+    const STATED: Column = Column::new("learned_sd", "sd stated", 1);
     let unit = |value: f64| if name == "friction" { 1.0 } else { 0.01 * value };
     let count = all.len() as f64;
     let rms =
@@ -216,7 +216,7 @@ fn parameter_row(subject: &Subject, name: &str, all: &[Learnt], cars: usize) -> 
         WITHIN.judged(all.iter().filter(within).count() as f64 / count, HONEST),
         BEFORE.plain(rms(&|one| (one.parameter.before - one.truth) / unit(one.truth))),
         AFTER.plain(rms(&|one| (one.parameter.after - one.truth) / unit(one.truth))),
-        SAID.plain(rms(&|one| one.parameter.after_sd / unit(one.parameter.after))),
+        STATED.plain(rms(&|one| one.parameter.after_sd / unit(one.parameter.after))),
     ];
     Row::of_default("learn", format!("{}, {name}", subject.name), cars, cells)
 }

@@ -44,10 +44,10 @@ fn road(drive: &Drive) -> Option<&Iso8608> {
     let as_stated = scenario.corner.iter().all(|(_, corner)| {
         corner.truth == Deviations::default() && corner.body_sensor.is_none() && corner.wheel_sensor.is_none()
     });
-    let told = drive.speed_factor == 1.0 && drive.wheelbase_m == scenario.wheelbase_m;
+    let configured = drive.speed_factor == 1.0 && drive.wheelbase_m == scenario.wheelbase_m;
     match &scenario.road.surface {
         Surface::Iso8608(iso)
-            if scenario.car.is_none() && as_stated && told && scenario.road.contact_length_m == 0.0 =>
+            if scenario.car.is_none() && as_stated && configured && scenario.road.contact_length_m == 0.0 =>
         {
             Some(iso)
         }

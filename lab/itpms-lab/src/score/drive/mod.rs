@@ -319,7 +319,7 @@ mod tests {
     }
 
     #[test]
-    fn the_estimator_is_told_of_no_disturbance() {
+    fn no_disturbance_is_known_to_the_estimator() {
         let drive = Drive::puncture(Plant::Quarters, 20.0).unwrap();
         let other = drive.clone().with_rear_offset_m(0.02).each_corner(|_, spec| {
             spec.truth.unsprung_mass_factor = 1.03;

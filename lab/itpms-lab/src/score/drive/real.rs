@@ -273,7 +273,7 @@ mod tests {
     }
 
     #[test]
-    fn cars_can_be_driven_differ_and_are_told_as_their_file() {
+    fn cars_can_be_driven_differ_and_are_configured_by_their_file() {
         let turn = Turn { index: 0, seed: 2 };
         let file = composed(&subject("as its file"), turn, &[UNKNOWN]).unwrap();
         for deviation in LIST {
