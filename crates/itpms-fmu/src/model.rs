@@ -55,7 +55,7 @@ pub struct Model {
     phase: Phase,
 }
 
-/// What a tool has done with a unit.
+/// Phase of a unit's life.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Phase {
     Made,

@@ -1,4 +1,4 @@
-//! What can be typed after `itpms`. Names are part of the contract with scripts.
+//! Arguments of `itpms`. Names are part of the contract with scripts.
 
 mod bench;
 mod convert;
@@ -91,7 +91,7 @@ pub(crate) enum Command {
 }
 
 impl Args {
-    /// What was typed, or the end of the program with a word about it.
+    /// The arguments, or the end of the program with a message.
     pub(crate) fn read() -> Self {
         let matches = Self::shown().get_matches();
         Self::from_arg_matches(&matches).unwrap_or_else(|error| error.exit())

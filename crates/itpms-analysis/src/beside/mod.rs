@@ -1,4 +1,4 @@
-//! What is found of a car beside its pressures, as a drive goes on: dampers and load, the tires' own sensors, what turns with the wheels.
+//! Monitoring of a car beside its pressures, as a drive goes on: dampers and load, the tires' own sensors, forces once per wheel turn.
 //!
 //! Called by `itpms-drive` with the rows of a log and by `itpms-live` with those of a source, so that both say the same. Touches no pressure.
 
@@ -22,7 +22,7 @@ pub use self::turning::rotation_line;
 use crate::rotation::OncePerTurn;
 use crate::suspension::SuspensionVerdict;
 
-/// What is estimated of the corners after a row, in the order of [`Corner::ALL`].
+/// The corners' estimates after a row, in the order of [`Corner::ALL`].
 type Estimates = [Option<CornerEstimate<f64>>; 4];
 
 /// The car as the estimator has identified it, in the order of [`Corner::ALL`].
@@ -92,7 +92,7 @@ impl Beside {
         self.rotation.take(row, estimates, &mut found);
     }
 
-    /// What the tires' own sensors sent last, in kPa; NaN: nothing.
+    /// Last readings of the tires' own sensors in kPa; NaN: none.
     pub fn sent_kpa(&self) -> [f64; 4] {
         self.sensors_kpa
     }
@@ -109,18 +109,18 @@ impl Beside {
     }
 }
 
-/// What a drive has shown beside its pressures, in the order of [`Corner::ALL`].
+/// A drive's results beside its pressures, in the order of [`Corner::ALL`].
 #[derive(Debug, Clone)]
 pub struct Findings {
     /// Dampers and load, where all four corners are measured.
     pub suspension: Option<SuspensionVerdict>,
-    /// What the tires' own sensors sent last, in kPa; NaN: nothing.
+    /// Last readings of the tires' own sensors in kPa; NaN: none.
     pub sensors_kpa: [f64; 4],
     /// What is known of them.
     pub sensors: [WatchedSensor; 4],
     /// Loads of the axles by the car's own sensors.
     pub sent_loads: SentLoads,
-    /// What turns with the wheels, of corners with accelerations.
+    /// Forces once per wheel turn, of corners with accelerations.
     pub once_per_turn: [Option<OncePerTurn>; 4],
 }
 
@@ -142,7 +142,7 @@ impl Findings {
         lines.chain(self.sent_loads.line()).chain(rotation_line(&self.once_per_turn)).collect()
     }
 
-    /// What should be known before believing a drive that began at `origin_s`, a sentence each.
+    /// Reservations about a drive that began at `origin_s`, a sentence each.
     pub fn concerns(&self, origin_s: f64, unit: PressureUnit) -> Vec<String> {
         let of = |(corner, sensor): (&Corner, &WatchedSensor)| sensor.text(*corner, origin_s, unit);
         let sensors = Corner::ALL.iter().zip(&self.sensors).filter_map(of);
@@ -150,7 +150,7 @@ impl Findings {
     }
 }
 
-/// What the tires' own sensors sent last; null where none did.
+/// Last readings of the tires' own sensors; null where none.
 fn sent_json(sensors_kpa: &[f64; 4]) -> Value {
     let sent = Corner::ALL.iter().zip(sensors_kpa).filter(|(_, kpa)| kpa.is_finite());
     let sent: Map<String, Value> =

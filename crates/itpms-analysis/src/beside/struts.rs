@@ -101,7 +101,7 @@ pub fn dampers_json(verdict: Option<&SuspensionVerdict>) -> Value {
 /// Loads of front and rear axle by the car's own sensors, and what may be on them.
 #[derive(Debug, Clone, Copy)]
 pub struct SentLoads {
-    /// What was sent last, in kg; NaN: nothing.
+    /// The last reading in kg; NaN: none.
     pub axle_kg: [f64; 2],
     pub gross_axle_kg: Option<[f64; 2]>,
 }
@@ -122,7 +122,7 @@ impl SentLoads {
     }
 }
 
-/// What the axles carry; null where that is not looked at, and nothing was sent.
+/// Axle loads; null where they are neither estimated nor sent.
 pub(super) fn load_json(verdict: Option<&SuspensionVerdict>, sent: &SentLoads) -> Value {
     let mut object = Map::new();
     if sent.line().is_some() {

@@ -1,4 +1,4 @@
-//! What turns with the wheels of a drive: rows to the watch of each wheel, by its own speed where the car sends it.
+//! Forces once per wheel turn in a drive: rows to the watch of each wheel, by its own speed where the car sends it.
 
 use itpms_core::model::Corner;
 use itpms_data::{LogRow, Vehicle};
@@ -137,7 +137,7 @@ pub fn rotation_line(wheels: &[Option<OncePerTurn>; 4]) -> Option<String> {
     (!known.is_empty()).then(|| format!("force once per turn: {}", known.join("; ")))
 }
 
-/// What has risen, a sentence each.
+/// Forces that have risen, a sentence each.
 pub(super) fn rises(wheels: &[Option<OncePerTurn>; 4], origin_s: f64) -> Vec<String> {
     let risen = Corner::ALL.iter().zip(wheels).filter_map(|(corner, one)| {
         let (rise, since_s) = one.as_ref().filter(|one| one.state == RotationState::Rising)?.rise?;

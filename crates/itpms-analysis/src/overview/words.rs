@@ -1,4 +1,4 @@
-//! What looks wrong in a log, a sentence each. Plain text; escaping is the page's business.
+//! Implausible signals of a log, a sentence each. Plain text; escaping is the page's business.
 
 use super::{Found, FoundCorner, HOP_HZ, Statistics};
 use crate::transfer::{AGAINST, Density, FEWEST_SEGMENTS, INCOHERENT};

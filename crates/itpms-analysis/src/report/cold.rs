@@ -1,4 +1,4 @@
-//! What a tire would have cold, and what is to be done about it.
+//! A tire's cold pressure, and the air to add.
 //!
 //! Called by the page's writer and by whoever prints a drive's summary.
 

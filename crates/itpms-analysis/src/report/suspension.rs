@@ -46,7 +46,7 @@ pub(super) fn section(data: &ReportData) -> String {
     out
 }
 
-/// What turns with the wheels, a row each; empty where nothing stands out of the road.
+/// Forces once per wheel turn, a row each; empty where none exceeds the road's.
 pub(super) fn once_per_turn(data: &ReportData) -> String {
     let measured = |of: Option<Measured>| {
         of.map_or_else(|| "–".to_owned(), |of| format!("{:.0} ± {:.0}", of.value, of.sd))
@@ -189,7 +189,7 @@ fn damper_card(out: &mut String, corner: Corner, damper: &DamperHealth) {
     let _ = writeln!(out, "<p class=\"card-foot\">{damping}{ratio}</p></div>");
 }
 
-/// What the two dampers of an axle are to each other; `damper`: its left one.
+/// The two dampers of an axle compared; `damper`: its left one.
 fn axle(name: &str, damper: &DamperHealth) -> String {
     match finite(damper.left_right) {
         Some(left_right) => format!("{}.", left_against_right(name, left_right)),

@@ -1,4 +1,4 @@
-//! What wheel speeds reported during a drive: relative changes of the radii since the calibration, the losses that follow, and what cannot be
+//! Results of wheel speeds over a drive: relative changes of the radii since the calibration, the losses that follow, and what cannot be
 //! seen. Collected in bounded memory, written as a section of the page.
 
 use std::fmt::Write as _;
@@ -89,7 +89,7 @@ impl WheelSpeedCollector {
     }
 }
 
-/// What the wheel speeds say of the tires, in one sentence without a full stop.
+/// The result of the wheel speeds, in one sentence without a full stop.
 pub fn found(radii: &RadiusReport<f64>) -> String {
     let names = |wheels: itpms_core::model::Wheels| {
         let names: Vec<String> = wheels.iter().map(|corner| corner_name(corner).to_lowercase()).collect();

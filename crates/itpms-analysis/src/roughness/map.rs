@@ -120,7 +120,7 @@ pub struct MapCell {
     /// Its corners, longitude first, in degrees: south-west and north-east.
     pub corners_deg: [[f64; 2]; 2],
     pub iri_m_per_km: f64,
-    /// What it is, in words.
+    /// Its description.
     pub title: String,
 }
 

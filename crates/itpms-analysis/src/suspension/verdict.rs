@@ -16,7 +16,7 @@ pub struct Terms {
     pub adaptive_dampers: bool,
     /// The springs follow the load.
     pub level_control: bool,
-    /// What each axle may carry in kg.
+    /// Permitted axle loads in kg.
     pub gross_axle_kg: Option<[f64; 2]>,
 }
 

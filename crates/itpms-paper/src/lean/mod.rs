@@ -50,7 +50,7 @@ pub struct AekfUiLean<T> {
     diverged: Option<Divergence>,
 }
 
-/// What a step hands to the next.
+/// State from one step to the next.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Belief<T> {

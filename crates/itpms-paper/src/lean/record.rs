@@ -1,4 +1,4 @@
-//! What one step of the lean filter says about itself. Quantities and names are those of
+//! Record of one step of the lean filter. Quantities and names are those of
 //! [`crate::StepRecord`]; what costs a matrix is left out.
 //!
 //! Filled by [`crate::lean`]; read by reports and tests.

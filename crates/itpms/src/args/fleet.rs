@@ -1,4 +1,4 @@
-//! What can be typed after `itpms fleet`: which drives, whose they are, and where the results go.
+//! Arguments of `itpms fleet`: which drives, whose they are, and where the results go.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,4 @@
-//! What can be typed after `itpms lab certify`.
+//! Arguments of `itpms lab certify`.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,4 @@
-//! What can be typed after `itpms-lab`, or after `itpms lab`, which hands it on. Names are part of the contract with scripts.
+//! Arguments of `itpms-lab`, or of `itpms lab`, which hands it on. Names are part of the contract with scripts.
 
 mod certify;
 mod faults;

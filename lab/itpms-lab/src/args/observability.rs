@@ -1,4 +1,4 @@
-//! What can be typed after `itpms lab observability`.
+//! Arguments of `itpms lab observability`.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,4 @@
-//! What can be typed after `itpms lab score`.
+//! Arguments of `itpms lab score`.
 
 use clap::builder::{PossibleValuesParser, TypedValueParser as _};
 use itpms_console::options::{Jobs, Strict, one_of};

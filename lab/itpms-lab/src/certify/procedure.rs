@@ -80,7 +80,7 @@ impl Procedure {
         format!("{rule}-{}", test.replace(' ', "-"))
     }
 
-    /// What is done to the car, for a person.
+    /// Description of the test for a person.
     pub fn text(&self) -> String {
         match (self.rule, self.test) {
             (Rule::UnR141, Test::Low(wheels)) => format!("puncture: {wheels}"),

@@ -1,4 +1,4 @@
-//! What the driver would see: one lamp for low pressure, one for a malfunction, and the wheels that are named.
+//! The driver's display: one lamp for low pressure, one for a malfunction, and the wheels that are named.
 
 use itpms_core::model::{CarEstimate, Corner, Warning, Wheels};
 use itpms_core::warning::{Alert, Cause, MonitorReport};

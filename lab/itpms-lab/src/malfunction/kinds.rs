@@ -12,7 +12,7 @@ pub struct Kind {
     pub name: &'static str,
     /// Seconds of driving within which it is reported.
     pub stated_s: f64,
-    /// What happens to the sensors. Times are filled in when it is put in. None: a road that tells nothing, on a drive of its own.
+    /// Fault of the sensors. Times are filled in when it is put in. None: a road that tells nothing, on a drive of its own.
     pub faults: Vec<FaultSpec>,
     /// The words of [`Malfunction::label`] that pass for its name: its own, and those of what it looks like.
     pub labels: &'static [&'static str],

@@ -7,7 +7,7 @@ use itpms_analysis::plot::{Axis, Figure, Ink, Panel, Stroke};
 
 type Line = (&'static str, Ink, Stroke);
 
-/// What is drawn over time; the others are in the tables.
+/// Curves over time; the others are in the tables.
 const OVER_TIME: [Line; 8] = [
     ("a", Ink::Default, Stroke::Solid),
     ("b", Ink::Adaptive, Stroke::Solid),
@@ -134,7 +134,7 @@ fn lowest(car: Car) -> f64 {
     }
 }
 
-/// What can be drawn; nothing known is no line.
+/// The finite points; without any there is no line.
 fn finite(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     points.iter().copied().filter(|(_, sd)| sd.is_finite()).collect()
 }

@@ -10,7 +10,7 @@ use nalgebra::{Complex, DMatrix, DVector, Vector2};
 use super::car;
 use itpms_analysis::bound::{BoundSetting, LEVEL_HZ, STEP_HZ, transfers};
 
-/// What is assumed of a stretch of road.
+/// Assumptions about a stretch of road.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum RoadModel {
     /// Nothing: another unknown power at every frequency.

@@ -58,7 +58,7 @@ impl Curve {
 }
 
 itpms_core::labelled! {
-    /// What a sweep varies; everything else stays.
+    /// The varied parameter of a sweep; everything else stays.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
     #[serde(rename_all = "snake_case")]
     pub enum Varied {

@@ -26,7 +26,7 @@ enum Known {
     Road,
 }
 
-/// What becomes of the first wheel's stiffness.
+/// Observability of the first wheel's stiffness.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Stiffness {

@@ -1,4 +1,4 @@
-//! What the paper does not say and we had to choose. A list for the reader, with the option that changes it where there is one.
+//! Choices that the paper leaves open. A list for the reader, with the option that changes it where there is one.
 //!
 //! Called by [`super::reproduce`].
 

@@ -15,7 +15,7 @@ use super::{CORNER, Request};
 use crate::runner::StudyError;
 use crate::score::stats::{ErrorSum, Spread};
 
-/// What people call a reading, and its settings.
+/// Name of a reading, and its settings.
 fn readings() -> [(&'static str, FilterConfig<f64>); 7] {
     let usual = FilterConfig::paper_simulation();
     let printed = usual.with_correction_input(CorrectionInput::Previous);

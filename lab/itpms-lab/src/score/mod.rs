@@ -165,7 +165,7 @@ impl Default for Request {
     }
 }
 
-/// What came out. JSON: `version`, `estimators`, `seeds`, `first_seed`, `rows` ([`Row`]).
+/// The result. JSON: `version`, `estimators`, `seeds`, `first_seed`, `rows` ([`Row`]).
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Score {
     /// Of this structure: 1.

@@ -1,4 +1,4 @@
-//! What is reported of a tire's own sensor: its state in a sentence, as an event and as JSON.
+//! The report of a tire's own sensor: its state in a sentence, as an event and as JSON.
 
 use itpms_core::model::{Corner, PressureUnit};
 use serde_json::{Map, Value, json};
@@ -6,7 +6,7 @@ use serde_json::{Map, Value, json};
 use super::SDS;
 
 itpms_core::labelled! {
-    /// What is known of a tire's own sensor at a drive's end.
+    /// State of a tire's own sensor at a drive's end.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
     pub enum SensorState {
         /// Too few readings, or it sends nothing.
@@ -16,9 +16,9 @@ itpms_core::labelled! {
         Fine = "fine",
         /// It sees its tire lose air.
         Leak = "leak",
-        /// What it sends changes otherwise than its tire.
+        /// Its reading changes otherwise than its tire.
         Drift = "drift",
-        /// What it sends has stopped changing, and its tire has not.
+        /// Its reading has stopped changing, and its tire's pressure has not.
         Stuck = "stuck",
     }
 }
@@ -28,9 +28,9 @@ itpms_core::labelled! {
 pub struct WatchedSensor {
     /// What is known of it.
     pub state: SensorState,
-    /// What it sent last, in kPa; NaN: nothing.
+    /// Its last reading in kPa; NaN: none.
     pub pressure_kpa: f64,
-    /// What its tire lost since the first reading, warmth and the other tires taken off, in kPa, and its standard deviation.
+    /// The tire's loss since the first reading, warmth and the other tires taken off, in kPa, and its standard deviation.
     pub lost_kpa: [f64; 2],
     /// The same per hour.
     pub lost_kpa_per_h: [f64; 2],

@@ -115,7 +115,7 @@ fn finish(args: &SoakArgs, summary: &Summary, hours: &Path, screen: &Screen) -> 
     Ok(())
 }
 
-/// What is reported about the progress.
+/// Progress message.
 struct Word {
     begun: Instant,
     said: Instant,

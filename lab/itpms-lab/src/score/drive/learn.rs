@@ -44,7 +44,7 @@ struct Learnt {
     parameter: Parameter,
 }
 
-/// What a later drive showed by one estimator.
+/// Outcome of a later drive by one estimator.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Later {
     errors: ErrorSum,

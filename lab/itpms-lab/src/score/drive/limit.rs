@@ -1,4 +1,4 @@
-//! What cannot be done better: the Cramer-Rao bound of both sides of a car, for drives it holds for.
+//! The Cramer-Rao bound of both sides of a car, for drives it holds for.
 //!
 //! Called where the cells of a row are made. It is that of four quarter cars on one spectrum which are what the estimator is given.
 

@@ -48,7 +48,7 @@ struct Level {
     sensors: u32,
 }
 
-/// What a drive with a loss showed.
+/// Outcome of a drive with a loss.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Found {
     struck: Corner,

@@ -47,7 +47,7 @@ enum Loss {
     OneOnMotorway,
 }
 
-/// What is known of the car besides its file.
+/// Knowledge of the car besides its file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Known {
     File,

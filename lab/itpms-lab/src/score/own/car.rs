@@ -128,7 +128,7 @@ impl OwnCar {
     }
 }
 
-/// What both corners of an axle have in common.
+/// Common parameters of an axle's corners.
 struct Axle {
     quarter: QuarterCar<f64>,
     friction_n: f64,
