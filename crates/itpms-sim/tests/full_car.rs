@@ -16,7 +16,7 @@ const H: f64 = 1.0 / 4000.0;
 const K_T: [f64; 4] = [233_000.0, 220_000.0, 205_000.0, 190_000.0];
 
 /// A lopsided family car.
-fn body() -> Body {
+pub(crate) fn body() -> Body {
     Body {
         mass_kg: 913.6,
         pitch_kg_m2: 913.6 * 1.25 * 1.25,
