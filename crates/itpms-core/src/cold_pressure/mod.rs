@@ -107,7 +107,7 @@ impl<T: Real> ColdTires<T> {
         self.ambient_c.get().is_some()
     }
 
-    /// What a tire of this pressure with its sd, in kPa, would have cold.
+    /// Cold pressure of a tire of this pressure with its sd, in kPa.
     pub(crate) fn cold(&self, pressure_kpa: T, sd_kpa: T) -> Option<ColdPressure<T>> {
         let ambient_temperature_c = self.ambient_c.get()?;
         let ambient_k = ambient_temperature_c + T::lit(ZERO_C_K);

@@ -83,7 +83,7 @@ impl<T: Real> Fusion<T> {
         (unit * (common.0 + own.0), unit * unit * (common.1 + own.1))
     }
 
-    /// What a corner's road spectrum is expected to tell: stiffness and sd in N/m.
+    /// Expected measurement by a corner's road spectrum: stiffness and sd in N/m.
     pub(in crate::car) fn expected_spectral(&self, corner: Corner) -> (T, T) {
         let hypothesis = self.belief.most_likely();
         let (expected, slope) = self.belief.scale().spectral_stiffness(corner, &hypothesis.mean);
