@@ -156,9 +156,9 @@ fn the_actuators_differential_equation_holds_in_time() {
 fn the_wheel_sensors_noise_has_the_stated_variances() {
     for variance in [0.248, 0.274, 0.380] {
         let mut noisy = scenario("bench-drop");
-        corner(&mut noisy).set_wheel_noise_variance(variance, &SensorSpec::default());
+        corner(&mut noisy).wheel_sensor = Some(SensorSpec::with_noise(f64::sqrt(variance)));
         let mut quiet = noisy.clone();
-        corner(&mut quiet).set_wheel_noise_variance(0.0, &SensorSpec::default());
+        corner(&mut quiet).wheel_sensor = Some(SensorSpec::with_noise(0.0));
         corner(&mut quiet).body_sensor = Some(SensorSpec::with_noise(0.0));
         let (noisy_rows, quiet_rows) = (drive(&noisy, 1), drive(&quiet, 1));
         let mean_square = |read: fn(&CornerRow) -> f64| {
@@ -177,11 +177,11 @@ fn the_wheel_sensors_noise_has_the_stated_variances() {
 }
 
 #[test]
-fn another_load_is_carried_and_not_told() {
+fn another_load_is_carried_and_not_configured() {
     let mut s = scenario("bench-drop");
     s.duration_s = 5.0;
     for kg in [220.0, 260.0] {
-        corner(&mut s).set_true_sprung_mass_kg(kg);
+        corner(&mut s).truth.sprung_mass_factor = kg / 240.0;
         corner(&mut s).wheel_sensor = Some(SensorSpec::with_noise(0.0));
         corner(&mut s).body_sensor = Some(SensorSpec::with_noise(0.0));
         assert_eq!(s.corner_config(Corner::FrontLeft).unwrap().quarter_car.sprung_mass_kg(), 240.0);
