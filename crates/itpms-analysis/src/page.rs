@@ -17,7 +17,7 @@ const FIGURES_BODY: &str =
 /// The place of the policy in a template: in the content of `<meta http-equiv="Content-Security-Policy">`, before all scripts and styles.
 const POLICY: &str = "policy";
 
-/// What the report, the live page and the fleet's page share: colors by day and by night, type, cards, panels, tables.
+/// Style shared by the report, the live page and the fleet's page: colors by day and by night, type, cards, panels, tables.
 pub const BASE_STYLE: &str = include_str!("../assets/base.css");
 
 /// A script that defines `fillPattern`, which draws a state's color and pattern.

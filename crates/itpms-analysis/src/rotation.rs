@@ -1,4 +1,4 @@
-//! What turns with a wheel: the force once per turn, how much of it grows with the square of the speed, and whether it rises in a drive
+//! Forces once per turn of a wheel: the amplitude, how much of it grows with the square of the speed, and whether it rises in a drive
 //! (docs/math/rotation.md).
 //!
 //! Called by [`crate::beside`] with the rows of a drive. An imbalance and a tire that is not round push a wheel with `F = K + M omega^2` once per turn;
@@ -69,7 +69,7 @@ pub struct TurningWheel {
 }
 
 itpms_core::labelled! {
-    /// What is known of a wheel's force once per turn.
+    /// State of a wheel's force once per turn.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
     pub enum RotationState {
         /// Too little was driven above 40 km/h.
@@ -219,7 +219,6 @@ impl RotationWatch {
     }
 
     /// What the drive has shown.
-    #[must_use]
     pub fn conclude(&self, wheel: &TurningWheel) -> OncePerTurn {
         if self.parts.len() < FEWEST * PARTS {
             return OncePerTurn::default();

@@ -279,10 +279,10 @@ fn what_the_monitor_said_is_a_table_and_a_time_line() {
         assert_eq!(page.matches("\"badge fine\">Fine<").count(), 6);
         assert_eq!(page.matches(">fine</text>").count(), 3);
         // When it was reported is the same moment wherever it stands; `since` is the table's alone.
-        let said = moment(low.alert.reported_s);
-        assert!(page.contains(&format!("low, warned of at {said}")), "{said}");
-        assert!(page.contains(&format!("<span>warned of at {said}</span>")), "{said}");
-        assert!(page.contains(&format!("data-label=\"warned of at\">{said}</td>")), "{said}");
+        let reported = moment(low.alert.reported_s);
+        assert!(page.contains(&format!("low, warned of at {reported}")), "{reported}");
+        assert!(page.contains(&format!("<span>warned of at {reported}</span>")), "{reported}");
+        assert!(page.contains(&format!("data-label=\"warned of at\">{reported}</td>")), "{reported}");
         let json = embedded(&page);
         assert_eq!(json["alerts"][0]["wheels"][0], "fl");
         let states = json["corners"][0]["state"].as_array().unwrap();

@@ -71,7 +71,7 @@ fn a_worn_damper_and_the_load_are_cards_with_their_standard_deviations() {
     ];
     let (page, linked) = section(dampers, load());
     assert!(linked);
-    for says in [
+    for text in [
         "The rear left damper damps less than it should. If further drives say the same",
         "Rear left</p><span class=\"badge worn\">Worn",
         "49 %<small>± 6 %",
@@ -83,7 +83,7 @@ fn a_worn_damper_and_the_load_are_cards_with_their_standard_deviations() {
         "241 ± 34 kg more than in the calibration drive",
         "Rear axle <b>905 ± 20 kg",
     ] {
-        assert!(page.contains(says), "{says}: {page}");
+        assert!(page.contains(text), "{text}: {page}");
     }
     assert!(!page.contains("carries more") && !page.contains("Front and rear"));
 }
@@ -94,14 +94,14 @@ fn an_axle_that_carries_too_much_is_named() {
     // 905 less 1.645 times 20 is 872.
     let of = |rear| Load { state: LoadState::Overload, gross_axle_kg: Some([1050.0, rear]), ..load() };
     let (page, _) = section(dampers, of(870.0));
-    for says in [
+    for text in [
         "All four dampers do what they did",
         "Front and rear have changed alike since the calibration, 1 ± 3 % apart",
         "The rear axle carries more than it may",
         "of 870 kg",
         ">Overload<",
     ] {
-        assert!(page.contains(says), "{says}: {page}");
+        assert!(page.contains(text), "{text}: {page}");
     }
     assert!(!page.contains("front axle carries"));
     assert!(!section(dampers, of(875.0)).0.contains("carries more"));

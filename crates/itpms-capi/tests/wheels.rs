@@ -112,7 +112,7 @@ fn the_report_is_the_cores_to_the_last_bit() {
         assert_eq!(told.any_low_probability.to_bits(), radii.any_low_probability.to_bits());
         let low: Vec<Corner> =
             Corner::ALL.into_iter().filter(|corner| told.low_wheels & 1 << corner.index() != 0).collect();
-        let (state_told, wheels) = match radii.state {
+        let (state_reported, wheels) = match radii.state {
             RadiusState::Uncalibrated => (itpms_radius_state::Uncalibrated, vec![]),
             RadiusState::Calibrating => (itpms_radius_state::Calibrating, vec![]),
             RadiusState::Uninformed => (itpms_radius_state::Uninformed, vec![]),
@@ -120,7 +120,7 @@ fn the_report_is_the_cores_to_the_last_bit() {
             RadiusState::Low(wheels) => (itpms_radius_state::Low, wheels.iter().collect()),
             RadiusState::OneOf(wheels) => (itpms_radius_state::OneOf, wheels.iter().collect()),
         };
-        assert_eq!((told.state, low), (state_told as u32, wheels), "{} s", sample.time_s);
+        assert_eq!((told.state, low), (state_reported as u32, wheels), "{} s", sample.time_s);
         for ((corner, told), radius) in Corner::ALL.into_iter().zip(&told.wheels).zip(&radii.wheels) {
             let bits = |values: [itpms_real; 5]| values.map(itpms_real::to_bits);
             assert_eq!(

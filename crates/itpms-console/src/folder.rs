@@ -63,7 +63,7 @@ impl Folder {
     }
 }
 
-/// What stands between a page's title tags.
+/// The text of a page's title.
 fn title(page: &str) -> Option<&str> {
     page.split_once("<title>")?.1.split_once("</title>").map(|(title, _)| title)
 }

@@ -17,7 +17,7 @@ const NOTICE: Duration = Duration::from_millis(700);
 /// Time for the end of a run that has noticed: the monitor waits three seconds for the last acknowledgements of its broker.
 const ENDING: Duration = Duration::from_secs(4);
 /// Time for the last word: standard error may be a pipe that is full.
-const LAST_WORD: Duration = Duration::from_millis(50);
+const LAST_MESSAGE: Duration = Duration::from_millis(50);
 
 /// Whether an end is wanted.
 #[derive(Debug, Clone)]
@@ -43,7 +43,7 @@ impl Flags {
         thread::spawn(move || {
             let _ = writeln!(io::stderr(), "error: {word}");
         });
-        thread::sleep(LAST_WORD);
+        thread::sleep(LAST_MESSAGE);
         process::exit(130)
     }
 }

@@ -1,5 +1,7 @@
 //! Options and values that several commands take.
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+
 use crate::exit::Failure;
 
 /// How many at a time.
@@ -27,6 +29,16 @@ pub fn positive(text: &str) -> Result<f64, String> {
         Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
         _ => Err("expected a positive, finite number".to_owned()),
     }
+}
+
+/// One of `all` by its label, which help and completion list.
+pub fn one_of<T: Copy + Send + Sync + 'static, const N: usize>(
+    all: [T; N],
+    label: fn(T) -> &'static str,
+) -> impl TypedValueParser<Value = T> {
+    PossibleValuesParser::new(all.map(label)).try_map(move |given| {
+        all.into_iter().find(|value| label(*value) == given).ok_or("expected a listed value")
+    })
 }
 
 /// `--strict` of the studies that judge.

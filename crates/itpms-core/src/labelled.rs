@@ -19,7 +19,7 @@ macro_rules! labelled {
                 match self { $(Self::$variant => $label,)* }
             }
 
-            /// What this is the word for.
+            /// The value of a label.
             #[must_use]
             pub fn from_label(label: &str) -> Option<Self> {
                 Self::ALL.into_iter().find(|one| one.label() == label)

@@ -22,7 +22,7 @@ static ROWS: LazyLock<Vec<CarSample<f64>>> =
 /// What is known and reported after every sample of a drive.
 struct Driven {
     learned: VehicleCalibration<f64>,
-    said: Vec<(CarEstimate<f64>, MonitorReport<f64>)>,
+    reported: Vec<(CarEstimate<f64>, MonitorReport<f64>)>,
 }
 
 impl Driven {
@@ -30,17 +30,20 @@ impl Driven {
         let config = config::<f64>();
         let mut car = Box::new(MonitoredCar::new(&MonitorConfig::new(&config), RATE_HZ).unwrap());
         car.begin_calibration(RESET_S).unwrap();
-        let said = ROWS.iter().enumerate().map(|(k, row)| {
+        let reported = ROWS.iter().enumerate().map(|(k, row)| {
             let estimate = car.update(&CarSample { time_s: stamp(k, row.time_s), ..*row });
             (estimate, *car.report())
         });
-        let said = said.collect();
-        Self { learned: car.estimator().calibration().unwrap(), said }
+        let reported = reported.collect();
+        Self { learned: car.estimator().calibration().unwrap(), reported }
     }
 
     /// The sample after which the loss is warned of.
     fn warned(&self) -> usize {
-        self.said.iter().position(|(_, report)| report.alerts_of(Corner::FrontLeft).next().is_some()).unwrap()
+        self.reported
+            .iter()
+            .position(|(_, report)| report.alerts_of(Corner::FrontLeft).next().is_some())
+            .unwrap()
     }
 }
 
@@ -73,7 +76,7 @@ fn a_clock_that_is_set_or_stamps_wrong_is_no_event() {
         );
         let mut worst = 0.0f64;
         for (k, ((estimate, _), (expected, _))) in
-            drive.said.iter().zip(&honest.said).enumerate().skip(at(1.0))
+            drive.reported.iter().zip(&honest.reported).enumerate().skip(at(1.0))
         {
             assert_eq!(estimate.time_s, ROWS[k].time_s + by_s(k), "{name}");
             // Samples without a known time are lost, and lost samples are suspicious for a moment.
@@ -81,7 +84,7 @@ fn a_clock_that_is_set_or_stamps_wrong_is_no_event() {
             for (i, (one, other)) in estimate.corners.iter().zip(&expected.corners).enumerate() {
                 let (Some(one), Some(other)) = (one, other) else { continue };
                 // Frames that begin elsewhere end elsewhere: by less than a hop.
-                let around = &honest.said[k - at(0.06)..honest.said.len().min(k + at(0.06))];
+                let around = &honest.reported[k - at(0.06)..honest.reported.len().min(k + at(0.06))];
                 let nearly = around
                     .iter()
                     .any(|(near, _)| near.corners[i].is_some_and(|near| near.validity == one.validity));
@@ -98,7 +101,7 @@ fn a_clock_that_is_set_or_stamps_wrong_is_no_event() {
         // A hole in the midst of the fall costs the frames around it: as long as a loss may take to be found.
         assert!(worst < 0.5 && later.abs() < 3.0 * RATE_HZ, "{name}: {worst} sd, {later}");
         // By the clock as it is now.
-        let report = &drive.said.last().unwrap().1;
+        let report = &drive.reported.last().unwrap().1;
         let alert = report.alerts_of(Corner::FrontLeft).next().unwrap();
         assert!((alert.since_s - ends_by_s - 31.0).abs() < 2.0, "{name}: {alert}");
         let wheel = report.wheels[0].unwrap();
@@ -108,11 +111,11 @@ fn a_clock_that_is_set_or_stamps_wrong_is_no_event() {
 
 #[test]
 fn a_warning_stands_while_the_clock_is_set() {
-    let Driven { said, .. } = Driven::with(|k, time_s| time_s - if k < at(42.0) { 0.0 } else { 500.0 });
-    let standing = &said[at(41.9)].1;
+    let Driven { reported, .. } = Driven::with(|k, time_s| time_s - if k < at(42.0) { 0.0 } else { 500.0 });
+    let standing = &reported[at(41.9)].1;
     assert!(standing.alerts_of(Corner::FrontLeft).next().is_some());
     let mut before = standing;
-    for (_, report) in &said[at(41.9)..] {
+    for (_, report) in &reported[at(41.9)..] {
         assert!(report.changes_since(before).next().is_none(), "{report:?}");
         before = report;
     }

@@ -71,7 +71,7 @@ fn dropped_rows() {
 }
 
 #[test]
-fn a_stuck_wheel_sensor_is_told_and_forgotten() {
+fn a_stuck_wheel_sensor_is_reported_and_forgotten() {
     for seed in SEEDS {
         let (rows, estimates) = faulty(seed, |rows| {
             let value = rows[FAULT].wheel;

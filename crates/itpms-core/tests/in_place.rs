@@ -20,15 +20,15 @@ fn half() -> CarConfig<f32> {
 
 /// What a car says of every fiftieth sample, and all it holds in the end, as text: NaN and minus zero show.
 fn driven(car: &mut MonitoredCar<f32>) -> Vec<String> {
-    let mut said = Vec::new();
+    let mut reported = Vec::new();
     for (i, row) in ROWS.iter().enumerate() {
         let estimate = car.update(&cast(row));
         if i % 50 == 0 {
-            said.push(format!("{estimate:?} {:?}", car.report()));
+            reported.push(format!("{estimate:?} {:?}", car.report()));
         }
     }
-    said.push(format!("{car:?}"));
-    said
+    reported.push(format!("{car:?}"));
+    reported
 }
 
 #[test]
@@ -49,9 +49,9 @@ fn a_car_in_a_static_is_the_one_that_is_handed_on() {
         car.begin_calibration(8.0).unwrap();
         let mut handed_on = Box::new(MonitoredCar::new(&config, RATE_HZ).unwrap());
         handed_on.begin_calibration(8.0).unwrap();
-        let said = driven(car);
-        assert!(said.iter().any(|text| text.contains("validity: Valid")));
-        assert_eq!(said, driven(&mut handed_on));
+        let reported = driven(car);
+        assert!(reported.iter().any(|text| text.contains("validity: Valid")));
+        assert_eq!(reported, driven(&mut handed_on));
         // Another car in its place, at another rate: nothing is left of the first.
         let config = MonitorConfig::new(&half());
         car.configure(&config, 200.0).unwrap();

@@ -43,8 +43,8 @@ fn a_shared_road_tells_all_four_pressures() {
             let corner = corner.unwrap();
             // What no drive tells before a reset: the measured car's 1.5 % of unsprung mass and 1 % of the tire, and 1.5 % that the
             // shared road may read too much. Beside it the start knows 36 kPa; what struts rub is hardly known after 15 s.
-            let untold = 0.015f64.hypot(0.01).hypot(0.015) * corner.stiffness_n_per_m / 713.91;
-            let learned = (corner.pressure_sd_kpa.powi(2) - untold.powi(2)).sqrt();
+            let unknown = 0.015f64.hypot(0.01).hypot(0.015) * corner.stiffness_n_per_m / 713.91;
+            let learned = (corner.pressure_sd_kpa.powi(2) - unknown.powi(2)).sqrt();
             assert!(learned < 6.0, "{sources:?}: {learned} {corner:?}");
         }
     }
@@ -85,8 +85,8 @@ fn what_all_tires_are_wrong_by_alike_is_in_their_correlations() {
             })
             .collect::<Vec<_>>()
     };
-    let told = ends_with(car(&config()));
-    assert!(told.iter().all(|share| *share > 0.9), "{told:?}");
+    let reported = ends_with(car(&config()));
+    assert!(reported.iter().all(|share| *share > 0.9), "{reported:?}");
     let reset = ends_with(calibrated(5.0));
     let alike = (0.8f64 * 0.015).powi(2) + (0.6f64 * 0.01).powi(2);
     let mean = alike + (0.6f64 * 0.015).powi(2) / 2.0 + (0.8f64 * 0.01).powi(2) / 4.0;
@@ -208,18 +208,18 @@ fn a_road_that_is_not_heard_says_nothing() {
 /// A bus tells the speed less often than the accelerations, or loses it now and then.
 #[test]
 fn a_speed_that_comes_now_and_then_is_enough() {
-    let thinned = |rows: &[CarSample<f64>], is_told: fn(usize) -> bool| -> Vec<CarSample<f64>> {
-        let told = |(i, row): (usize, &CarSample<f64>)| CarSample {
-            speed_m_s: if is_told(i) { row.speed_m_s } else { f64::NAN },
+    let thinned = |rows: &[CarSample<f64>], is_known: fn(usize) -> bool| -> Vec<CarSample<f64>> {
+        let reported = |(i, row): (usize, &CarSample<f64>)| CarSample {
+            speed_m_s: if is_known(i) { row.speed_m_s } else { f64::NAN },
             ..*row
         };
-        rows.iter().enumerate().map(told).collect()
+        rows.iter().enumerate().map(reported).collect()
     };
     // At a steady speed nothing is different at all.
     let rows = &ROWS[..4000];
     let whole = drive(&mut car(&config::<f64>()), rows);
-    for is_told in [|i| i % 10 == 0, |i| i % 10 != 9] {
-        let estimates = drive(&mut car(&config::<f64>()), &thinned(rows, is_told));
+    for is_known in [|i| i % 10 == 0, |i| i % 10 != 9] {
+        let estimates = drive(&mut car(&config::<f64>()), &thinned(rows, is_known));
         for (whole, estimate) in whole.iter().zip(&estimates) {
             for (whole, corner) in whole.corners.iter().flatten().zip(estimate.corners.iter().flatten()) {
                 assert_eq!(whole.pressure_kpa.to_bits(), corner.pressure_kpa.to_bits());

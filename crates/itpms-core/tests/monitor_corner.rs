@@ -47,16 +47,19 @@ fn a_corner_by_itself_can_be_stuck_lost_spiky_and_swapped_and_comes_back() {
             spoil(row, &first, i);
         }
         let out = watched(&rows, ride.rate_hz);
-        let said = |report: &MonitorReport<f64>| {
+        let reported = |report: &MonitorReport<f64>| {
             report.alerts().any(
                 |alert| matches!(&alert.cause, Cause::Malfunction::<f64>(malfunction) if malfunction.label() == label),
             )
         };
-        let first_said = out.iter().position(|(_, report)| said(report)).unwrap_or(usize::MAX);
-        assert!(first_said >= from && rows[first_said].time_s <= 15.0 + stated_s, "{label} at {first_said}");
-        let shown = out[first_said..to].iter().filter(|(estimate, _)| estimate.validity.is_valid()).count();
+        let first_report = out.iter().position(|(_, report)| reported(report)).unwrap_or(usize::MAX);
+        assert!(
+            first_report >= from && rows[first_report].time_s <= 15.0 + stated_s,
+            "{label} at {first_report}"
+        );
+        let shown = out[first_report..to].iter().filter(|(estimate, _)| estimate.validity.is_valid()).count();
         assert_eq!(shown, 0, "{label}");
-        assert!(out[first_said..to].iter().all(|(estimate, _)| estimate.warning == Warning::Malfunction));
+        assert!(out[first_report..to].iter().all(|(estimate, _)| estimate.warning == Warning::Malfunction));
         let (last, report) = out.last().unwrap();
         assert!(last.validity.is_valid() && report.alerts().next().is_none(), "{label}: {last:?}");
         assert!((last.pressure_kpa - 230.0).abs() < 3.0 * last.pressure_sd_kpa, "{label}: {last:?}");

@@ -119,7 +119,7 @@ fn what_has_moved_beside_a_suspected_corner_is_doubted() {
 /// was before it did, whether it was misread by far (a wheel's sensor) or too little to be doubted (a
 /// body's). As long as it is not reported, it is what it seems to be.
 #[test]
-fn what_a_tire_was_before_its_sensors_lied_counts_once_that_is_said() {
+fn what_a_tire_was_before_its_sensors_lied_counts_once_that_is_reported() {
     let rows = CarRide { seconds: 28.0, ..CarRide::new(5) }.rows();
     let at = |time_s: f64| (time_s * RATE_HZ) as usize;
     let rear_right = |car: &mut CarEstimator<f64>, rows: &[CarSample<f64>]| {
@@ -144,12 +144,13 @@ fn what_a_tire_was_before_its_sensors_lied_counts_once_that_is_said() {
         car.rollback([false, false, false, true]);
         let misled = rear_right(&mut car, &rows[at(26.0)..at(27.0)]);
         assert!(misread_kpa.contains(&(misled.pressure_kpa - before.pressure_kpa)), "{misled:?}");
-        let mut unsaid = car.clone();
+        let mut unreported = car.clone();
         car.restart_corner(Corner::RearRight);
-        let [said, unsaid] = [&mut car, &mut unsaid].map(|car| rear_right(car, &rows[at(27.0)..at(27.1)]));
-        let off_kpa = [said, unsaid].map(|corner| (corner.pressure_kpa - before.pressure_kpa).abs());
+        let [reported, unreported] =
+            [&mut car, &mut unreported].map(|car| rear_right(car, &rows[at(27.0)..at(27.1)]));
+        let off_kpa = [reported, unreported].map(|corner| (corner.pressure_kpa - before.pressure_kpa).abs());
         assert!(off_kpa[0] < 4.0 && off_kpa[0] < 0.5 * off_kpa[1], "{off_kpa:?}");
         // For as long as nothing was read of it, it may have changed.
-        assert!(said.pressure_sd_kpa > 1.5 * before.pressure_sd_kpa, "{said:?} {before:?}");
+        assert!(reported.pressure_sd_kpa > 1.5 * before.pressure_sd_kpa, "{reported:?} {before:?}");
     }
 }

@@ -1,4 +1,4 @@
-//! What an MDF file holds for whoever looks for signals: channels that can be read, those that cannot with the reason, and groups that are
+//! Contents of an MDF file: channels that can be read, those that cannot with the reason, and groups that are
 //! one recording in stretches.
 //!
 //! Called by the drive-log reader and by the list of signals, so that both know the same.
@@ -47,7 +47,7 @@ pub(crate) fn is_bus_log(path: &std::path::Path, described: bool) -> Result<bool
     Ok(crate::mdf4::bus::has_frames(&reader) && (described || !others()))
 }
 
-/// What is there besides, and why it is not read; frames of a bus first.
+/// Other contents, and why they are not read; frames of a bus first.
 pub(crate) fn unread(reader: &Mdf4Reader) -> Vec<Unread> {
     let of_group = |group: &ChannelGroup, name: String, why: String| Unread {
         candidate: Candidate { group: group.name.clone(), name, unit: String::new() },

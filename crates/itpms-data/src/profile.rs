@@ -46,7 +46,7 @@ const TIME: &str = "time_s";
 const DISTANCE: &str = "distance_m";
 const EXPECTED: &str = "distance_m and height_m, or left_height_m and right_height_m, or {c}_road_m; or two or three columns of numbers";
 
-/// What a column of the file is.
+/// Meaning of a column of the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Slot {
     Distance,

@@ -148,7 +148,7 @@ impl<'a> Table<'a> {
     }
 
     /// A text that is none of those that mean something here.
-    pub(crate) fn wrong_word(&self, key: &str, text: &str, expected: &'static str) -> Problem {
+    pub(crate) fn unknown_value(&self, key: &str, text: &str, expected: &'static str) -> Problem {
         self.wrong(key, &format!("the text {text:?}"), expected)
     }
 

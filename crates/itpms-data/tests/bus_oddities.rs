@@ -82,7 +82,7 @@ fn an_end_of_the_raw_numbers_beyond_the_stated_range_is_no_value() {
         }
         data
     });
-    let (rows, said) = read(&bench, "odd.log", &log, DBC).unwrap();
+    let (rows, messages) = read(&bench, "odd.log", &log, DBC).unwrap();
     let labelled = format!("{DBC}VAL_ 272 fl_wheel_accel_m_s2 -32768 \"SNA\" ;\n");
     let (twin, _) = read(&bench, "odd.log", &log, &labelled).unwrap();
     assert_eq!(numbers(&rows), numbers(&twin));
@@ -91,15 +91,15 @@ fn an_end_of_the_raw_numbers_beyond_the_stated_range_is_no_value() {
         assert_eq!(row.corners[0].unwrap().wheel_accel_m_s2.is_nan(), missing(k), "{k}");
         assert_eq!(row.corners[0].unwrap().body_accel_m_s2, plain.corners[0].unwrap().body_accel_m_s2);
     }
-    let said = said.join("\n");
+    let messages = messages.join("\n");
     let expected = "16 values are an end of their raw numbers beyond the stated range and were taken as not available: Susp.fl_wheel_accel_m_s2 16 times (raw 0x8000, stated [-327|327])";
-    assert!(said.contains(expected), "{said}");
+    assert!(messages.contains(expected), "{messages}");
     // Without a range nothing is known, and a value beyond it that is no end stays one.
     let (rows, _) = read(&bench, "odd.log", &log, &DBC.replace("[-327|327]", "[0|0]")).unwrap();
     assert!(rows.iter().all(|row| row.corners[0].unwrap().wheel_accel_m_s2.is_finite()));
-    let (rows, said) =
+    let (rows, messages) =
         read(&bench, "plain.log", &candump(|_, _, data| data), &DBC.replace("[-327|327]", "[-1|1]")).unwrap();
-    assert_eq!((numbers(&rows), said), (numbers(&plain_twin(&bench)), Vec::new()));
+    assert_eq!((numbers(&rows), messages), (numbers(&plain_twin(&bench)), Vec::new()));
 }
 
 #[test]
@@ -132,10 +132,11 @@ fn a_message_that_never_comes_competes_with_none_that_does() {
     let two =
         format!("{dbc}BO_ 1002 Older: 2 E\n SG_ fl_body_accel_m_s2 : 0|16@1- (0.01,0) [0|0] \"m/s^2\" E\n");
     listing = read(&bench, "a.log", &log, &two);
-    let said = listing.unwrap_err();
+    let messages = listing.unwrap_err();
     assert!(
-        said.contains("fl_body_accel_m_s2 could be Old.fl_body_accel_m_s2, which has no samples in this log"),
-        "{said}"
+        messages
+            .contains("fl_body_accel_m_s2 could be Old.fl_body_accel_m_s2, which has no samples in this log"),
+        "{messages}"
     );
 }
 
@@ -161,12 +162,12 @@ fn frames_that_come_twice_count_once_and_stamps_may_be_negative() {
     };
     let twice = all()
         .flat_map(|(time_s, id, data)| [(time_s, true, id, data.clone()), (time_s + 2e-5, false, id, data)]);
-    let (rows, said) = read(&bench, "twice.asc", &asc(twice), DBC).unwrap();
+    let (rows, messages) = read(&bench, "twice.asc", &asc(twice), DBC).unwrap();
     assert_eq!(numbers(&rows), numbers(&plain_twin(&bench)));
-    assert!(said.join("\n").contains("1600 frames repeat the one before"), "{said:?}");
+    assert!(messages.join("\n").contains("1600 frames repeat the one before"), "{messages:?}");
     let negative = all().map(|(time_s, id, data)| (time_s - 2.0, false, id, data));
-    let (rows, said) = read(&bench, "negative.asc", &asc(negative), DBC).unwrap();
-    assert_eq!((numbers(&rows), said), (numbers(&plain_twin(&bench)), Vec::new()));
+    let (rows, messages) = read(&bench, "negative.asc", &asc(negative), DBC).unwrap();
+    assert_eq!((numbers(&rows), messages), (numbers(&plain_twin(&bench)), Vec::new()));
 }
 
 #[test]
@@ -189,7 +190,7 @@ fn one_signal_in_two_branches_of_a_multiplexer_is_one_signal() {
         moved
     });
     for dbc in [plain, extended] {
-        let (rows, said) = read(&bench, "two.log", &log, &dbc).unwrap();
-        assert_eq!((numbers(&rows), said), (numbers(&plain_twin(&bench)), Vec::new()), "{dbc}");
+        let (rows, messages) = read(&bench, "two.log", &log, &dbc).unwrap();
+        assert_eq!((numbers(&rows), messages), (numbers(&plain_twin(&bench)), Vec::new()), "{dbc}");
     }
 }

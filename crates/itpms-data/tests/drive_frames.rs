@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use itpms_core::model::Corner;
-use itpms_data::log::{CornerColumns, LogColumns, LogCorner, LogMotion, LogOptions, UnitCheck};
+use itpms_data::log::{CornerColumns, LogColumns, LogCorner, LogOptions, UnitCheck};
 use itpms_data::out::{LogWriter, Packing};
 use itpms_data::{LogReader, LogRow};
 
@@ -35,7 +35,7 @@ fn truth() -> Vec<LogRow> {
             let mut corners = [None; 4];
             corners[Corner::FrontLeft.index()] = Some(corner(0.0));
             corners[Corner::FrontRight.index()] = Some(corner(1.0));
-            LogRow { time_s, speed_m_s: 20.0 + 0.7 * time_s, corners, motion: LogMotion::UNKNOWN }
+            LogRow::without_motion(time_s, 20.0 + 0.7 * time_s, corners)
         })
         .collect()
 }
@@ -88,7 +88,7 @@ fn a_drive_goes_through_every_bus_log() {
 }
 
 #[test]
-fn what_a_frame_cannot_hold_is_said() {
+fn what_a_frame_cannot_hold_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     let mut rows = truth();
     let left = |row: &mut LogRow| row.corners[0].as_mut().unwrap().body_accel_m_s2 = 70.0;

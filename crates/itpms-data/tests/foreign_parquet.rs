@@ -105,7 +105,7 @@ fn columns_that_are_no_plain_numbers_are_refused() {
 }
 
 #[test]
-fn what_is_not_parquet_is_said_not_to_be() {
+fn what_is_not_parquet_is_reported_as_such() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("drive.parquet");
     fs::write(&path, "").unwrap();

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use itpms_core::model::Corner;
 use itpms_data::LogRow;
-use itpms_data::log::{CornerColumns, LogColumns, LogCorner, LogMotion, LogOptions, Slot};
+use itpms_data::log::{CornerColumns, LogColumns, LogCorner, LogOptions, Slot};
 use itpms_data::out::{LogWriter, Packing};
 use itpms_data::signals::{ListedSignal, Lister, Listing, resolve};
 
@@ -38,14 +38,7 @@ fn write(path: &Path) {
         };
         let mut corners = [None; 4];
         corners[0] = Some(corner);
-        writer
-            .write(&LogRow {
-                time_s: f64::from(i) * 2e-3,
-                speed_m_s: 10.0 + 10.0 * share,
-                corners,
-                motion: LogMotion::UNKNOWN,
-            })
-            .unwrap();
+        writer.write(&LogRow::without_motion(f64::from(i) * 2e-3, 10.0 + 10.0 * share, corners)).unwrap();
     }
     writer.finish().unwrap().commit().unwrap();
 }

@@ -70,8 +70,8 @@ fn read_bytes(bench: &Bench, bytes: &[u8]) -> Result<(Vec<LogRow>, Vec<String>),
 }
 
 fn check(bytes: &[u8], what: &str) {
-    let (rows, said) = read_bytes(&Bench::new(), bytes).unwrap();
-    assert_eq!((rows.len(), said), (SAMPLES as usize, Vec::new()), "{what}");
+    let (rows, messages) = read_bytes(&Bench::new(), bytes).unwrap();
+    assert_eq!((rows.len(), messages), (SAMPLES as usize, Vec::new()), "{what}");
     for (k, row) in (0..).zip(&rows) {
         let (speed, bodies, wheels) = sample(k);
         // A number of 64 bits has the present date to 0.24 us.
@@ -196,8 +196,8 @@ fn ros_is_read_by_its_definition_and_at_its_own_stamps() {
         // The recorder is late by up to 2 ms, the sensors' stamps are not.
         let late_ns = |k: u32| u64::from(k * 7919 % 2001) * 1000;
         let bytes = write(Some(Compression::Zstd), late_ns, &topics);
-        let (rows, said) = read_bytes(&bench, &bytes).unwrap();
-        assert_eq!((rows.len(), said), (SAMPLES as usize, Vec::new()), "{encoding} {big_endian}");
+        let (rows, messages) = read_bytes(&bench, &bytes).unwrap();
+        assert_eq!((rows.len(), messages), (SAMPLES as usize, Vec::new()), "{encoding} {big_endian}");
         for (k, row) in (0..).zip(&rows) {
             assert!((row.time_s - time_ns(k) as f64 / 1e9).abs() < 1e-6, "{encoding} {k}");
             assert_eq!(
@@ -310,9 +310,9 @@ fn a_file_that_is_cut_off_or_none_says_so() {
     ];
     let bench = Bench::new();
     let bytes = write(Some(Compression::Zstd), |_| 0, &topics);
-    let (rows, said) = read_bytes(&bench, &bytes[..bytes.len() / 2]).unwrap();
+    let (rows, messages) = read_bytes(&bench, &bytes[..bytes.len() / 2]).unwrap();
     assert!(rows.len() > 100 && rows.len() < 700, "{}", rows.len());
-    assert_eq!(said, ["the file is cut off; what is whole was read"]);
+    assert_eq!(messages, ["the file is cut off; what is whole was read"]);
     let listing = listed(&bench.path("drive.mcap"));
     assert_eq!((listing.kind, listing.unread.len()), ("topic", 1));
     assert!(listing.unread[0].why.contains("cbor"), "{:?}", listing.unread);
@@ -321,8 +321,9 @@ fn a_file_that_is_cut_off_or_none_says_so() {
     for at in (8..plain.len()).step_by(397) {
         let mut damaged = plain.clone();
         damaged[at] ^= 0xFF;
-        let said = read_bytes(&bench, &damaged).map_or_else(|error| error, |(_, said)| said.join(" "));
-        assert_eq!(said.lines().count().max(1), 1, "{at}: {said}");
+        let messages =
+            read_bytes(&bench, &damaged).map_or_else(|error| error, |(_, messages)| messages.join(" "));
+        assert_eq!(messages.lines().count().max(1), 1, "{at}: {messages}");
     }
     let text = read_bytes(&bench, b"no MCAP at all, and longer than its beginning").unwrap_err();
     assert!(text.contains("does not begin as an MCAP file"), "{text}");

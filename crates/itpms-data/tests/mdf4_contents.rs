@@ -5,7 +5,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use itpms_data::log::{CornerColumns, LogColumns, LogCorner, LogMotion, LogOptions, UnitCheck};
+use itpms_data::log::{CornerColumns, LogColumns, LogCorner, LogOptions, UnitCheck};
 use itpms_data::mdf4::{ChannelSpec, Compression, GroupSpec, Mdf4Writer, SampleFormat};
 use itpms_data::out::{LogWriter, Packing};
 use itpms_data::signals::{Listing, resolve_knowing};
@@ -217,28 +217,16 @@ fn a_log_that_is_cut_off_says_so() {
     let mut writer = LogWriter::create_with(&path, columns, &LogOptions::default(), Packing::Packed).unwrap();
     for i in 0..20_000 {
         let time_s = f64::from(i) / 500.0;
-        let values = LogCorner {
-            body_accel_m_s2: (9.0 * time_s).sin(),
-            wheel_accel_m_s2: 9.0 * (71.0 * time_s).sin(),
-            pressure_kpa: f64::NAN,
-            road_m: f64::NAN,
-        };
-        writer
-            .write(&LogRow {
-                time_s,
-                speed_m_s: 20.0,
-                corners: [Some(values), None, None, None],
-                motion: LogMotion::UNKNOWN,
-            })
-            .unwrap();
+        let values = LogCorner::measured((9.0 * time_s).sin(), 9.0 * (71.0 * time_s).sin());
+        writer.write(&LogRow::without_motion(time_s, 20.0, [Some(values), None, None, None])).unwrap();
     }
     writer.finish().unwrap().commit().unwrap();
     assert!(LogReader::open(&path).is_ok());
     let bytes = fs::read(&path).unwrap();
     fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
-    let said = LogReader::open(&path).unwrap_err().to_string();
+    let messages = LogReader::open(&path).unwrap_err().to_string();
     assert!(
-        said.contains("too few values of the mapped accelerations (") && said.contains("cut off"),
-        "{said}"
+        messages.contains("too few values of the mapped accelerations (") && messages.contains("cut off"),
+        "{messages}"
     );
 }

@@ -37,15 +37,15 @@ fn a_packed_table_is_read_up_to_its_last_whole_row() {
     let whole = packed(&text);
     assert_eq!(read(&bench, &whole).unwrap(), (20_000, String::new()));
     for share in [0.3, 0.7, 0.99] {
-        let (rows, said) = read(&bench, &whole[..(share * whole.len() as f64) as usize]).unwrap();
+        let (rows, messages) = read(&bench, &whole[..(share * whole.len() as f64) as usize]).unwrap();
         // Deflate holds back some kilobytes.
         let expected = share * 20_000.0;
         assert!((rows as f64) < expected * 1.05 && rows as f64 > expected - 3000.0, "{share}: {rows}");
-        assert!(said.contains("cut off"), "{said}");
+        assert!(messages.contains("cut off"), "{messages}");
     }
     // Only the checksum is missing: every row is there, and so is the word.
-    let (rows, said) = read(&bench, &whole[..whole.len() - 6]).unwrap();
-    assert!(rows == 20_000 && said.contains("cut off"), "{rows} {said}");
+    let (rows, messages) = read(&bench, &whole[..whole.len() - 6]).unwrap();
+    assert!(rows == 20_000 && messages.contains("cut off"), "{rows} {messages}");
     // Padding, and members one after the other, as pigz and loggers write them.
     let padded = |zeros: usize| [whole.clone(), vec![0; zeros]].concat();
     for zeros in [1, 511, 200_000] {
@@ -96,14 +96,18 @@ fn a_folder_names_what_it_leaves_out() {
         position: false,
     };
     convert(&request, &mut |_| ControlFlow::Continue(())).unwrap().unwrap().file.commit().unwrap();
-    let said = || {
+    let messages = || {
         let mut log = itpms_data::LogReader::open(&parts).unwrap();
         while log.next_row().unwrap().is_some() {}
         log.repairs().warnings().join("\n")
     };
     fs::write(parts.join("_SUCCESS"), "").unwrap();
-    assert_eq!(said(), "");
+    assert_eq!(messages(), "");
     fs::copy(&text, parts.join("b.csv")).unwrap();
     fs::write(parts.join("c.mf4"), "x").unwrap();
-    assert!(said().contains("2 files of the folder are no Parquet and were left out: "), "{}", said());
+    assert!(
+        messages().contains("2 files of the folder are no Parquet and were left out: "),
+        "{}",
+        messages()
+    );
 }

@@ -127,13 +127,13 @@ fn an_assumed_wheelbase_is_replaced_by_the_one_that_was_found() {
     assert_eq!(Vehicle::parse(&assumed.to_toml()).unwrap(), assumed);
     let stored = StoredReference::new(&assumed, reference, 0).unwrap();
     let read = StoredReference::parse(stored.to_text().as_bytes()).unwrap();
-    let (known, told) = read.for_vehicle(&assumed).unwrap();
-    assert!((known.wheelbase_m.unwrap() - 2.7 * 0.92).abs() < 1e-12 && told.wheelbase.value == 0.0);
-    assert_eq!(told.wheelbase.sd, reference.wheelbase.sd);
+    let (known, stated) = read.for_vehicle(&assumed).unwrap();
+    assert!((known.wheelbase_m.unwrap() - 2.7 * 0.92).abs() < 1e-12 && stated.wheelbase.value == 0.0);
+    assert_eq!(stated.wheelbase.sd, reference.wheelbase.sd);
 }
 
 #[test]
-fn a_newer_format_is_told_from_damage() {
+fn a_newer_format_is_distinguished_from_damage() {
     let newer = sealed("10", "something that nobody knows yet");
     assert_eq!(
         refusal(newer.as_bytes()),

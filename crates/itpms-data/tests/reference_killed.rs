@@ -25,14 +25,14 @@ const KILLS: u32 = 200;
 fn the_child() {
     let Some(path) = env::var_os(WHERE).map(PathBuf::from) else { return };
     let (old, new) = (old(), new());
-    let mut told = false;
+    let mut stated = false;
     loop {
         old.save(&path).unwrap();
         new.save(&path).unwrap();
-        if !told {
+        if !stated {
             // Something on standard error says that the loop has begun; the harness talks on standard output.
             std::io::stderr().write_all(b"!").unwrap();
-            told = true;
+            stated = true;
         }
     }
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use itpms_core::model::{Corner, CornerEstimate, Diagnostics, Level, Loss, Validity, Warning};
 use itpms_core::warning::{Doubt, WheelState};
-use itpms_data::log::{AirColumns, CornerColumns, LogColumns, LogCorner, LogMotion, UnitCheck};
+use itpms_data::log::{AirColumns, CornerColumns, LogColumns, LogCorner, UnitCheck};
 use itpms_data::out::{EstimateRow, EstimateWriter, RoadPoint, RoadWriter, WheelSpeedUse};
 use itpms_data::{DataError, LogReader, LogRow};
 use proptest::prelude::*;
@@ -51,7 +51,7 @@ prop_compose! {
         let mut time_s = -0.5;
         let mut rows: Vec<LogRow> = cells.into_iter().map(|(speed_m_s, fl, rr, dt)| {
             time_s += dt;
-            LogRow { time_s, speed_m_s, corners: [Some(fl), None, None, Some(rr)], motion: LogMotion::UNKNOWN }
+            LogRow::without_motion(time_s, speed_m_s, [Some(fl), None, None, Some(rr)])
         }).collect();
         // A log without a single value is refused, and rightly; see bad_logs.rs.
         rows[0].corners[0] = Some(LogCorner {
@@ -98,21 +98,10 @@ fn a_long_drive_crosses_row_groups_and_batches() {
     };
     let count = 65_536 * 2 + 777;
     let rows: Vec<LogRow> = (0..count)
-        .map(|i| LogRow {
-            time_s: f64::from(i) / 1000.0,
-            speed_m_s: f64::NAN,
-            corners: [
-                None,
-                Some(LogCorner {
-                    body_accel_m_s2: f64::from(i).sin(),
-                    wheel_accel_m_s2: if i % 3 == 0 { f64::NAN } else { f64::from(i % 100) },
-                    pressure_kpa: f64::NAN,
-                    road_m: f64::NAN,
-                }),
-                None,
-                None,
-            ],
-            motion: LogMotion::UNKNOWN,
+        .map(|i| {
+            let wheel = if i % 3 == 0 { f64::NAN } else { f64::from(i % 100) };
+            let right = Some(LogCorner::measured(f64::from(i).sin(), wheel));
+            LogRow::without_motion(f64::from(i) / 1000.0, f64::NAN, [None, right, None, None])
         })
         .collect();
     write_log(&path, columns, &rows);

@@ -133,7 +133,7 @@ fn a_unit_that_says_nothing_is_asked_for() {
 }
 
 #[test]
-fn every_problem_of_a_map_is_said_with_its_line() {
+fn every_problem_of_a_map_is_reported_with_its_line() {
     for (text, message) in [
         ("", "the file has no table [signals]"),
         (
@@ -279,9 +279,9 @@ fn the_map_that_is_written_says_what_the_header_states() {
         let text = resolved.to_toml(Some("Time [s]"));
         assert!(text.contains("time_s = \"Time [s]\"\n"), "{text}");
         // No unit beside that of the name, which could contradict it.
-        let said = text.lines().filter(|line| !line.starts_with('#') && line.contains(" = "));
+        let messages = text.lines().filter(|line| !line.starts_with('#') && line.contains(" = "));
         assert!(
-            said.clone().count() >= 3 && said.clone().all(|line| !line.contains("unit")),
+            messages.clone().count() >= 3 && messages.clone().all(|line| !line.contains("unit")),
             "{header}: {text}"
         );
         let again = resolve(&candidates, Some(&map(&text).unwrap())).unwrap();
@@ -310,12 +310,12 @@ fn a_unit_that_is_stated_is_not_contradicted() {
             "[signals]\ntime_s = \"Time\"\nspeed_m_s = \"VehicleSpeed [UNIT]\"\n".replace("UNIT", unit);
         let refused = resolve(&candidates, Some(&map(&text).unwrap())).unwrap_err().to_string();
         assert!(refused.contains(&format!("is stated as {unit:?}")), "{refused}");
-        for said in resolved.assumptions().into_iter().chain([resolved.to_toml(None), refused]) {
-            assert!(!said.contains("unit = "), "{unit}: {said}");
+        for messages in resolved.assumptions().into_iter().chain([resolved.to_toml(None), refused]) {
+            assert!(!messages.contains("unit = "), "{unit}: {messages}");
         }
     }
     // Not stated: asked for, with a column's own unit and the others that it may have.
     let candidates = listed("Time,FL_BodyAccZ [g],FL_WheelAccZ [g],VehicleSpeed");
-    let said = resolve(&candidates, None).unwrap().assumptions().join("\n");
-    assert!(said.contains("unit = \"m/s\" } (or m/s, km/h"), "{said}");
+    let messages = resolve(&candidates, None).unwrap().assumptions().join("\n");
+    assert!(messages.contains("unit = \"m/s\" } (or m/s, km/h"), "{messages}");
 }

@@ -139,7 +139,7 @@ fn what_is_missing_has_many_spellings_in_a_log() {
 }
 
 #[test]
-fn names_that_come_again_and_zeros_at_the_end_are_said() {
+fn names_that_come_again_and_zeros_at_the_end_are_reported() {
     let bench = Bench::new();
     let (expected, _) = read(&bench.write("plain.csv", plain()), None).unwrap();
     let head = NAMES.join(",") + "\n";

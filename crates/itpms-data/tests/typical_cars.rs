@@ -61,7 +61,7 @@ fn cars_on_the_road_hop_and_sway_as_cars_do() {
 /// spring (N/m), damping (N s/m), and tire stiffness (N/m).
 struct Published {
     name: &'static str,
-    told: Vehicle,
+    stated: Vehicle,
     unsprung_kg: f64,
     spring_n_per_m: [f64; 2],
     damping_n_s_per_m: [f64; 2],
@@ -77,7 +77,7 @@ fn published() -> [Published; 3] {
     [
         Published {
             name: "Ford Escort",
-            told: car(84.0 * SLUG, 4.95 / 7.85, "175/70R13", CarClass::Compact, 210.0),
+            stated: car(84.0 * SLUG, 4.95 / 7.85, "175/70R13", CarClass::Compact, 210.0),
             unsprung_kg: 0.5 * 4.5 * SLUG,
             spring_n_per_m: [1_500.0 * LB_PER_FT; 2],
             damping_n_s_per_m: [100.0 * LB_PER_FT; 2],
@@ -85,7 +85,7 @@ fn published() -> [Published; 3] {
         },
         Published {
             name: "BMW 320i",
-            told: car(74.914_52 * SLUG, 4.667_707 / 8.461, "185/70R13", CarClass::Sedan, 200.0),
+            stated: car(74.914_52 * SLUG, 4.667_707 / 8.461, "185/70R13", CarClass::Sedan, 200.0),
             unsprung_kg: 0.5 * 4.371_153 * SLUG,
             spring_n_per_m: [1_675.0 * LB_PER_FT, 1_345.0 * LB_PER_FT],
             damping_n_s_per_m: [122.396_6 * LB_PER_FT, 112.998_1 * LB_PER_FT],
@@ -93,7 +93,7 @@ fn published() -> [Published; 3] {
         },
         Published {
             name: "VW Vanagon",
-            told: car(101.336_7 * SLUG, 4.334_437 / 8.11, "185/80R14", CarClass::Van, 250.0),
+            stated: car(101.336_7 * SLUG, 4.334_437 / 8.11, "185/80R14", CarClass::Van, 250.0),
             unsprung_kg: 0.5 * 5.560_15 * SLUG,
             spring_n_per_m: [2_300.0 * LB_PER_FT, 2_680.0 * LB_PER_FT],
             damping_n_s_per_m: [164.833_5 * LB_PER_FT, 189.786_6 * LB_PER_FT],
@@ -106,8 +106,8 @@ fn published() -> [Published; 3] {
 fn published_cars_are_within_two_of_the_stated_deviations() {
     for car in published() {
         for (i, corner) in [Corner::FrontLeft, Corner::RearLeft].into_iter().enumerate() {
-            let config = car.told.corner(corner).unwrap();
-            let sd = car.told.uncertainty(corner);
+            let config = car.stated.corner(corner).unwrap();
+            let sd = car.stated.uncertainty(corner);
             let quarter = config.quarter_car;
             let tire = config.tire.stiffness_n_per_m(config.placard_kpa);
             for (what, ours, published, sd) in [

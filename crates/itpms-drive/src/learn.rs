@@ -52,6 +52,12 @@ pub struct KnownDrive {
     pub pressures_kpa: [f64; 4],
 }
 
+impl KnownDrive {
+    pub(crate) fn open(&self) -> Result<LogReader, DriveError> {
+        Ok(LogReader::open_with(&self.log, &self.options)?)
+    }
+}
+
 #[derive(Debug, Clone)]
 pub struct LearnedVehicle {
     pub vehicle: Vehicle,
@@ -69,11 +75,7 @@ pub fn learn(
     drives: &[KnownDrive],
     watch: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<LearnedVehicle, DriveError> {
-    let open = &mut |number: usize| {
-        let KnownDrive { log, options, .. } = &drives[number];
-        Ok(LogReader::open_with(log, options)?)
-    };
-    learn_with(file, drives, open, watch)
+    learn_with(file, drives, &mut |number| drives[number].open(), watch)
 }
 
 /// The same where `open` gives the log of a drive by its number among the `drives`, anew for every pass over it.

@@ -6,7 +6,8 @@ use std::ops::ControlFlow;
 use itpms_core::model::Corner;
 use itpms_core::monitor::MonitoredWheels;
 use itpms_core::wheel_speed::RadiusCalibration;
-use itpms_data::{LogReader, Vehicle};
+use itpms_data::Vehicle;
+use nalgebra::{Matrix3, Matrix3x4, Vector3, Vector4};
 
 use crate::error::DriveError;
 use crate::learn::{KnownDrive, by_sensors, no_pressure};
@@ -14,7 +15,7 @@ use crate::run::ROWS_PER_LOOK;
 use crate::wheel_speeds::lacks;
 
 /// Derivatives of the three ratios by each radius: front left over right, rear left over right, front over rear.
-const SEEN: [[f64; 4]; 3] = [[1.0, -1.0, 0.0, 0.0], [0.0, 0.0, 1.0, -1.0], [0.5, 0.5, -0.5, -0.5]];
+const SEEN: Matrix3x4<f64> = Matrix3x4::new(1.0, -1.0, 0.0, 0.0, 0.0, 0.0, 1.0, -1.0, 0.5, 0.5, -0.5, -0.5);
 /// Sd of a radius's own change from one drive to another; ln of a radius per ln of its load; and a front passenger's effect on the ratios.
 const BY_ITSELF: f64 = 2e-4;
 const PER_LN_LOAD: f64 = 6.4e-3;
@@ -37,11 +38,7 @@ pub fn learn_radius(
     drives: &[KnownDrive],
     watch: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<LearnedRadius, DriveError> {
-    let open = &mut |number: usize| {
-        let KnownDrive { log, options, .. } = &drives[number];
-        Ok(LogReader::open_with(log, options)?)
-    };
-    let (drives, concerns) = by_sensors(file, drives, open, watch)?;
+    let (drives, concerns) = by_sensors(file, drives, &mut |number| drives[number].open(), watch)?;
     let config = file.wheel_speed_config().map_err(|key| lacks(file, key))?;
     let beta = config.radius_per_ln_pressure;
     let before = [beta, (beta * config.radius_per_ln_pressure_sd).abs()];
@@ -57,11 +54,12 @@ pub fn learn_radius(
             continue;
         };
         let ln = Corner::ALL.map(|corner| (pressures[corner.index()] / other_kpa[corner.index()]).ln());
-        let along = SEEN.map(|row| row.iter().zip(ln).map(|(seen, ln)| seen * ln).sum::<f64>());
-        let change: [f64; 3] = std::array::from_fn(|i| 1e-3 * (seen.mean_1e3[i] - other.mean_1e3[i]));
-        let weighted = solve(covariance(&seen, other, config.load.rear_axle), along);
-        information += dot(&along, &weighted);
-        vector += dot(&change, &weighted);
+        let along = SEEN * Vector4::from(ln);
+        let change = Vector3::from_fn(|i, _| 1e-3 * (seen.mean_1e3[i] - other.mean_1e3[i]));
+        let spread = covariance(&seen, other, config.load.rear_axle);
+        let Some(weighted) = spread.cholesky().map(|spread| spread.solve(&along)) else { continue };
+        information += along.dot(&weighted);
+        vector += change.dot(&weighted);
     }
     if drives.len() < 2 || !(information > 1.0001 * prior) {
         return Err(DriveError::Mismatch(
@@ -108,7 +106,7 @@ fn calibrate(
     drive: &KnownDrive,
     watch: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<RadiusCalibration<f64>, DriveError> {
-    let mut log = LogReader::open_with(&drive.log, &drive.options)?;
+    let mut log = drive.open()?;
     let mut wheels = Box::new(MonitoredWheels::unconfigured());
     wheels.configure(config)?;
     wheels.begin_calibration(1e8)?;
@@ -131,33 +129,11 @@ fn calibrate(
 }
 
 /// Covariance of the difference of two drives: their own errors, loads, and the radii's own changes.
-fn covariance(a: &RadiusCalibration<f64>, b: &RadiusCalibration<f64>, rear_load_sd: f64) -> [[f64; 3]; 3] {
-    let mut out = [[0.0; 3]; 3];
+fn covariance(a: &RadiusCalibration<f64>, b: &RadiusCalibration<f64>, rear_load_sd: f64) -> Matrix3<f64> {
     let shapes = [[0.0, 0.0, PER_LN_LOAD * rear_load_sd], [0.0, 2.0 * PER_LN_LOAD * 0.03, 0.0], PASSENGER];
-    for (i, row) in out.iter_mut().enumerate() {
-        for (j, entry) in row.iter_mut().enumerate() {
-            let radii: f64 = SEEN[i].iter().zip(SEEN[j]).map(|(a, b)| a * b).sum();
-            let loads: f64 = shapes.iter().map(|shape| shape[i] * shape[j]).sum();
-            let shown = 1e-6 * (a.covariance_1e6[i][j] + b.covariance_1e6[i][j]);
-            *entry = shown + loads + radii * BY_ITSELF * BY_ITSELF;
-        }
-    }
-    out
-}
-
-fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-/// `x` of `a x = b`, of a positive matrix, by elimination.
-fn solve(mut a: [[f64; 3]; 3], mut b: [f64; 3]) -> [f64; 3] {
-    for i in 0..3 {
-        for j in (0..3).filter(|j| *j != i) {
-            let factor = a[j][i] / a[i][i];
-            let row = a[i];
-            a[j].iter_mut().zip(row).for_each(|(entry, of)| *entry -= factor * of);
-            b[j] -= factor * b[i];
-        }
-    }
-    [b[0] / a[0][0], b[1] / a[1][1], b[2] / a[2][2]]
+    Matrix3::from_fn(|i, j| {
+        let loads: f64 = shapes.iter().map(|shape| shape[i] * shape[j]).sum();
+        let shown = 1e-6 * (a.covariance_1e6[i][j] + b.covariance_1e6[i][j]);
+        shown + loads + SEEN.row(i).dot(&SEEN.row(j)) * BY_ITSELF * BY_ITSELF
+    })
 }

@@ -225,7 +225,7 @@ mod tests {
         let wave = |corner: usize| (k as f64 * (0.7 + 0.1 * corner as f64)).sin();
         let corners = [0, 1, 2, 3].map(|corner| {
             let (body_accel_m_s2, wheel_accel_m_s2) = (wave(corner), wheel_m_s2 * wave(corner));
-            Some(LogCorner { body_accel_m_s2, wheel_accel_m_s2, pressure_kpa: f64::NAN, road_m: f64::NAN })
+            Some(LogCorner::measured(body_accel_m_s2, wheel_accel_m_s2))
         });
         let motion = LogMotion { wheel_speed_m_s: [wheel_speed_m_s; 4], ..LogMotion::UNKNOWN };
         LogRow { time_s: k as f64 / 200.0, speed_m_s: 20.0, corners, motion }

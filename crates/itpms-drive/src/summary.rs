@@ -1,6 +1,6 @@
 //! The summary of a drive, as JSON and as text.
 
-use itpms_analysis::report::{CornerReport, Reading, cold_words, found, unseen, wheel_line};
+use itpms_analysis::report::{CornerReport, Reading, cold_text, found, unseen, wheel_line};
 use itpms_core::model::{Corner, Level, PressureUnit, Warning};
 use itpms_core::torsion::TorsionChange;
 use itpms_core::wheel_speed::{SlowLeak, WheelRadius};
@@ -214,7 +214,7 @@ fn corner_line(corner: &CornerReport, end_s: f64, unit: PressureUnit) -> String 
         _ => format!(" (placard {})", unit.number(corner.placard_kpa, 0)),
     };
     if let Some(cold) = figures.cold {
-        let (at, add) = cold_words(&cold, corner.placard_kpa, unit);
+        let (at, add) = cold_text(&cold, corner.placard_kpa, unit);
         line += &format!("; {at}{}", add.map_or_else(String::new, |add| format!(": {add}")));
     }
     if let Some(sensor) = corner.tire_sensor {

@@ -260,7 +260,7 @@ impl Second {
 
 #[cfg(test)]
 mod tests {
-    use itpms_data::log::{LogCorner, LogMotion};
+    use itpms_data::log::LogCorner;
 
     use super::*;
 
@@ -296,21 +296,11 @@ mod tests {
                         } else {
                             noise * ((k * 7919 + corner.index() * 104_729) % 997) as f64 / 997.0
                         };
-                        corners[corner.index()] = Some(LogCorner {
-                            body_accel_m_s2: 0.0,
-                            wheel_accel_m_s2: road[at] + noise,
-                            pressure_kpa: f64::NAN,
-                            road_m: f64::NAN,
-                        });
+                        corners[corner.index()] = Some(LogCorner::measured(0.0, road[at] + noise));
                     }
                 }
                 let off_m_s = noise_m_s * (((k * 7919) % 1000) as f64 / 500.0 - 1.0);
-                LogRow {
-                    time_s: clock * k as f64 / rate_hz,
-                    speed_m_s: speed_m_s + off_m_s,
-                    corners,
-                    motion: LogMotion::UNKNOWN,
-                }
+                LogRow::without_motion(clock * k as f64 / rate_hz, speed_m_s + off_m_s, corners)
             })
             .collect()
     }

@@ -1,4 +1,4 @@
-//! What the C interfaces of both versions have in common: the instance behind a tool's pointer, names and arrays of the tool, states.
+//! The common part of both versions' C interfaces: the instance behind a tool's pointer, names and arrays of the tool, states.
 //!
 //! # Safety
 //! Of every function here: an instance is null or one from [`Instance::create`] that was not given back, and nothing else uses it now; a
@@ -14,7 +14,7 @@ use crate::description::token;
 use crate::model::{Model, ModelError, Phase};
 use crate::variables::Kind;
 
-/// What a function of the standard returns. Both versions have the first five alike.
+/// Return value of a function of the standard. Both versions have the first five alike.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(dead_code)] // The standard's numbers.

@@ -17,7 +17,7 @@ pub enum Fmi {
     Three,
 }
 
-/// What tells this unit from any other: of the program's version and the vehicle file. A tool hands it back.
+/// Token of this unit: of the program's version and the vehicle file. A tool hands it back.
 pub fn token(vehicle: &Vehicle) -> String {
     let text = vehicle.to_toml();
     let of = |salt: &str| crc64(&[salt.as_bytes(), env!("CARGO_PKG_VERSION").as_bytes(), text.as_bytes()]);

@@ -55,7 +55,7 @@ pub struct Model {
     phase: Phase,
 }
 
-/// What a tool has done with a unit.
+/// Phase of a unit's life.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Phase {
     Made,
@@ -215,11 +215,11 @@ impl Model {
     fn row(&self, time_s: f64, corners: &[Corner]) -> LogRow {
         let car = |of| self.value(Role::Car(of));
         let of_corner = |corner, of| self.value(Role::Corner(corner, of));
-        let logged = |corner: Corner| LogCorner {
-            body_accel_m_s2: of_corner(corner, OfCorner::BodyAccel),
-            wheel_accel_m_s2: of_corner(corner, OfCorner::WheelAccel),
-            pressure_kpa: f64::NAN,
-            road_m: f64::NAN,
+        let logged = |corner: Corner| {
+            LogCorner::measured(
+                of_corner(corner, OfCorner::BodyAccel),
+                of_corner(corner, OfCorner::WheelAccel),
+            )
         };
         LogRow {
             time_s,

@@ -1,11 +1,11 @@
-//! What is known, as the numbers of the outputs. Called by the model after each step.
+//! Values of the outputs. Called by the model after each step.
 
 use itpms_core::CornerEstimate;
 use itpms_core::model::Warning;
 use itpms_core::warning::{Doubt, MonitorReport, WheelState};
 use itpms_data::Vehicle;
 
-/// What the tire would have cold, with its standard deviation, in kPa.
+/// Cold pressure and its standard deviation in kPa.
 pub(crate) fn cold_pressure(estimate: &CornerEstimate<f64>) -> [f64; 2] {
     estimate.cold.map_or([f64::NAN; 2], |cold| [cold.pressure_kpa, cold.sd_kpa])
 }

@@ -25,7 +25,7 @@ pub enum Kind {
     Boolean,
 }
 
-/// What is behind a variable.
+/// The quantity of a variable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
     Time,
@@ -183,7 +183,7 @@ fn unknown(kind: Kind) -> f64 {
     if kind == Kind::Real { f64::NAN } else { 0.0 }
 }
 
-/// What the vehicle file says of a parameter of a corner that it has.
+/// The vehicle file's value of a parameter of a corner that it has.
 pub fn parameter(vehicle: &Vehicle, corner: Corner, of: OfCorner) -> Option<f64> {
     let config = vehicle.corner(corner)?;
     let (car, tire) = (&config.quarter_car, &config.tire);

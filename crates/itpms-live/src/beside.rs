@@ -151,13 +151,8 @@ mod tests {
     use crate::drive::LiveDrive;
 
     fn row(time_s: f64, speed_m_s: f64) -> LogRow {
-        let still = itpms_data::log::LogCorner {
-            body_accel_m_s2: 0.0,
-            wheel_accel_m_s2: 0.0,
-            pressure_kpa: f64::NAN,
-            road_m: f64::NAN,
-        };
-        LogRow { time_s, speed_m_s, corners: [Some(still); 4], motion: itpms_data::log::LogMotion::UNKNOWN }
+        let still = itpms_data::log::LogCorner::measured(0.0, 0.0);
+        LogRow::without_motion(time_s, speed_m_s, [Some(still); 4])
     }
 
     /// A drive of a minute, a stop of so many seconds and two seconds more: its report of the findings before the stop.

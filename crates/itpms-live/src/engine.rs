@@ -46,7 +46,7 @@ pub enum Published {
 pub struct Engine {
     vehicle: Vehicle,
     options: DriveOptions,
-    say: NoteSink,
+    notes: NoteSink,
     stage: Stage,
     saved: Option<SavedDrive>,
     source: Source,
@@ -80,7 +80,7 @@ impl Engine {
         options: DriveOptions,
         source: SourceName,
         saved: Option<SavedDrive>,
-        say: NoteSink,
+        notes: NoteSink,
     ) -> Self {
         let source = Source { name: source.name, kind: source.kind, rate_hz: f64::NAN, ..Source::default() };
         let stage = Stage::Surveying(Vec::new());
@@ -89,7 +89,7 @@ impl Engine {
         Self {
             vehicle,
             options,
-            say,
+            notes,
             stage,
             saved,
             source,
@@ -180,7 +180,7 @@ impl Engine {
     }
 
     fn warn(&self, text: &str) {
-        (self.say)(Note::Warning(format!("{}: {text}", self.source.name)));
+        (self.notes)(Note::Warning(format!("{}: {text}", self.source.name)));
     }
 
     /// `ended`: no more rows will come.
@@ -254,7 +254,7 @@ impl Engine {
         for corner in corners.iter().filter(|corner| !described(corner)) {
             let label = corner.label();
             let name = &self.source.name;
-            (self.say)(Note::Warning(format!(
+            (self.notes)(Note::Warning(format!(
                 "{name}: corner {label} is not in the vehicle file and is not estimated"
             )));
         }
@@ -283,11 +283,11 @@ impl Engine {
             if self.options.settings.pulses.is_some() && !saved.has_pulses() {
                 self.warn("the saved state has nothing of tooth pulses, and goes on without them");
             }
-            (self.say)(Note::Remark(format!("goes on from the saved state, at {time_s:.1} s")));
+            (self.notes)(Note::Remark(format!("goes on from the saved state, at {time_s:.1} s")));
             self.source.rate_hz = rate_hz;
             return Ok(drive);
         }
-        (self.say)(Note::Warning(format!(
+        (self.notes)(Note::Warning(format!(
             "the saved state is of {} at {rate_hz} Hz, found {} at {} Hz: begins afresh",
             labels(saved.corners()),
             labels(&clock.corners),
@@ -308,14 +308,14 @@ impl Engine {
             Place::Late => return Ok(()),
             Place::SetBack(back_s) => {
                 drive.gate = RateGate::new(self.options.settings.rate_hz);
-                (self.say)(Note::Warning(format!(
+                (self.notes)(Note::Warning(format!(
                     "{}: time went back by {back_s:.1} s to {:.1} s: the clock was set, what is known of the car stays",
                     self.source.name, row.time_s
                 )));
             }
         }
         if let Some(word) = self.units.take(row) {
-            (self.say)(Note::Warning(format!("{}: {word}", self.source.name)));
+            (self.notes)(Note::Warning(format!("{}: {word}", self.source.name)));
         }
         while let Some(pulse) = self.pulses.front().filter(|pulse| pulse.time_s <= row.time_s) {
             drive.pulse(pulse);
@@ -329,7 +329,7 @@ impl Engine {
         if drive.clock.has_side()
             && let Some(word) = self.speed.take(row.time_s, drive.speed_doubt())
         {
-            (self.say)(Note::Warning(format!("{}: {word}", self.source.name)));
+            (self.notes)(Note::Warning(format!("{}: {word}", self.source.name)));
         }
         self.source.rows += 1;
         self.newest_unix_s = unix_s();

@@ -43,7 +43,7 @@ pub struct Monitor {
     hub: Arc<Hub>,
     outputs: Vec<Output>,
     state: Option<StateFile>,
-    say: NoteSink,
+    notes: NoteSink,
     last_row: Instant,
     /// When a frame with a signal that is wanted came last.
     last_frame: Instant,
@@ -62,9 +62,9 @@ impl Monitor {
         hub: Arc<Hub>,
         outputs: Vec<Output>,
         state: Option<PathBuf>,
-        say: NoteSink,
+        notes: NoteSink,
     ) -> Self {
-        let state = state.map(|path| StateFile::new(path, Arc::clone(&say)));
+        let state = state.map(|path| StateFile::new(path, Arc::clone(&notes)));
         let now = Instant::now();
         Self {
             engine,
@@ -72,7 +72,7 @@ impl Monitor {
             hub,
             outputs,
             state,
-            say,
+            notes,
             last_row: now,
             last_frame: now,
             last_published: now,
@@ -93,7 +93,7 @@ impl Monitor {
     pub fn run(mut self, inputs: &Queue<Input>, stop: impl Fn() -> bool) -> Result<End, LiveError> {
         let end = self.estimate(inputs, stop);
         inputs.close();
-        let last = self.last_words(&end);
+        let last = self.last_message(&end);
         let saved = self.save_last();
         let outputs: Vec<Result<(), LiveError>> = self.outputs.into_iter().map(Output::finish).collect();
         let end = end?;
@@ -160,13 +160,13 @@ impl Monitor {
             Input::Disconnected(why) => {
                 let name = &self.engine.source_mut().name;
                 let text = format!("{name}: {why}; trying again");
-                (self.say)(Note::Warning(text));
+                (self.notes)(Note::Warning(text));
             }
             Input::Reconnected => {
                 self.engine.source_mut().reconnects += 1;
                 let name = &self.engine.source_mut().name;
                 let text = format!("{name}: is there again");
-                (self.say)(Note::Remark(text));
+                (self.notes)(Note::Remark(text));
             }
             Input::Ended => return Ok(Some(End::SourceEnded)),
             Input::Failed(why) => return Err(LiveError::Refused(why)),
@@ -215,7 +215,7 @@ impl Monitor {
         if source.frames > 0 {
             self.useless_reported = true;
             let (name, frames) = (&source.name, source.frames);
-            (self.say)(Note::Warning(format!(
+            (self.notes)(Note::Warning(format!(
                 "{name}: {frames} frames have come and none with a signal that is wanted; {unknown} have identifiers that the DBC file does not have"
             )));
         }
@@ -246,7 +246,7 @@ impl Monitor {
         let over = !failures.is_empty() && failures.len() == self.outputs.len() && !self.hub.is_read();
         if failures.len() > self.failures_reported && !over {
             self.failures_reported = failures.len();
-            (self.say)(Note::Warning(format!("an output has ended: {}", failures.join("; "))));
+            (self.notes)(Note::Warning(format!("an output has ended: {}", failures.join("; "))));
         }
         over
     }
@@ -258,7 +258,7 @@ impl Monitor {
     }
 
     /// At the end of the source what waits is estimated; that there will be nothing more is published in any case.
-    fn last_words(&mut self, end: &Result<End, LiveError>) -> Result<(), LiveError> {
+    fn last_message(&mut self, end: &Result<End, LiveError>) -> Result<(), LiveError> {
         let waiting = match end {
             Ok(End::SourceEnded) => self.estimate_waiting(),
             _ => Ok(()),
@@ -269,7 +269,7 @@ impl Monitor {
         let backwards = self.engine.out_of_order();
         if backwards > 0 {
             let text = format!("{backwards} rows were not later than the ones before them and were left out");
-            (self.say)(Note::Warning(text));
+            (self.notes)(Note::Warning(text));
         }
         waiting
     }
@@ -308,7 +308,7 @@ struct StateFile {
 }
 
 impl StateFile {
-    fn new(path: PathBuf, say: NoteSink) -> Self {
+    fn new(path: PathBuf, notes: NoteSink) -> Self {
         let queue = Arc::new(Queue::<Vec<u8>>::new(1));
         let writer = thread::spawn({
             let (queue, path) = (Arc::clone(&queue), path.clone());
@@ -318,7 +318,7 @@ impl StateFile {
                     if let Some(bytes) = taken.pop_back()
                         && let Err(error) = state::write(&path, &bytes)
                     {
-                        say(Note::Warning(format!("the state was not saved: {error}")));
+                        notes(Note::Warning(format!("the state was not saved: {error}")));
                     }
                     taken.clear();
                 }

@@ -303,9 +303,9 @@ fn streams_and_connections_are_limited_and_come_free_again() {
     std::thread::sleep(Duration::from_millis(200));
     assert_eq!(raw(server.address(), "GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n").status, 503);
     let mut full = connect(server.address());
-    let mut said = String::new();
-    let _ = full.read_to_string(&mut said);
-    assert!(said.starts_with("HTTP/1.1 503") && said.contains("Connection: close"), "{said}");
+    let mut reported = String::new();
+    let _ = full.read_to_string(&mut reported);
+    assert!(reported.starts_with("HTTP/1.1 503") && reported.contains("Connection: close"), "{reported}");
     drop((idle, streams));
     // A stream whose client is gone is noticed with the next sign of life.
     wait_for(&server, "/metrics", |answer| answer.body.contains("itpms_http_streams 0"));
@@ -332,9 +332,9 @@ fn held_connections_keep_nobody_out() {
     let (server, _hub) = server();
     let answer = |mut stream: TcpStream| {
         stream.write_all(b"GET /metrics HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n").unwrap();
-        let mut said = String::new();
-        let _ = stream.read_to_string(&mut said);
-        said.split(' ').nth(1).unwrap_or_default().to_owned()
+        let mut reported = String::new();
+        let _ = stream.read_to_string(&mut reported);
+        reported.split(' ').nth(1).unwrap_or_default().to_owned()
     };
     // As many as there are seats, each with half a request, from one address.
     let held: Vec<TcpStream> = (0..96)

@@ -21,11 +21,11 @@ use itpms_live::queue::Queue;
 use itpms_live::snapshot::SourceState;
 use itpms_live::state::SavedDrive;
 
-use crate::common::{rows, say, snapshot, transition, with_large_stack};
+use crate::common::{notes, rows, snapshot, transition, with_large_stack};
 
 fn engine(saved: Option<SavedDrive>) -> Engine {
     let source = SourceName { name: "test".to_owned(), kind: "replay" };
-    Engine::new(Vehicle::paper(), DriveOptions::default(), source, saved, say())
+    Engine::new(Vehicle::paper(), DriveOptions::default(), source, saved, notes())
 }
 
 fn opened() -> Input {
@@ -37,16 +37,16 @@ fn input(row: LogRow) -> Input {
 }
 
 fn telling_engine(saved: Option<SavedDrive>) -> (Engine, Arc<Mutex<Vec<String>>>) {
-    let said = Arc::new(Mutex::new(Vec::new()));
-    let say: NoteSink = Arc::new({
-        let said = Arc::clone(&said);
+    let reported = Arc::new(Mutex::new(Vec::new()));
+    let notes: NoteSink = Arc::new({
+        let reported = Arc::clone(&reported);
         move |note| {
             let (Note::Remark(text) | Note::Warning(text)) = note;
-            said.lock().unwrap().push(text);
+            reported.lock().unwrap().push(text);
         }
     });
     let source = SourceName { name: "test".to_owned(), kind: "replay" };
-    (Engine::new(Vehicle::paper(), DriveOptions::default(), source, saved, say), said)
+    (Engine::new(Vehicle::paper(), DriveOptions::default(), source, saved, notes), reported)
 }
 
 /// Estimates of these rows as JSON, without what depends on the wall clock; and the bytes of the state after them.
@@ -90,15 +90,15 @@ fn resumed() {
 #[test]
 fn a_burst_of_a_bus_that_wakes_up_does_not_set_the_rate() {
     with_large_stack(|| {
-        let (mut engine, said) = telling_engine(None);
+        let (mut engine, reported) = telling_engine(None);
         let burst = rows(12).map(|row| LogRow { time_s: 0.4 * row.time_s, ..row });
         let then = rows(1000).map(|row| LogRow { time_s: 3.0 + row.time_s, ..row });
         for row in burst.chain(then) {
             engine.take(&row, None, &mut |_| {}).unwrap();
         }
         assert_eq!(engine.snapshot().source.rate_hz, 200.0);
-        let said = said.lock().unwrap();
-        assert!(said.len() == 1 && said[0].contains("2.0 ms apart: bursts"), "{said:?}");
+        let reported = reported.lock().unwrap();
+        assert!(reported.len() == 1 && reported[0].contains("2.0 ms apart: bursts"), "{reported:?}");
     });
 }
 
@@ -135,33 +135,34 @@ fn a_clock_that_is_set_back_is_no_other_car() {
         let all: Vec<LogRow> = rows(1200).map(back).collect();
         for (saved, first_s) in [(None, 0.0), (Some(saved), 0.15)] {
             let resumed = usize::from(saved.is_some());
-            let (mut engine, said) = telling_engine(saved);
+            let (mut engine, reported) = telling_engine(saved);
             engine.open(200.0, &Corner::ALL, false).unwrap();
-            let mut told_s = Vec::new();
+            let mut reported_s = Vec::new();
             for row in &all {
-                let tell = &mut |published| {
+                let notify = &mut |published| {
                     if let Published::Estimate(snapshot) = published {
-                        told_s.push(snapshot.time_s);
+                        reported_s.push(snapshot.time_s);
                     }
                 };
-                engine.take(row, None, tell).unwrap();
+                engine.take(row, None, notify).unwrap();
             }
             let set_back = 1 + resumed as u64;
             assert_eq!(engine.out_of_order(), 15 * set_back);
             assert_eq!(engine.drive().unwrap().time_s(), all[1199].time_s);
             // Ten a second all the while.
-            assert!((told_s[0] - first_s).abs() < 0.08 && told_s.len() >= 58, "{told_s:?}");
-            let said = said.lock().unwrap();
-            let count = said.iter().filter(|text| text.contains("what is known of the car stays")).count();
-            assert_eq!((count, said.len()), (1 + resumed, 1 + 2 * resumed), "{said:?}");
+            assert!((reported_s[0] - first_s).abs() < 0.08 && reported_s.len() >= 58, "{reported_s:?}");
+            let reported = reported.lock().unwrap();
+            let count =
+                reported.iter().filter(|text| text.contains("what is known of the car stays")).count();
+            assert_eq!((count, reported.len()), (1 + resumed, 1 + 2 * resumed), "{reported:?}");
         }
     });
 }
 
 #[test]
-fn numbers_in_another_unit_are_told_of_once() {
+fn numbers_in_another_unit_are_reported_once() {
     with_large_stack(|| {
-        let (mut engine, said) = telling_engine(None);
+        let (mut engine, reported) = telling_engine(None);
         engine.open(200.0, &Corner::ALL, false).unwrap();
         for mut row in rows(5000) {
             for corner in row.corners.iter_mut().flatten() {
@@ -170,8 +171,8 @@ fn numbers_in_another_unit_are_told_of_once() {
             }
             engine.take(&row, None, &mut |_| {}).unwrap();
         }
-        let said = said.lock().unwrap();
-        assert!(said.len() == 1 && said[0].contains("wrong units suspected"), "{said:?}");
+        let reported = reported.lock().unwrap();
+        assert!(reported.len() == 1 && reported[0].contains("wrong units suspected"), "{reported:?}");
     });
 }
 
@@ -212,10 +213,10 @@ fn refused() {
 }
 
 #[test]
-fn silence_is_told_within_a_second_and_a_half_and_rows_end_it() {
+fn silence_is_reported_within_a_second_and_a_half_and_rows_end_it() {
     let hub = Hub::new();
     let inputs = Arc::new(Queue::new(1000));
-    let monitor = Monitor::new(engine(None), Arc::clone(&hub), vec![], None, say());
+    let monitor = Monitor::new(engine(None), Arc::clone(&hub), vec![], None, notes());
     let thread = thread::Builder::new().stack_size(8 << 20);
     let thread = thread.spawn({
         let inputs = Arc::clone(&inputs);
@@ -268,7 +269,7 @@ fn after_a_silence_of_the_bus_rows_come_as_before() {
     let hub = Hub::new();
     let inputs = Arc::new(Queue::new(10_000));
     let feed = Feed::new(Decoder::new(Dbc::parse(DBC).unwrap(), None).unwrap(), Vec::new());
-    let monitor = Monitor::new(engine(None), Arc::clone(&hub), vec![], None, say()).with_feed(feed);
+    let monitor = Monitor::new(engine(None), Arc::clone(&hub), vec![], None, notes()).with_feed(feed);
     let thread = thread::Builder::new().stack_size(8 << 20);
     let thread = thread.spawn({
         let inputs = Arc::clone(&inputs);

@@ -1,6 +1,6 @@
 //! A real broker that is stopped and started again in the middle: every warning arrives.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, VecDeque};
 use std::io::{Write as _, stderr};
 use std::net::TcpListener;
 use std::path::Path;
@@ -16,11 +16,10 @@ use itpms_live::output::Mqtt;
 use itpms_live::queue::Queue;
 use itpms_live::source::broker;
 use rumqttc::{Client, Event, MqttOptions, Packet, QoS};
-use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::common::{say, snapshot, transition};
+use crate::common::{notes, snapshot, transition};
 
 /// A Mosquitto of this test alone.
 struct Broker {
@@ -138,7 +137,7 @@ fn address(port: u16, topic: &str) -> BrokerAddress {
 fn every_warning_arrives_though_the_broker_is_restarted_twice_in_the_middle() {
     let Some(mut broker) = Broker::start() else { return };
     let arrivals = subscribe(broker.port, "car7/#");
-    let output = Mqtt::open(address(broker.port, "car7"), &say()).unwrap().start();
+    let output = Mqtt::open(address(broker.port, "car7"), &notes()).unwrap().start();
     let warnings = 900u64;
     for seq in 0..warnings {
         match seq {
@@ -181,11 +180,11 @@ fn every_warning_arrives_though_the_broker_is_restarted_twice_in_the_middle() {
 }
 
 #[test]
-fn lines_that_come_as_messages_are_frames_and_a_restart_is_told() {
+fn lines_that_come_as_messages_are_frames_and_a_restart_is_reported() {
     let Some(mut broker) = Broker::start() else { return };
     let inputs = Arc::new(Queue::new(100));
     let stop = Arc::new(AtomicBool::new(false));
-    broker::start(address(broker.port, "bus"), Arc::clone(&inputs), Arc::clone(&stop), say());
+    broker::start(address(broker.port, "bus"), Arc::clone(&inputs), Arc::clone(&stop), notes());
     let send = |port: u16| {
         let (client, mut connection) = Client::new(MqttOptions::new("sender", "127.0.0.1", port), 10);
         let text = "(1.5) can0 123#01\n(1.6) can0 123#02\nnonsense\n";
@@ -264,20 +263,20 @@ fn who_has_the_password_and_believes_the_authority_is_let_in_and_nobody_else() {
         let ca = ca.map(|ca| broker.dir.path().join(ca));
         let password = password.map(|text| Password::new(text.to_owned()));
         let address = address.with_access(password, ca.as_deref()).unwrap();
-        let (said, heard) = mpsc::channel();
-        let say: itpms_live::input::NoteSink = Arc::new(move |note| {
+        let (reported, heard) = mpsc::channel();
+        let notes: itpms_live::input::NoteSink = Arc::new(move |note| {
             let (itpms_live::input::Note::Remark(text) | itpms_live::input::Note::Warning(text)) = note;
-            drop(said.send(text));
+            drop(reported.send(text));
         });
-        let output = Mqtt::open(address, &say).unwrap().start();
+        let output = Mqtt::open(address, &notes).unwrap().start();
         output.publish(&Published::Warning(transition(7)));
         let first = heard.recv_timeout(Duration::from_secs(2)).unwrap_or_default();
         output.finish().unwrap();
         (first, heard.try_iter().any(|text| text.contains("were never acknowledged")))
     };
     let right = "mqtts://car7@localhost:PORT/car7";
-    let (said, lost) = first(right, Some("secret"), Some("ca.pem"));
-    assert!(said.is_empty() && !lost, "{said}");
+    let (reported, lost) = first(right, Some("secret"), Some("ca.pem"));
+    assert!(reported.is_empty() && !lost, "{reported}");
     for (address, password, ca) in [
         (right, Some("wrong"), Some("ca.pem")),
         (right, None, Some("ca.pem")),
@@ -288,9 +287,9 @@ fn who_has_the_password_and_believes_the_authority_is_let_in_and_nobody_else() {
         ("mqtts://car7@127.0.0.1:PORT/car7", Some("secret"), Some("ca.pem")),
         ("mqtt://car7@localhost:PORT/car7", Some("secret"), None),
     ] {
-        let (said, lost) = first(address, password, ca);
-        assert!(said.contains("trying again") && lost, "{address} {password:?} {ca:?}: {said}");
-        assert!(!said.contains("secret"), "{said}");
-        println!("{said}");
+        let (reported, lost) = first(address, password, ca);
+        assert!(reported.contains("trying again") && lost, "{address} {password:?} {ca:?}: {reported}");
+        assert!(!reported.contains("secret"), "{reported}");
+        println!("{reported}");
     }
 }

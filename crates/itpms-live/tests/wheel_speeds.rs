@@ -11,7 +11,7 @@ use itpms_live::engine::{Engine, Published};
 use itpms_live::input::SourceName;
 use itpms_live::state::SavedDrive;
 
-use crate::common::{say, with_large_stack};
+use crate::common::{notes, with_large_stack};
 
 const RATE_HZ: f64 = 50.0;
 const WHEELS: &str = r#"[vehicle]
@@ -57,7 +57,7 @@ fn calibrating(seconds: f64, pulses: Option<&str>) -> DriveOptions {
 
 fn engine_with(saved: Option<SavedDrive>, options: DriveOptions) -> Engine {
     let source = SourceName { name: "bus".to_owned(), kind: "replay" };
-    Engine::new(Vehicle::parse(WHEELS).unwrap(), options, source, saved, say())
+    Engine::new(Vehicle::parse(WHEELS).unwrap(), options, source, saved, notes())
 }
 
 /// Alerts as they began, with what was reported of the wheels in the end.
@@ -125,7 +125,7 @@ fn pulses_count_once_however_often_the_monitor_starts() {
         let start = |saved: Option<Vec<u8>>, options: DriveOptions| {
             let saved = saved.map(|bytes| SavedDrive::parse(&bytes, &vehicle, &options).unwrap());
             let source = SourceName { name: "bus".to_owned(), kind: "replay" };
-            Engine::new(vehicle.clone(), options, source, saved, say())
+            Engine::new(vehicle.clone(), options, source, saved, notes())
         };
         let drive = |engine: &mut Engine, rows: std::ops::Range<u32>| {
             for k in rows.clone() {
@@ -154,7 +154,7 @@ fn pulses_without_wheel_speeds_or_placards_are_refused() {
         assert!(word.contains("has no placard_kpa of all four corners"), "{word}");
         let car = Vehicle::paper();
         let source = SourceName { name: "bus".to_owned(), kind: "replay" };
-        let mut engine = Engine::new(car, with_pulses.clone(), source, None, say());
+        let mut engine = Engine::new(car, with_pulses.clone(), source, None, notes());
         let word = engine.open(200.0, &[Corner::FrontLeft], false).unwrap_err().to_string();
         assert!(word.contains("tooth pulses count together with wheel speeds"), "{word}");
     });

@@ -8,7 +8,7 @@ use super::cursor::GroupCursor;
 use super::error::Mdf4Error;
 use super::reader::Mdf4Reader;
 
-/// What the frames of a group are.
+/// Kind of a group's frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FrameGroupKind {
     /// Frames with data.

@@ -1,4 +1,4 @@
-//! What a file holds: channel groups and their channels, as the reader shows them.
+//! Contents of a file: channel groups and their channels.
 //!
 //! Made by the structure, used by everybody who reads MDF4; knows nothing of files.
 
@@ -33,11 +33,11 @@ pub struct Channel {
     pub is_time: bool,
     /// Of an element of a short array: its number from zero, and how many there are. Its name is the array's and `[0]`.
     pub element: Option<(u32, u32)>,
-    /// What can be read of it.
+    /// Its readable content.
     pub kind: ChannelKind,
 }
 
-/// What a channel holds.
+/// Kind of a channel's values.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ChannelKind {
     /// Numbers, physical ones where the file says how to compute them.

@@ -19,7 +19,7 @@ const MOST_NUMBERS: usize = 1 << 21;
 /// Tables whose values are converted again, one inside the other.
 const DEEPEST: usize = 4;
 
-/// What makes a physical value of a raw one (ASAM MDF 4.1, CCBLOCK, `cc_type`).
+/// Conversion of a raw to a physical value (ASAM MDF 4.1, CCBLOCK, `cc_type`).
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Conversion {
     /// None, or into text alone.

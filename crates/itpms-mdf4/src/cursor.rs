@@ -98,7 +98,7 @@ impl GroupCursor {
         }
     }
 
-    /// What was mended or left out of the data; complete once [`GroupCursor::next`] has returned `None`.
+    /// Repairs and omissions in the data; complete once [`GroupCursor::next`] has returned `None`.
     #[must_use]
     pub fn repairs(&self) -> &[Mdf4Repair] {
         self.repairs.list()

@@ -1,4 +1,4 @@
-//! What can be wrong with an MDF4 file: named where it was found, or repaired and reported.
+//! Problems of an MDF4 file: named where found, or repaired and reported.
 //!
 //! Made by every part of this module; [`Damage`] becomes an error or a repair only where it is known whether the rest of
 //! the file can be read without it.
@@ -106,7 +106,7 @@ pub enum Mdf4Problem {
     IntegerRange { channel: String, found: f64, least: f64, most: f64 },
 }
 
-/// What was mended or left out while reading; its text is a remark, not a failure.
+/// A repair or an omission while reading; its text is a remark, not a failure.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
 #[allow(missing_docs, reason = "the messages say it")]

@@ -15,7 +15,7 @@ pub(super) enum Generation {
     Four,
 }
 
-/// What the writer had not written yet (`id_unfin_flags`, ASAM MDF 4.1).
+/// Parts that the writer had not written yet (`id_unfin_flags`, ASAM MDF 4.1).
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct Unfinished {
     /// Whether the file says that it is not complete.

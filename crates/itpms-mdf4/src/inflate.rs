@@ -16,7 +16,7 @@ pub(super) const MOST_INFLATED: u64 = 64 << 20;
 /// Bytes read from the file at a time.
 const READ: usize = 64 << 10;
 
-/// What a compressed block gave.
+/// Result of a compressed block.
 #[derive(Debug)]
 pub(super) struct Inflated {
     /// Bytes that are missing in the buffer: all the block has, or those behind the point where the file ends.
@@ -24,7 +24,7 @@ pub(super) struct Inflated {
     pub(super) damage: Option<Damage>,
 }
 
-/// What a compressed block says of itself (DZBLOCK, behind the frame).
+/// Header of a compressed block (DZBLOCK, behind the frame).
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Zipped {
     method: Method,

@@ -287,7 +287,7 @@ impl Walk<'_> {
         Ok(block.map_or(String::new(), |block| block.text(4, super::text::LONGEST)))
     }
 
-    /// What makes a physical value (CCBLOCK).
+    /// Conversion to a physical value (CCBLOCK).
     fn conversion(&mut self, block: &Block) -> Conversion {
         let count = usize::from(block.u16(44));
         let p = |i: usize| block.f64(46 + 8 * i);

@@ -49,7 +49,7 @@ impl Mdf4Reader {
             Generation::Four => structure::read(&mut file, unfinished, &mut repairs)?,
         };
         forget_zero_counts(&mut file, &mut structure, &mut repairs)?;
-        say_units_of_clocks(&structure, &mut repairs);
+        note_units_of_clocks(&structure, &mut repairs);
         let places = std::mem::take(&mut structure.places).into();
         Ok(Self { path: path.to_owned(), structure, places, unfinished, repairs })
     }
@@ -264,7 +264,7 @@ fn forget_zero_counts(
 }
 
 /// The standard has masters in s; those that say another unit are read in it.
-fn say_units_of_clocks(structure: &Structure, repairs: &mut Repairs) {
+fn note_units_of_clocks(structure: &Structure, repairs: &mut Repairs) {
     for (group, layout) in structure.groups.iter().zip(&structure.layouts) {
         let Some(clock) = layout.time.and_then(|time| group.channels.get(time)) else { continue };
         if clock_unit::seconds(&clock.unit).is_some_and(|seconds| seconds != 1.0) {

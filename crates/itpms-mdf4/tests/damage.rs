@@ -60,8 +60,8 @@ fn read_groups(path: &Path) -> Result<Read, String> {
         assert!(progress == 1.0, "{progress}");
         read.repairs.extend_from_slice(cursor.repairs());
     }
-    for said in read.repairs.iter().map(ToString::to_string).chain(read.errors.iter().cloned()) {
-        assert!(!said.is_empty() && said.len() < 5000, "{said}");
+    for messages in read.repairs.iter().map(ToString::to_string).chain(read.errors.iter().cloned()) {
+        assert!(!messages.is_empty() && messages.len() < 5000, "{messages}");
     }
     Ok(read)
 }
@@ -132,11 +132,11 @@ fn a_file_cut_at_any_byte_is_read_up_to_there_or_named() {
             match read_all(&path) {
                 Err(error) => assert!(error.contains("cut.mf4: "), "{error}"),
                 Ok(read) => {
-                    let said = read.repairs.len() + read.errors.len() > whole.repairs.len();
+                    let repaired = read.repairs.len() + read.errors.len() > whole.repairs.len();
                     let complete = read.samples == whole.samples && read.digest == whole.digest;
                     // Of files that are cut by their nature the last words are the same.
                     let unfinished = name.starts_with("unfinalised");
-                    assert!(said || complete || unfinished, "{name} cut at {cut}: nothing was said");
+                    assert!(repaired || complete || unfinished, "{name} cut at {cut}: nothing was said");
                 }
             }
         }
@@ -208,22 +208,22 @@ fn peak_memory_mb() -> u64 {
 fn what_is_no_mdf4_is_named() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("no.mf4");
-    let said = |bytes: &[u8]| {
+    let messages = |bytes: &[u8]| {
         put(&path, bytes);
         Mdf4Reader::open(&path).unwrap_err().problem.to_string()
     };
-    assert_eq!(said(b""), "not an MDF file: it begins with \"\", expected \"MDF     \" or \"UnFinMF \"");
+    assert_eq!(messages(b""), "not an MDF file: it begins with \"\", expected \"MDF     \" or \"UnFinMF \"");
     assert_eq!(
-        said(b"time_s,speed"),
+        messages(b"time_s,speed"),
         "not an MDF file: it begins with \"time_s,s\", expected \"MDF     \" or \"UnFinMF \""
     );
     let mut bytes = fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/plain.mf4")).unwrap();
     assert_eq!(
-        said(&bytes[..100]),
+        messages(&bytes[..100]),
         "cut off after 100 bytes, expected at least the 168 of the identification and the header"
     );
     let first = u64::from_le_bytes(bytes[88..96].try_into().unwrap());
-    let cut = said(&bytes[..first as usize + 10]);
+    let cut = messages(&bytes[..first as usize + 10]);
     assert_eq!(
         cut,
         format!(
@@ -232,9 +232,9 @@ fn what_is_no_mdf4_is_named() {
         )
     );
     bytes[28..30].copy_from_slice(&520u16.to_le_bytes());
-    assert_eq!(said(&bytes), "MDF version 5.20, expected 2.00 to 4.39");
+    assert_eq!(messages(&bytes), "MDF version 5.20, expected 2.00 to 4.39");
     bytes[28..30].copy_from_slice(&330u16.to_le_bytes());
-    assert_eq!(said(&bytes), "header at byte 64: found \"##\", expected \"HD\"");
+    assert_eq!(messages(&bytes), "header at byte 64: found \"##\", expected \"HD\"");
     assert!(
         Mdf4Reader::open(dir.path()).unwrap_err().to_string().ends_with("is a directory, expected a file")
     );
@@ -279,10 +279,10 @@ fn a_damaged_block_in_the_middle_costs_its_samples_and_no_others() {
             expected += 1;
         }
         assert_eq!(expected, 125_000);
-        let said: Vec<String> = cursor.repairs().iter().map(ToString::to_string).collect();
+        let messages: Vec<String> = cursor.repairs().iter().map(ToString::to_string).collect();
         let block = format!("compressed block at byte {}: cannot be unpacked; it is left out", places[1]);
         assert_eq!(
-            said,
+            messages,
             [
                 format!("group \"g\": {block}"),
                 "group \"g\": 52428 samples in damaged blocks are left out".to_owned(),
@@ -332,10 +332,10 @@ fn rings_of_links_are_refused() {
         bytes[at + 24..at + 32].copy_from_slice(&(at as u64).to_le_bytes());
         put(&path, &bytes);
         let read = read_all(&path).unwrap();
-        let said: Vec<String> = read.repairs.iter().map(ToString::to_string).collect();
+        let messages: Vec<String> = read.repairs.iter().map(ToString::to_string).collect();
         assert!(
-            said.iter().any(|said| said.contains("a link back to a block that was read before")),
-            "{said:?}"
+            messages.iter().any(|messages| messages.contains("a link back to a block that was read before")),
+            "{messages:?}"
         );
     }
 }

@@ -237,11 +237,11 @@ fn versions_2_and_3_are_read_with_their_conversions() {
 }
 
 #[test]
-fn an_unfinalised_file_is_read_to_its_end_and_that_is_said() {
+fn an_unfinalised_file_is_read_to_its_end_and_that_is_reported() {
     let reader = Mdf4Reader::open(&file("unfinalised.mf4")).unwrap();
-    let said: Vec<String> = reader.repairs().iter().map(ToString::to_string).collect();
+    let messages: Vec<String> = reader.repairs().iter().map(ToString::to_string).collect();
     assert_eq!(
-        said,
+        messages,
         [
             "the file was not finalised (missing: numbers of samples, length of the last data block): taken from \
           the data instead"
@@ -268,6 +268,6 @@ fn a_file_whose_writer_was_killed_and_never_said_so_is_read_to_its_end() {
     let found = read(&reader, "accel");
     same(&found.times, FAST, fast_time);
     same(&found.values, FAST, accel);
-    let said = found.repairs[0].to_string();
-    assert!(said.ends_with("has no length; it is taken to reach to the end of the file"), "{said}");
+    let messages = found.repairs[0].to_string();
+    assert!(messages.ends_with("has no length; it is taken to reach to the end of the file"), "{messages}");
 }

@@ -63,13 +63,13 @@ fn groups_at_their_own_rates_come_back_with_names_units_and_values() {
         assert_eq!(reader.start_ns(), 1_700_000_000_000_000_000);
         let names: Vec<&str> = reader.groups().iter().map(|group| group.name.as_str()).collect();
         assert_eq!(names, ["fast", "slow", "never"]);
-        let said: Vec<_> = reader.groups()[0]
+        let messages: Vec<_> = reader.groups()[0]
             .channels
             .iter()
             .map(|c| (c.name.as_str(), c.unit.as_str(), c.comment.as_str(), c.is_time))
             .collect();
         assert_eq!(
-            said,
+            messages,
             [
                 ("time", "s", "", true),
                 ("fl_body", "m/s²", "front <left>", false),

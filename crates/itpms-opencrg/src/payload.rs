@@ -58,11 +58,11 @@ fn read_binary(
             return Err(if there + 1 == expected && found > 0 {
                 CrgProblem::CutOff { place, found, expected: channels }
             } else {
-                header_says(there, expected)
+                header_has(there, expected)
             });
         }
         if there > expected && data.len() - expected * row_bytes >= RECORD {
-            return Err(header_says(there, expected));
+            return Err(header_has(there, expected));
         }
         rows = expected;
     }
@@ -77,7 +77,7 @@ fn read_binary(
 }
 
 /// Placeholder of an error that the reader completes: only it knows the header's lengths.
-fn header_says(found: usize, expected: usize) -> CrgProblem {
+fn header_has(found: usize, expected: usize) -> CrgProblem {
     CrgProblem::Length { found, expected, start_m: f64::NAN, end_m: f64::NAN, increment_m: f64::NAN }
 }
 

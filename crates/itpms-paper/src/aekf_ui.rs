@@ -23,7 +23,6 @@ pub(super) const MAX_MOTION: f64 = 1e3;
 /// EKF-UI and AEKF-UI as published. A value: clone it, save it (feature `serde`), resume it bit-identically.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[allow(non_snake_case)]
 pub struct AekfUi<T: Real> {
     car: QuarterCar<T>,
     config: FilterConfig<T>,
@@ -99,7 +98,6 @@ impl<T: Real> AekfUi<T> {
     }
 
     /// The stages of Fig. 4 after the prediction.
-    #[allow(non_snake_case)]
     fn measured(&mut self, prediction: &Prediction<T>, y: &Vector2<T>) -> Result<StepRecord<T>, Divergence> {
         let FilterConfig { process_variance: Q, measurement_variance: R, .. } = &self.config;
         let outlook = ekf_ui::look_out(&self.car, &prediction.state, self.u, y);

@@ -37,7 +37,6 @@ const FURTHEST_SD: f64 = 10.0;
 /// The corrected filter. A value: clone it, save it (feature `serde`), resume it bit-identically.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[allow(non_snake_case)]
 pub struct AekfUiInformed<T: Real> {
     car: QuarterCar<T>,
     config: InformedConfig<T>,
@@ -135,7 +134,6 @@ impl<T: Real> AekfUiInformed<T> {
         }
     }
 
-    #[allow(non_snake_case)]
     fn update(&mut self, motion: &Motion<T>, dt_s: T, y: &Vector2<T>) -> InformedRecord<T> {
         let MotionStep { Phi, G_0, G_1 } = motion.step(dt_s);
         let H = &motion.H;
@@ -179,7 +177,6 @@ impl<T: Real> AekfUiInformed<T> {
     }
 
     /// A step without measurement: the road keeps its height, ever less surely, and the tire pushes accordingly.
-    #[allow(non_snake_case)]
     fn predict(&mut self, motion: &Motion<T>, dt_s: T) {
         // (48)  the road walks, and the force by k_t times that
         let walk = self.k_t * self.config.road_walk_m_sqrt_s;
@@ -263,7 +260,6 @@ impl<T: Real> AekfUiInformed<T> {
     }
 
     /// Forgets as the innovation asks, then corrects by it.
-    #[allow(non_snake_case)]
     fn absorb(&mut self, value: T, R: T) -> StiffnessUpdate<T> {
         let nu = value - self.k_t;
         let believed = self.P_k + R;

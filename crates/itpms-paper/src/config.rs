@@ -1,4 +1,4 @@
-//! What a published filter is given before it starts: initial state, covariances, and which reading of the
+//! Configuration of a published filter: initial state, covariances, and which reading of the
 //! equations that can be read in two ways. Presets hold the paper's numbers.
 //!
 //! Used by [`crate::aekf_ui`]; knows nothing of the recursion.

@@ -23,7 +23,6 @@ pub struct Prediction<T: Real> {
 }
 
 /// Prediction of the state by one Euler step of `dt_s` seconds, the paper's discretisation (eq. 6-9, 13, 14).
-#[allow(non_snake_case)]
 pub fn predict<T: Real>(car: &QuarterCar<T>, x: &Vector5<T>, u: T, P: &Matrix5<T>, dt_s: T) -> Prediction<T> {
     // (13)  Aₖ₋₁ = ∂fₖ₋₁/∂x = I + Δt ∂f/∂x  at x̂⁺ₖ₋₁, u*ₖ₋₁
     let A = Matrix5::identity() + quarter_car::derivative_jacobian(car, x, u) * dt_s;
@@ -33,7 +32,6 @@ pub fn predict<T: Real>(car: &QuarterCar<T>, x: &Vector5<T>, u: T, P: &Matrix5<T
 }
 
 /// `P⁻_k` from the propagated covariance, a factor and the diagonal of `Q` (eq. 14 with `lambda = 1`, eq. 18).
-#[allow(non_snake_case)]
 pub fn prior_covariance<T: Real>(propagated: &Matrix5<T>, lambda: T, Q: &Vector5<T>) -> Matrix5<T> {
     // (18)  P⁻ₖ = λ A P⁺ₖ₋₁ Aᵀ + Q
     propagated * lambda + Matrix5::from_diagonal(Q)
@@ -41,7 +39,6 @@ pub fn prior_covariance<T: Real>(propagated: &Matrix5<T>, lambda: T, Q: &Vector5
 
 /// What the measurement looks like from the prior state (eq. 15, 19).
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[allow(non_snake_case)]
 pub struct Outlook<T: Real> {
     /// `H_k`, 2x5.
     pub H: Matrix2x5<T>,
@@ -52,7 +49,6 @@ pub struct Outlook<T: Real> {
 }
 
 /// Jacobians and residual at the prior state and the previous input (eq. 15, 19).
-#[allow(non_snake_case)]
 pub fn look_out<T: Real>(
     car: &QuarterCar<T>,
     x_prior: &Vector5<T>,
@@ -70,7 +66,6 @@ pub fn look_out<T: Real>(
 
 /// The input estimate and the gain it comes with (eq. 16, 20).
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[allow(non_snake_case)]
 pub struct InputEstimate<T: Real> {
     /// `H P⁻ Hᵀ + R`, the residual's covariance as the filter believes it, in (m/s²)².
     pub C: Matrix2<T>,
@@ -84,7 +79,6 @@ pub struct InputEstimate<T: Real> {
 
 /// Gain and unknown input (eq. 16). `R` is the diagonal of the measurement covariance. `None` when the measurement
 /// does not determine the input: a singular residual covariance or `S_k` not positive and finite.
-#[allow(non_snake_case)]
 pub fn estimate_input<T: Real>(
     outlook: &Outlook<T>,
     P: &Matrix5<T>,
@@ -109,7 +103,6 @@ pub fn estimate_input<T: Real>(
 }
 
 /// Correction of state and covariance (eq. 17), in the paper's product form.
-#[allow(non_snake_case)]
 pub fn correct<T: Real>(
     car: &QuarterCar<T>,
     x_prior: &Vector5<T>,

@@ -11,7 +11,6 @@ use itpms_core::Real;
 /// Fading sums of the residual's outer products (eq. 31-33).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[allow(non_snake_case)]
 pub struct ResidualMemory<T: Real> {
     G_1: Matrix2<T>,
     G_2: T,
@@ -38,7 +37,6 @@ impl<T: Real> ResidualMemory<T> {
 
 /// What the factor is drawn from: the measurement matrix, `A P⁺ Aᵀ`, the diagonals of `Q` and `R`, and the measured residual covariance.
 #[derive(Debug, Clone, Copy)]
-#[allow(non_snake_case)]
 pub struct Evidence<'a, T: Real> {
     /// `H_k`, 2x5.
     pub H: &'a Matrix2x5<T>,
@@ -53,7 +51,6 @@ pub struct Evidence<'a, T: Real> {
 }
 
 /// The one-step factor (eq. 28).
-#[allow(non_snake_case)]
 pub fn one_step_factor<T: Real>(evidence: &Evidence<'_, T>) -> T {
     let Evidence { H, propagated, Q, R, C_0 } = evidence;
     // (29)  M = H A P⁺ Aᵀ Hᵀ
@@ -65,7 +62,6 @@ pub fn one_step_factor<T: Real>(evidence: &Evidence<'_, T>) -> T {
 }
 
 /// `T_k` and its derivative to `lambda` for a prior covariance `lambda A P⁺ Aᵀ + Q` (eq. 18, 23).
-#[allow(non_snake_case)]
 fn mismatch<T: Real>(evidence: &Evidence<'_, T>, lambda: T) -> Option<(Matrix5x2<T>, Matrix5x2<T>)> {
     let Evidence { H, propagated: F, Q, R, C_0 } = evidence;
     // (18)  P⁻Hᵀ with P⁻ = λF + Q, and its derivative FHᵀ
@@ -93,7 +89,6 @@ pub fn optimality<T: Real>(evidence: &Evidence<'_, T>, lambda: T) -> T {
 /// The paper leaves `lambda⁰` open, and it matters: (24) has a second minimum at no gain at all, `lambda = 0`, into
 /// which the descent falls from any start with `C_0 R > (H P⁻ Hᵀ + R)²` (scalar case). So it starts from above, at
 /// the factor that would explain the whole residual by the state, or at `previous_lambda` if that is larger.
-#[allow(non_snake_case)]
 pub fn iterative_factor<T: Real>(
     settings: &GradientDescent<T>,
     evidence: &Evidence<'_, T>,

@@ -25,6 +25,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
 #![allow(missing_docs, reason = "a part of the program: names say it, and comments what they do not")]
+#![allow(non_snake_case, reason = "matrices have the paper's letters")]
 #![allow(clippy::op_ref)] // A matrix that is multiplied by value is copied on the stack first.
 
 pub mod aekf_ui;

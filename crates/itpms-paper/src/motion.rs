@@ -14,7 +14,6 @@ pub const TIRE_FORCE: usize = 4;
 
 /// The linear system `ẋ = A x + b F`, `y = H x + D F` of the four motion states and the tire's force.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[allow(non_snake_case)]
 pub struct Motion<T: Real> {
     /// 4x4, leak included.
     pub A: Matrix4<T>,
@@ -28,7 +27,6 @@ pub struct Motion<T: Real> {
 
 /// One step of a [`Motion`] with the force moving in a straight line.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[allow(non_snake_case)]
 pub struct MotionStep<T: Real> {
     /// `Φ = ∂x_k/∂x_{k-1}`, 4x4.
     pub Phi: Matrix4<T>,
@@ -40,7 +38,6 @@ pub struct MotionStep<T: Real> {
 
 impl<T: Real> Motion<T> {
     /// The quarter car pushed by its tire, forgetting what body and wheel share at `leak_rad_s`.
-    #[allow(non_snake_case)]
     pub fn new(car: &QuarterCar<T>, leak_rad_s: T) -> Self {
         let (k_s, c_s) = (car.spring_n_per_m(), car.damping_n_s_per_m());
         // (39)  suspension force on the body: k_s (x_w - x_b) + c_s (ẋ_w - ẋ_b)
@@ -67,7 +64,6 @@ impl<T: Real> Motion<T> {
     }
 
     /// A step of `dt_s` seconds, exact to third order.
-    #[allow(non_snake_case)]
     pub fn step(&self, dt_s: T) -> MotionStep<T> {
         let Self { A, b, .. } = self;
         let I = Matrix4::identity();
@@ -81,7 +77,6 @@ impl<T: Real> Motion<T> {
 
     /// The same step over a road that keeps its height under a tire of stiffness `k_t`: 5x5 for motion and force,
     /// which then follows the wheel, `Ḟ = -k_t ẋ_w`.
-    #[allow(non_snake_case)]
     pub fn step_on_still_road(&self, k_t: T, dt_s: T) -> Matrix5<T> {
         let mut A = Matrix5::zeros();
         A.fixed_view_mut::<TIRE_FORCE, TIRE_FORCE>(0, 0).copy_from(&self.A);

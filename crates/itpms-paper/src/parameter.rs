@@ -50,7 +50,6 @@ impl<T: Real> ParameterForgetting<T> {
 /// Fading sums of squared innovations, each weighted by the information `1/R` of its measurement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[allow(non_snake_case)]
 pub struct ParameterMemory<T> {
     G_1: T,
     G_2: T,
@@ -67,7 +66,6 @@ impl<T: Real> Default for ParameterMemory<T> {
 impl<T: Real> ParameterMemory<T> {
     /// The factor for the parameter's prior variance `P`, after an innovation `nu` against a measurement of
     /// variance `R` (all in the parameter's units, squared where a variance).
-    #[allow(non_snake_case)]
     pub fn take_in(&mut self, settings: &ParameterForgetting<T>, nu: T, R: T, P: T) -> T {
         let ParameterForgetting::Adaptive { memory, significance } = *settings else {
             return T::one();

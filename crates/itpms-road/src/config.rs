@@ -1,4 +1,4 @@
-//! What the road estimate is given: the corner, its sensors, how rough the road may be, and how late the sensors are.
+//! Configuration of the road estimate: the corner, its sensors, how rough the road may be, and how late the sensors are.
 //!
 //! Made by whoever owns an estimator; read by [`crate::RoadFilter`] and [`crate::RoadRecorder`].
 use itpms_core::Real;

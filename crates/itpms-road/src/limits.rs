@@ -1,4 +1,4 @@
-//! What two accelerometers can see of a road: which wavelengths, how well (docs/math/road.md, section 5).
+//! Observability of a road by two accelerometers: which wavelengths, how well (docs/math/road.md, section 5).
 //!
 //! Called by whoever states a record's band or an error bar for it; reads no data.
 

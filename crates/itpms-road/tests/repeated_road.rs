@@ -120,11 +120,11 @@ fn without_change_the_level_stays_unknown() {
 fn told_or_found_the_period_gives_the_same() {
     let rows = loss().rows();
     let found = run(calibrated(bed_of(&config()), 10.0), &rows);
-    let told = RoadRepetition::Every(RoadPeriod::new(PERIOD_S).unwrap());
-    let told = run(calibrated(Bed::new(&config(), 500.0, told).unwrap(), 10.0), &rows);
+    let known = RoadRepetition::Every(RoadPeriod::new(PERIOD_S).unwrap());
+    let known = run(calibrated(Bed::new(&config(), 500.0, known).unwrap(), 10.0), &rows);
     // Both know the road from more than ten passes, only not from the same ones.
     let far =
-        found.iter().zip(&told).skip(10_000).all(|(a, b)| (a.pressure_kpa - b.pressure_kpa).abs() < 1.5);
+        found.iter().zip(&known).skip(10_000).all(|(a, b)| (a.pressure_kpa - b.pressure_kpa).abs() < 1.5);
     assert!(far);
     for period_s in [0.0, -0.66, 0.01, 60.0, f64::NAN, f64::INFINITY] {
         assert_eq!(RoadPeriod::new(period_s).unwrap_err().name, "road_period_s");

@@ -14,7 +14,7 @@ fn each_wheel_has_the_road_of_a_filter_of_its_own() {
     let (mut car, mut roads) = (car(&config), RoadUnderCar::new(&config, RATE_HZ).unwrap());
     let corner = config.corners[2].unwrap();
     let road = RoadConfig::new(corner.quarter_car, corner.initial_stiffness_n_per_m(), 0.05).unwrap();
-    let (mut alone, mut told_s, mut known) = (RoadFilter::new(&road), f64::NEG_INFINITY, 0);
+    let (mut alone, mut reported_s, mut known) = (RoadFilter::new(&road), f64::NEG_INFINITY, 0);
     // Times count from the first stamp on, as the car's do: a tenth of a second ends with the same sample.
     let mut clock = SampleClock::<f64>::new(RATE_HZ).unwrap();
     for row in &rows {
@@ -24,8 +24,8 @@ fn each_wheel_has_the_road_of_a_filter_of_its_own() {
         assert!(estimate.corners.iter().flatten().all(|corner| corner.road_m.is_nan()));
         roads.update(row, &cars, &mut estimate);
         let rear_left = estimate.corners[2].unwrap();
-        if !(now_s - told_s < 0.1) {
-            told_s = now_s;
+        if !(now_s - reported_s < 0.1) {
+            reported_s = now_s;
             alone.set_stiffness(rear_left.stiffness_n_per_m, rear_left.stiffness_sd_n_per_m).unwrap();
             alone.set_quarter_car(cars[2].unwrap());
         }

@@ -54,7 +54,7 @@ impl Window {
 }
 
 /// The windows of a drive: of the corner alone, and with pulses.
-pub(crate) type Told = [[Window; 3]; 2];
+pub(crate) type Reported = [[Window; 3]; 2];
 
 /// Pulses of a wheel at a pressure, calibrated on class B at 70 to 90 km/h.
 fn calibrated(seed: u64) -> Result<TorsionWheel<f64>, Box<dyn Error>> {
@@ -72,7 +72,7 @@ fn calibrated(seed: u64) -> Result<TorsionWheel<f64>, Box<dyn Error>> {
 }
 
 /// A drive of a car whose unsprung mass is so many times its file's.
-pub(crate) fn drive(unsprung_factor: f64, seed: u64) -> Result<Told, Box<dyn Error>> {
+pub(crate) fn drive(unsprung_factor: f64, seed: u64) -> Result<Reported, Box<dyn Error>> {
     let mut pulses = calibrated(seed)?;
     let class = [RoadClass::A, RoadClass::B, RoadClass::C][(seed % 3) as usize];
     let spec = PulseSpec { roughness: class.into(), ..PulseSpec::default() };
@@ -90,7 +90,7 @@ pub(crate) fn drive(unsprung_factor: f64, seed: u64) -> Result<Told, Box<dyn Err
 
     let mut alone = Estimator::new(&scenario.corner_config(Corner::FrontLeft)?, RATE_HZ)?;
     let mut with_pulses = alone.clone();
-    let mut told = Told::default();
+    let mut configured = Reported::default();
     for row in Simulation::new(&scenario, seed)? {
         let Some(truth) = row.corners[Corner::FrontLeft.index()] else { continue };
         let (body, wheel) = (truth.body_accel_m_s2, truth.wheel_accel_m_s2);
@@ -100,16 +100,16 @@ pub(crate) fn drive(unsprung_factor: f64, seed: u64) -> Result<Told, Box<dyn Err
                 with_pulses.take_piece(&piece);
             }
         });
-        for (estimator, told) in [&mut alone, &mut with_pulses].into_iter().zip(&mut told) {
+        for (estimator, configured) in [&mut alone, &mut with_pulses].into_iter().zip(&mut configured) {
             let estimate = estimator.update(row.time_s, row.speed_m_s, body, wheel);
-            take(told, row.time_s, truth.pressure_kpa, &estimate);
+            take(configured, row.time_s, truth.pressure_kpa, &estimate);
         }
     }
-    Ok(told)
+    Ok(configured)
 }
 
-fn take(told: &mut [Window; 3], time_s: f64, truth_kpa: f64, estimate: &CornerEstimate<f64>) {
-    for (window, (from_s, to_s)) in told.iter_mut().zip(WINDOWS_S) {
+fn take(configured: &mut [Window; 3], time_s: f64, truth_kpa: f64, estimate: &CornerEstimate<f64>) {
+    for (window, (from_s, to_s)) in configured.iter_mut().zip(WINDOWS_S) {
         if estimate.validity.is_valid() && time_s > from_s && time_s <= to_s {
             window.add(estimate.pressure_kpa - truth_kpa, estimate.pressure_sd_kpa);
         }
@@ -120,10 +120,10 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
     let seeds = std::env::args().nth(1).map_or(Ok(6), |seeds| seeds.parse::<u64>())?;
     println!("rms, sd in kPa, inside: before a loss of a fifth | in the minute after it | later");
     for (name, factor) in [("as its file", 1.0), ("unsprung +5 %", 1.05), ("unsprung -5 %", 0.95)] {
-        let mut all = Told::default();
+        let mut all = Reported::default();
         for seed in 0..seeds {
-            let told = drive(factor, seed)?;
-            all.iter_mut().flatten().zip(told.iter().flatten()).for_each(|(sum, one)| sum.join(one));
+            let configured = drive(factor, seed)?;
+            all.iter_mut().flatten().zip(configured.iter().flatten()).for_each(|(sum, one)| sum.join(one));
         }
         for (how, windows) in ["alone", "with pulses"].iter().zip(&all) {
             let figures = windows.each_ref().map(|window| {

@@ -1,4 +1,4 @@
-//! What can be wrong with a scenario, put so that its author can mend it.
+//! Problems of a scenario, with the expected value.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,4 @@
-//! What an accelerometer and its bus make of a true acceleration.
+//! Model of an accelerometer and its bus.
 //!
 //! Called by the simulation with filtered, sampled accelerations. Gravity is not in them; a bias can stand for it.
 
@@ -75,7 +75,7 @@ impl SensorSpec {
 }
 
 impl SensorSpec {
-    /// What it reads of a vertical and of a fore-aft acceleration.
+    /// Its reading of a vertical and a fore-aft acceleration.
     pub(crate) fn directions(&self) -> [f64; 2] {
         let (sin, cos) = self.tilt_deg.to_radians().sin_cos();
         [cos, sin + self.fore_aft_share]

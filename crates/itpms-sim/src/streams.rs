@@ -6,7 +6,7 @@
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 
-/// What the random numbers are for. The values are part of a seed's meaning: do not renumber.
+/// Purposes of the random numbers. The values are part of a seed's meaning: do not renumber.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Purpose {
     /// Fourier coefficients of a road.
@@ -16,7 +16,7 @@ pub(crate) enum Purpose {
     Dropout = 3,
     Clock = 4,
     PressureNoise = 5,
-    /// What a line beside a track has for itself.
+    /// The incoherent part of a line beside a track.
     RoadBeside = 6,
     /// Where a wheel's imbalance is when a drive starts.
     Imbalance = 7,

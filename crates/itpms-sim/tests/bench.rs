@@ -59,11 +59,11 @@ fn the_scenarios_are_those_of_the_contract() {
             let found = rows[(time_s * 500.0_f64).round() as usize].pressure_kpa;
             assert!((found - pressure).abs() < 1e-9, "{name}, {time_s} s: {found}");
         }
-        let told = s.corner_config(Corner::FrontLeft).unwrap();
-        let car = told.quarter_car;
+        let configured = s.corner_config(Corner::FrontLeft).unwrap();
+        let car = configured.quarter_car;
         assert_eq!((car.spring_n_per_m(), car.damping_n_s_per_m()), (20_663.0, 435.2));
-        assert_eq!((car.sprung_mass_kg(), told.placard_kpa), (240.0, placard));
-        assert!((told.initial_stiffness_n_per_m() - 200_000.0).abs() < 1e-6);
+        assert_eq!((car.sprung_mass_kg(), configured.placard_kpa), (240.0, placard));
+        assert!((configured.initial_stiffness_n_per_m() - 200_000.0).abs() < 1e-6);
     }
 }
 
@@ -156,9 +156,9 @@ fn the_actuators_differential_equation_holds_in_time() {
 fn the_wheel_sensors_noise_has_the_stated_variances() {
     for variance in [0.248, 0.274, 0.380] {
         let mut noisy = scenario("bench-drop");
-        corner(&mut noisy).set_wheel_noise_variance(variance, &SensorSpec::default());
+        corner(&mut noisy).wheel_sensor = Some(SensorSpec::with_noise(f64::sqrt(variance)));
         let mut quiet = noisy.clone();
-        corner(&mut quiet).set_wheel_noise_variance(0.0, &SensorSpec::default());
+        corner(&mut quiet).wheel_sensor = Some(SensorSpec::with_noise(0.0));
         corner(&mut quiet).body_sensor = Some(SensorSpec::with_noise(0.0));
         let (noisy_rows, quiet_rows) = (drive(&noisy, 1), drive(&quiet, 1));
         let mean_square = |read: fn(&CornerRow) -> f64| {
@@ -169,19 +169,19 @@ fn the_wheel_sensors_noise_has_the_stated_variances() {
         assert!((mean_square(|r| r.wheel_accel_m_s2) / variance - 1.0).abs() < 0.033, "{variance}");
         assert!((mean_square(|r| r.body_accel_m_s2) / 0.0025 - 1.0).abs() < 0.033);
         // The estimator is given the nominal one throughout.
-        let told = noisy.corner_config(Corner::FrontLeft).unwrap().accel_noise_m_s2.unwrap();
-        assert!((told * told - 0.248).abs() < 1e-5, "{told}");
+        let configured = noisy.corner_config(Corner::FrontLeft).unwrap().accel_noise_m_s2.unwrap();
+        assert!((configured * configured - 0.248).abs() < 1e-5, "{configured}");
     }
     let nominal = scenario("bench-drop").corner.fl.unwrap().wheel_sensor.unwrap().noise_m_s2;
     assert!((nominal * nominal - 0.248).abs() < 1e-5);
 }
 
 #[test]
-fn another_load_is_carried_and_not_told() {
+fn another_load_is_carried_and_not_configured() {
     let mut s = scenario("bench-drop");
     s.duration_s = 5.0;
     for kg in [220.0, 260.0] {
-        corner(&mut s).set_true_sprung_mass_kg(kg);
+        corner(&mut s).truth.sprung_mass_factor = kg / 240.0;
         corner(&mut s).wheel_sensor = Some(SensorSpec::with_noise(0.0));
         corner(&mut s).body_sensor = Some(SensorSpec::with_noise(0.0));
         assert_eq!(s.corner_config(Corner::FrontLeft).unwrap().quarter_car.sprung_mass_kg(), 240.0);

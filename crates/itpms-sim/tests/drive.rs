@@ -44,9 +44,9 @@ fn the_drives_are_those_of_the_contract() {
         let s = builtin(name);
         assert!(s.car.is_some() && s.wheelbase_m == 2.7 && s.sensor.noise_m_s2 == 0.05, "{name}");
         for c in Corner::ALL {
-            let told = s.corner_config(c).unwrap().quarter_car;
+            let configured = s.corner_config(c).unwrap().quarter_car;
             let rear = matches!(c, Corner::RearLeft | Corner::RearRight);
-            let masses = (told.sprung_mass_kg(), told.unsprung_mass_kg());
+            let masses = (configured.sprung_mass_kg(), configured.unsprung_mass_kg());
             assert_eq!(masses, if rear { (216.0, 50.0) } else { (240.8, 56.9) }, "{name}");
         }
     }

@@ -16,7 +16,7 @@ const H: f64 = 1.0 / 4000.0;
 const K_T: [f64; 4] = [233_000.0, 220_000.0, 205_000.0, 190_000.0];
 
 /// A lopsided family car.
-fn body() -> Body {
+pub(crate) fn body() -> Body {
     Body {
         mass_kg: 913.6,
         pitch_kg_m2: 913.6 * 1.25 * 1.25,
@@ -217,10 +217,10 @@ fn with_a_dynamic_index_of_one_the_corners_part_into_quarter_cars() {
         antiroll_n_m_per_rad: [0.0; 2],
         bending: None,
     };
-    let told = QuarterCar::paper_table_2();
-    let mut car = FullCar::new(&body, &[(told, Deviations::default()); 4], [0.0; 4]).unwrap();
+    let configured = QuarterCar::paper_table_2();
+    let mut car = FullCar::new(&body, &[(configured, Deviations::default()); 4], [0.0; 4]).unwrap();
     let mut quarters: Vec<Plant> =
-        (0..4).map(|_| Plant::new(&told, &Deviations::default(), 0.0).unwrap()).collect();
+        (0..4).map(|_| Plant::new(&configured, &Deviations::default(), 0.0).unwrap()).collect();
     let road = |t: f64| {
         let wave =
             |amplitude: f64, f: f64, phase: f64| amplitude * ((TAU * f * t + phase).sin() - phase.sin());
@@ -353,7 +353,7 @@ fn work_is_energy_and_heat_for_a_crooked_car() {
         friction_n: 20.0,
         ..Deviations::default()
     };
-    let cars = corners().map(|(told, _)| (told, truth));
+    let cars = corners().map(|(configured, _)| (configured, truth));
     let road = [0.03, -0.02, 0.01, 0.02];
     let mut car = FullCar::new(&body(), &cars, road).unwrap();
     let energy = |car: &FullCar, before: [[f64; 2]; 4], h: f64| {
@@ -376,7 +376,9 @@ fn work_is_energy_and_heat_for_a_crooked_car() {
                 .sum::<f64>();
         let wheels = cars.iter().enumerate();
         let kinetic: f64 = wheels
-            .map(|(i, (told, _))| 0.5 * told.unsprung_mass_kg() * ((now[i][1] - before[i][1]) / h).powi(2))
+            .map(|(i, (configured, _))| {
+                0.5 * configured.unsprung_mass_kg() * ((now[i][1] - before[i][1]) / h).powi(2)
+            })
             .sum();
         (potential, kinetic)
     };

@@ -64,15 +64,7 @@ fn a_damper_on_its_mount_moves_a_quarter_car_as_the_closed_form_says() {
 }
 
 fn body(bending: Option<Bending>) -> Body {
-    Body {
-        mass_kg: 913.6,
-        pitch_kg_m2: 913.6 * 1.25 * 1.25,
-        roll_kg_m2: 913.6 * 0.62 * 0.62,
-        height_m: 0.55,
-        struts_m: [[1.277, 0.78], [1.277, -0.76], [-1.423, 0.77], [-1.423, -0.77]],
-        antiroll_n_m_per_rad: [0.0; 2],
-        bending,
-    }
+    Body { antiroll_n_m_per_rad: [0.0; 2], bending, ..crate::full_car::body() }
 }
 
 const TWIST: Bending = Bending {

@@ -47,9 +47,9 @@ fn every_field_reaches_its_place() {
     let fl = s.corner.fl.as_ref().unwrap();
     assert_eq!((fl.truth.sprung_mass_factor, fl.truth.spring_factor), (1.08, 1.0));
     assert_eq!(fl.wheel_sensor.unwrap().noise_m_s2, 0.3);
-    let told = s.corner_config(itpms_core::model::Corner::FrontLeft).unwrap();
-    assert_eq!((told.placard_kpa, told.accel_noise_m_s2), (250.0, Some(0.12)));
-    assert_eq!(told.quarter_car.sprung_mass_kg(), 300.0);
+    let configured = s.corner_config(itpms_core::model::Corner::FrontLeft).unwrap();
+    assert_eq!((configured.placard_kpa, configured.accel_noise_m_s2), (250.0, Some(0.12)));
+    assert_eq!(configured.quarter_car.sprung_mass_kg(), 300.0);
     assert_eq!(fl.pressure_sensor.unwrap().time_constant_s, 0.2);
     let rows: Vec<_> = Simulation::new(&s, 1).unwrap().collect();
     assert_eq!(rows.len(), 1000);

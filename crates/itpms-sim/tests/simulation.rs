@@ -42,11 +42,11 @@ fn the_paper_scenarios_are_those_of_the_contract() {
             assert!((fl(&row).pressure_kpa - kpa).abs() < 1e-9, "{name} at {t} s");
             assert!((fl(&row).stiffness_n_per_m - map.stiffness_n_per_m(kpa)).abs() < 1e-6);
         }
-        let told = scenario.corner_config(Corner::FrontLeft).unwrap();
-        assert!((told.initial_stiffness_n_per_m() - 220_000.0).abs() < 1e-6);
-        assert_eq!(told.accel_noise_m_s2, Some(0.05));
-        assert_eq!(told.quarter_car, itpms_core::model::QuarterCar::paper_table_2());
-        assert_eq!(told.placard_kpa, 241.3);
+        let configured = scenario.corner_config(Corner::FrontLeft).unwrap();
+        assert!((configured.initial_stiffness_n_per_m() - 220_000.0).abs() < 1e-6);
+        assert_eq!(configured.accel_noise_m_s2, Some(0.05));
+        assert_eq!(configured.quarter_car, itpms_core::model::QuarterCar::paper_table_2());
+        assert_eq!(configured.placard_kpa, 241.3);
     }
 }
 
@@ -208,16 +208,16 @@ fn spectra_of_the_log_are_road_times_car_times_filter_plus_noise() {
 }
 
 #[test]
-fn a_deviation_moves_the_car_but_not_what_the_estimator_is_told() {
-    let told = short(4.0);
-    let (mut deviating, mut heavy) = (told.clone(), told.clone());
+fn a_deviation_moves_the_car_but_not_what_the_estimator_is_configured_with() {
+    let configured = short(4.0);
+    let (mut deviating, mut heavy) = (configured.clone(), configured.clone());
     deviating.corner.fl.as_mut().unwrap().truth.sprung_mass_factor = 1.08;
     heavy.corner.fl.as_mut().unwrap().sprung_mass_kg *= 1.08;
     let config = |s: &Scenario| s.corner_config(Corner::FrontLeft).unwrap();
-    assert_eq!(config(&told), config(&deviating));
-    assert_ne!(config(&told), config(&heavy));
+    assert_eq!(config(&configured), config(&deviating));
+    assert_ne!(config(&configured), config(&heavy));
     assert_eq!(drive(&deviating, 1), drive(&heavy, 1));
-    assert_ne!(drive(&deviating, 1), drive(&told, 1));
+    assert_ne!(drive(&deviating, 1), drive(&configured, 1));
 }
 
 #[test]

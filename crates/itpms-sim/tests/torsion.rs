@@ -50,7 +50,7 @@ fn a_resonance_is_read_as_sharply_as_its_spectrum_allows() {
     // Cramér and Rao's bounds of the same model in kPa √s at 24 to 75 Hz: the spectrum's shape known but for its level, and level, slope and
     // curvature free. Between the two lies what a learned shape allows; the goal is 110.
     for (km_h, known, free) in [(50.0, 65.4, 115.6), (70.0, 47.0, 123.6), (90.0, 47.9, 164.9)] {
-        let (mut square, mut said, mut inside, mut number, mut shift_hz) = (0.0, 0.0, 0, 0, 0.0);
+        let (mut square, mut reported, mut inside, mut number, mut shift_hz) = (0.0, 0.0, 0, 0, 0.0);
         for seed in 0..4 {
             let mut rolling = Rolling::new(RoadClass::B, seed, 0);
             rolling.calibrate(600.0, |_| (km_h / 3.6, 240.0));
@@ -60,22 +60,25 @@ fn a_resonance_is_read_as_sharply_as_its_spectrum_allows() {
             for piece in &full {
                 let away = f64::from(piece.resonance_hz) - mean_hz(&full);
                 let sd = f64::from(piece.resonance_sd_hz);
-                (square, said) = (square + away * away, said + sd * sd);
+                (square, reported) = (square + away * away, reported + sd * sd);
                 inside += i32::from(away.abs() < 1.96 * sd);
                 number += 1;
             }
         }
         let number = f64::from(number);
         let root = |sum: f64| (sum / number).sqrt() / (shift_hz / 48.0) * 30f64.sqrt();
-        let (reached, said) = (root(square), root(said));
+        let (reached, reported) = (root(square), root(reported));
         let seen = format!(
-            "{km_h} km/h: {reached:.0} kPa √s, said {said:.0}, {:.2} inside, {shift_hz:.2} Hz for a fifth",
+            "{km_h} km/h: {reached:.0} kPa √s, said {reported:.0}, {:.2} inside, {shift_hz:.2} Hz for a fifth",
             f64::from(inside) / number
         );
         println!("{seen}");
         // Sixty pieces: 9 % of a standard deviation (one sd).
         assert!(reached > 0.8 * known && reached < f64::min(free, 110.0), "{seen}");
-        assert!(said > 0.9 * reached && said < 1.5 * reached && f64::from(inside) > 0.93 * number, "{seen}");
+        assert!(
+            reported > 0.9 * reached && reported < 1.5 * reached && f64::from(inside) > 0.93 * number,
+            "{seen}"
+        );
     }
 }
 

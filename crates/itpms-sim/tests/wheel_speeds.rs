@@ -3,37 +3,24 @@
 use itpms_sim::scenario::Scenario;
 use itpms_sim::simulation::Simulation;
 use itpms_sim::time_profile::{Pressure, Speed};
-use itpms_sim::wheel_speeds::{ConditionsSpec, WheelSpeedRow, WheelSpeedSpec};
+use itpms_sim::wheel_speeds::{WheelSpeedRow, WheelSpeedSpec};
 
 /// On an even road without wind, seen without errors but the wheels' own noise.
 const STILL: WheelSpeedSpec = WheelSpeedSpec {
     alone: true,
     car_seed: Some(1),
-    driven: itpms_sim::wheel_speeds::DrivenWheels::Front,
-    locking_n: 0.0,
-    locking_share: 0.0,
-    period_ms: 20.0,
     latency_ms: 0.0,
     resolution_km_h: 0.0,
     lost_share: 0.0,
-    turns_imbalance: false,
-    yaw_rate: true,
-    accel_x: true,
-    accel_y: true,
-    brake: true,
-    radius_per_ln_pressure: 0.007,
-    radius_per_ln_load: 0.0064,
     radius_sd: 0.0,
-    radius_offsets: [0.0; 4],
     wear_per_km: 0.0,
-    slip_stiffness_per_load: 50.0,
     brake_imbalance: 0.0,
     grade_sd: 0.0,
     cross_slope_sd: 0.0,
     wind_m_s: 0.0,
     steering_m_s2: 0.0,
     load_share: 0.0,
-    conditions: ConditionsSpec::OFF,
+    ..WheelSpeedSpec::DEFAULT
 };
 
 /// A car on a flat road: 240.8 and 216 kg over a front and a rear wheel, 56.9 and 50 kg of wheel.

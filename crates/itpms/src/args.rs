@@ -1,4 +1,4 @@
-//! What can be typed after `itpms`. Names are part of the contract with scripts.
+//! Arguments of `itpms`. Names are part of the contract with scripts.
 
 mod bench;
 mod convert;
@@ -17,10 +17,9 @@ mod vehicle;
 
 use std::path::PathBuf;
 
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use clap_complete::Shell;
-use itpms_console::options::{Speaking, positive};
+use itpms_console::options::{Speaking, one_of, positive};
 use itpms_core::warning::Regulation;
 use itpms_drive::EstimatorKind;
 use itpms_road::{RoadPeriod, RoadRepetition};
@@ -92,7 +91,7 @@ pub(crate) enum Command {
 }
 
 impl Args {
-    /// What was typed, or the end of the program with a word about it.
+    /// The arguments, or the end of the program with a message.
     pub(crate) fn read() -> Self {
         let matches = Self::shown().get_matches();
         Self::from_arg_matches(&matches).unwrap_or_else(|error| error.exit())
@@ -149,7 +148,7 @@ pub(crate) struct EstimateArgs {
     #[arg(long, value_name = "HTML")]
     pub(crate) report: Option<PathBuf>,
     /// Which estimator. The two as published are there to be looked at: they cannot find the stiffness.
-    #[arg(long, value_name = "NAME", default_value = EstimatorKind::default().label(), value_parser = estimator_names())]
+    #[arg(long, value_name = "NAME", default_value = EstimatorKind::default().label(), value_parser = one_of(EstimatorKind::ALL, EstimatorKind::label))]
     pub(crate) estimator: EstimatorKind,
     /// The first S seconds are driven at placard pressure: a calibration.
     #[arg(long, value_name = "S", value_parser = positive, group = "taught")]
@@ -173,7 +172,7 @@ pub(crate) struct EstimateArgs {
     pub(crate) pulses: Option<PathBuf>,
     /// Which loss is warned of: un-r141 20 % of the warm pressure found by a calibration in this drive, else of the placard's;
     /// fmvss-138 25 % of the placard's.
-    #[arg(long, value_name = "NAME", default_value = Regulation::default().label(), value_parser = regulation_names())]
+    #[arg(long, value_name = "NAME", default_value = Regulation::default().label(), value_parser = one_of(Regulation::ALL, Regulation::label))]
     pub(crate) regulation: Regulation,
     /// Where warnings and malfunctions go as they come and go: a line of JSON each.
     #[arg(long, value_name = "EVENTS")]
@@ -214,16 +213,6 @@ Examples:
   itpms estimate bus.log --dbc car.dbc --vehicle wheels.toml -o est.csv --calibrate-s 600 --save-reference car.reference
   itpms estimate bus.csv --pulses teeth.csv --vehicle wheels.toml -o est.csv --calibrate-s 1200
   itpms estimate drive.csv --vehicle car.toml -o est.csv --estimator aekf-ui --rate 50 --json";
-
-fn estimator_names() -> impl clap::builder::TypedValueParser<Value = EstimatorKind> {
-    PossibleValuesParser::new(EstimatorKind::ALL.map(EstimatorKind::label))
-        .map(|label| EstimatorKind::from_label(&label).unwrap_or_default())
-}
-
-fn regulation_names() -> impl clap::builder::TypedValueParser<Value = Regulation> {
-    PossibleValuesParser::new(Regulation::ALL.map(Regulation::label))
-        .map(|label| Regulation::from_label(&label).unwrap_or_default())
-}
 
 fn road_repetition(text: &str) -> Result<RoadRepetition, String> {
     match text {

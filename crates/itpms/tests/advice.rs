@@ -102,19 +102,19 @@ fn quoted<'a>(text: &'a str, begin: &str, end: &str) -> Vec<&'a str> {
 /// Follows all advice about a log; whether it was estimated in the end.
 fn follow(bench: &Bench, log: &str, dbc: &str, units_are_ours: bool) -> bool {
     let direct = estimate(bench, log, dbc);
-    let said = &direct.stderr;
+    let reported = &direct.stderr;
     // As everything that is not refused, it runs again with a map that is written.
     let listed = bench.run(&format!("signals {log} {dbc} --write-map {log}.toml"));
     let text = listed.success();
     let corners = quoted(text, "Corners with both accelerations: ", "\n").concat();
     let (map, mapped) = (format!("{log}.toml"), format!("{dbc} --signals {log}.toml"));
-    if let Some(advice) = quoted(said, "a map states it: ", ")").first() {
+    if let Some(advice) = quoted(reported, "a map states it: ", ")").first() {
         bench.write(&map, format!("[signals]\n{advice}\n"));
         let outcome = estimate(bench, log, &mapped);
         assert!(!outcome.stderr.contains("looks like"), "{outcome:?}");
         return outcome.code == Some(0);
     }
-    if said.contains("--trust-units") {
+    if reported.contains("--trust-units") {
         let trusted = estimate(bench, log, &format!("{dbc} --trust-units"));
         assert!(!trusted.stderr.contains("units suspected"), "{trusted:?}");
         return trusted.code == Some(0);

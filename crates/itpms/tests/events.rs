@@ -28,16 +28,16 @@ fn times(bench: &Bench, column: &str, text: &str) -> Vec<f64> {
     cells.filter(|cells| cells[place] == text).map(|cells| cells[0].parse().unwrap()).collect()
 }
 
-fn said(event: &Value, kind: &str, wheels: &[&str]) -> bool {
+fn reported(event: &Value, kind: &str, wheels: &[&str]) -> bool {
     event["kind"] == kind && event["wheels"].as_array().unwrap().iter().eq(wheels)
 }
 
 #[test]
-fn a_puncture_is_said_once_for_the_right_wheel_and_in_both_files() {
+fn a_puncture_is_reported_once_for_the_right_wheel_and_in_both_files() {
     let bench = Bench::new();
     let events = estimated(&bench, &puncture(), "");
     let low: Vec<&Value> =
-        events.iter().filter(|e| said(e, "under-inflated", &["fl"]) && e["event"] == "begun").collect();
+        events.iter().filter(|e| reported(e, "under-inflated", &["fl"]) && e["event"] == "begun").collect();
     assert_eq!(low.len(), 1, "{events:?}");
     // Falling from 20 s on, a fifth is lost after 21.2 s and all of it after 22.5 s.
     let time = |name: &str| low[0][name].as_f64().unwrap();
@@ -47,7 +47,9 @@ fn a_puncture_is_said_once_for_the_right_wheel_and_in_both_files() {
         "{events:?}"
     );
     assert!(time("pressure_kpa") + 1.645 * time("sd_kpa") < time("limit_kpa"), "{events:?}");
-    assert!(events.iter().all(|e| said(e, "under-inflated", &["fl"]) || said(e, "fast-leak", &["fl"])));
+    assert!(
+        events.iter().all(|e| reported(e, "under-inflated", &["fl"]) || reported(e, "fast-leak", &["fl"]))
+    );
     assert_eq!(times(&bench, "fl_warning", "low")[0], time("reported_s"));
     for other in ["fr_warning", "rl_warning", "rr_warning"] {
         assert!(times(&bench, other, "low").is_empty());
@@ -59,7 +61,7 @@ fn the_regulation_sets_the_limit() {
     let bench = Bench::new();
     let limit = |options: &str| {
         let events = estimated(&bench, &puncture(), options);
-        let low = events.iter().find(|e| said(e, "under-inflated", &["fl"])).unwrap();
+        let low = events.iter().find(|e| reported(e, "under-inflated", &["fl"])).unwrap();
         (low["limit_kpa"].as_f64().unwrap(), low["reported_s"].as_f64().unwrap())
     };
     let (europe, america) = (limit("--regulation un-r141"), limit("--regulation fmvss-138"));
@@ -93,14 +95,14 @@ fn a_load_that_changes_is_no_pressure() {
 }
 
 #[test]
-fn a_tire_with_too_much_is_said_and_is_no_low_one() {
+fn a_tire_with_too_much_is_reported_and_is_no_low_one() {
     let scenario = puncture()
         .replace("duration_s = 40.0", "duration_s = 120.0")
         .replace("points_s_kpa = [[20.0, 241.3], [22.5, 137.9]]", "constant_kpa = 340.0");
     let bench = Bench::new();
     let events = estimated(&bench, &scenario, "");
     assert_eq!(events.len(), 1, "{events:?}");
-    assert!(said(&events[0], "over-inflated", &["fl"]), "{events:?}");
+    assert!(reported(&events[0], "over-inflated", &["fl"]), "{events:?}");
     // It has to hold for a minute.
     assert!((60.0..=100.0).contains(&events[0]["reported_s"].as_f64().unwrap()), "{events:?}");
     for wheel in ["fl", "fr", "rl", "rr"] {
@@ -109,7 +111,7 @@ fn a_tire_with_too_much_is_said_and_is_no_low_one() {
 }
 
 #[test]
-fn a_stuck_sensor_is_said_and_taken_back_and_its_pressure_is_not_shown_meanwhile() {
+fn a_stuck_sensor_is_reported_and_taken_back_and_its_pressure_is_not_shown_meanwhile() {
     let bench = Bench::new();
     let fault =
         "\n[[fault]]\ncorner = \"rr\"\nsensor = \"wheel\"\nfrom_s = 8.0\nto_s = 12.0\nkind = \"stuck\"\n";

@@ -66,9 +66,9 @@ fn a_good_log_is_packed_without_its_owner_and_its_places() {
     let bench = drive(SCENARIO);
     let note = format!("--note 1M8GDM9AXKP042788,dry {PRESSURES} -o car.zip");
     let outcome = check(&bench, &note);
-    let said = outcome.success();
-    assert!(said.contains("known pressures: fl 241, fr 241, rl 241, rr 241 kPa from 0 s"), "{said}");
-    assert!(said.contains("fl 160 kPa from 900 s") && !said.contains("to mend"), "{said}");
+    let reported = outcome.success();
+    assert!(reported.contains("known pressures: fl 241, fr 241, rl 241, rr 241 kPa from 0 s"), "{reported}");
+    assert!(reported.contains("fl 160 kPa from 900 s") && !reported.contains("to mend"), "{reported}");
     for left_out in
         ["latitude_deg", "longitude_deg", "altitude_m", "the vehicle file's id", "home_altitude_m"]
     {

@@ -96,8 +96,8 @@ fn warnings(bench: &Bench, estimates: &str, wheel: &str) -> (usize, Option<f64>)
 fn a_dozen_drives_are_what_estimate_makes_of_each_and_three_fail() {
     let bench = bench();
     let outcome = bench.run(&format!("{FLEET} --calibrate-s 5 --reports --estimates --jobs 2"));
-    let said = outcome.success().trim_end().lines().last().unwrap().to_owned();
-    assert_eq!(said, "9 of 12 drives of 3 cars estimated; 3 failed: out/failed.csv");
+    let reported = outcome.success().trim_end().lines().last().unwrap().to_owned();
+    assert_eq!(reported, "9 of 12 drives of 3 cars estimated; 3 failed: out/failed.csv");
     let failed: Vec<String> = rows(&bench, "out/failed.csv").iter().map(|row| row["file"].clone()).collect();
     assert_eq!(failed, BROKEN);
     assert!(bench.read("out/failed.csv").contains("stranger.csv: no car's"));
@@ -202,10 +202,10 @@ fn a_killed_run_goes_on_where_it_was_and_a_third_does_nothing() {
 fn a_car_none_of_whose_drives_could_be_estimated_is_unknown() {
     let bench = bench();
     bench.write("logs/charlie-3.csv", "time_s\n");
-    let said =
+    let reported =
         bench.run("--quiet fleet logs/alpha/drive1.csv logs/charlie-3.csv --vehicle-dir cars --out out");
     let line = "charlie: unknown, its only drive could not be estimated";
-    assert!(said.success().lines().any(|said| said == line), "{said:?}");
+    assert!(reported.success().lines().any(|reported| reported == line), "{reported:?}");
     let page = bench.read("out/index.html");
     assert!(page.contains("<tr><th scope=\"row\">charlie</th>"));
     assert!(page.contains("no drive could be estimated</td>"));

@@ -53,18 +53,18 @@ fn estimates(bench: &Bench, name: &str) -> Vec<Value> {
     found
 }
 
-fn said(estimate: &Value) -> Value {
-    let mut said = estimate.clone();
-    let map = said.as_object_mut().unwrap();
+fn reported(estimate: &Value) -> Value {
+    let mut reported = estimate.clone();
+    let map = reported.as_object_mut().unwrap();
     ["seq", "unix_s", "source", "latency_ms"].into_iter().for_each(|key| drop(map.remove(key)));
     // A restart cuts a segment of road in two; what is estimated is not touched by it.
     let wheels = map["wheels"].as_array_mut().unwrap();
     wheels.iter_mut().for_each(|wheel| drop(wheel.as_object_mut().unwrap().remove("iri_m_per_km")));
-    said
+    reported
 }
 
-fn all_said(estimates: &[Value]) -> Vec<Value> {
-    estimates.iter().map(said).collect()
+fn all_reported(estimates: &[Value]) -> Vec<Value> {
+    estimates.iter().map(reported).collect()
 }
 
 /// Holds the estimates of a monitor against `est.csv`.
@@ -111,7 +111,7 @@ fn a_replay_says_what_estimate_says_row_for_row_and_warns_on_transitions_alone()
 
 /// A speed that is zero while the car drives, and one that stops coming at 20 s.
 #[test]
-fn a_speed_that_nobody_knows_is_said_once_and_told() {
+fn an_unknown_speed_is_reported_once() {
     for (from_s, told, reason, text) in [
         (0.0, "0", "contradicted", "speed_m_s says that the car stands while its wheels roll"),
         (20.0, "", "missing", "since 20.5 s there has been no speed_m_s that a car can have"),
@@ -171,7 +171,7 @@ fn frames_from_a_log_and_through_a_pipe_with_rubbish_in_between() {
 }
 
 #[test]
-fn frames_that_are_of_no_use_and_a_state_without_a_place_are_said() {
+fn frames_that_are_of_no_use_and_a_state_without_a_place_are_reported() {
     let bench = puncture();
     with_frames(&bench);
     let log = bench.read("drive.log").replace(" can0 ", " can0 00000");
@@ -224,7 +224,7 @@ fn a_polite_kill_saves_the_state_and_the_next_start_goes_on_to_the_same_bits() {
     assert!(resumed.stderr.contains("goes on from the saved state"), "{resumed:?}");
     resumed.success();
     let both = [first, estimates(&bench, "second.jsonl")].concat();
-    assert_eq!(all_said(&both), all_said(&whole));
+    assert_eq!(all_reported(&both), all_reported(&whole));
     // What was reported before the restart is not reported again.
     let texts = |name: &str| -> Vec<Value> {
         lines(&bench, name, "warning").iter().map(|warning| warning["text"].clone()).collect()
@@ -293,7 +293,10 @@ fn a_damaged_state_is_refused_loudly_and_the_monitor_begins_afresh() {
     bench.write("car.state", &state);
     bench.run(&format!("{line} third.jsonl")).success();
     assert_eq!(std::fs::read(bench.path("car.state.refused-2")).unwrap(), state);
-    assert_eq!(all_said(&estimates(&bench, "again.jsonl")), all_said(&estimates(&bench, "fresh.jsonl")));
+    assert_eq!(
+        all_reported(&estimates(&bench, "again.jsonl")),
+        all_reported(&estimates(&bench, "fresh.jsonl"))
+    );
 }
 
 #[test]

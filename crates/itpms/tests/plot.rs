@@ -14,7 +14,7 @@ fn simulated() -> Bench {
 fn a_drive_is_shown_on_one_page_whose_figures_are_the_logs() {
     let bench = simulated();
     let outcome = bench.run("plot drive.csv --json");
-    let told: Value = serde_json::from_str(outcome.success()).unwrap();
+    let reported: Value = serde_json::from_str(outcome.success()).unwrap();
     assert_eq!(bench.names(), ["drive-plot.html", "drive.csv"]);
     assert!(outcome.stderr.contains("wrote drive-plot.html"), "{outcome:?}");
     let page = bench.read("drive-plot.html");
@@ -37,14 +37,14 @@ fn a_drive_is_shown_on_one_page_whose_figures_are_the_logs() {
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;
     let sd = (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / count).sqrt();
-    let wheel = &told["corners"]["rl"]["wheel_accel_m_s2"];
+    let wheel = &reported["corners"]["rl"]["wheel_accel_m_s2"];
     assert_eq!(wheel["samples"].as_f64(), Some(count));
     assert!((wheel["mean"].as_f64().unwrap() - mean).abs() < 1e-9);
     assert!((wheel["sd"].as_f64().unwrap() / sd - 1.0).abs() < 1e-9);
     assert_eq!(wheel["highest"].as_f64(), values.iter().copied().reduce(f64::max));
     // A simulated body sits above its own wheel.
     for corner in ["fl", "fr", "rl", "rr"] {
-        assert!(told["corners"][corner]["coherence"].as_f64().unwrap() > 0.5, "{told}");
+        assert!(reported["corners"][corner]["coherence"].as_f64().unwrap() > 0.5, "{reported}");
     }
-    assert_eq!(told["doubts"], Value::Array(vec![]), "{told}");
+    assert_eq!(reported["doubts"], Value::Array(vec![]), "{reported}");
 }

@@ -110,8 +110,8 @@ fn where_the_car_was_is_written_where_it_is_asked_for_only() {
         outcome.success();
         (bench.read(name).lines().next().unwrap().contains("latitude_deg"), outcome.stderr)
     };
-    let (told, remarks) = columns("convert drive.csv plain.csv", "plain.csv");
-    assert!(!told && remarks.contains("expected --positions"), "{remarks}");
+    let (reported, remarks) = columns("convert drive.csv plain.csv", "plain.csv");
+    assert!(!reported && remarks.contains("expected --positions"), "{remarks}");
     assert!(columns("convert drive.csv full.csv --positions", "full.csv").0);
     let all =
         "estimate drive.csv --vehicle car.toml -o est.csv --events events.jsonl --report report.html --json";

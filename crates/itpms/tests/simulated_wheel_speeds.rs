@@ -87,8 +87,8 @@ fn radii_over_pressures_are_learned_from_two_known_pressures() {
     let learn = "vehicle learn full.csv soft.csv --from wheels.toml -o learned.toml";
     let line =
         format!("{learn} --pressure-kpa 241.3 --pressure-kpa fl=170,fr=241.3,rl=241.3,rr=241.3 --json");
-    let told: Value = bench.json(&line);
-    let of = |when: &str, what: &str| told["radius_per_ln_pressure"][when][what].as_f64().unwrap();
+    let reported: Value = bench.json(&line);
+    let of = |when: &str, what: &str| reported["radius_per_ln_pressure"][when][what].as_f64().unwrap();
     assert_eq!((of("before", "value"), of("before", "sd")), (0.007, 0.0042));
     // Tires differ by a tenth in it, and a front passenger makes .3e-3 of the 3.9e-3 that this loss does.
     let (value, sd) = (of("after", "value"), of("after", "sd"));

@@ -37,7 +37,7 @@ fn drives() -> Bench {
 }
 
 /// The same words, whatever the log is called and the last digit of a number is.
-fn same_words(full: &str, slow: &str) {
+fn same_text(full: &str, slow: &str) {
     let slow = slow.replace("slow.", "full.");
     let (full, slow): (Vec<&str>, Vec<&str>) =
         (full.split_whitespace().collect(), slow.split_whitespace().collect());
@@ -67,7 +67,7 @@ fn every_command_gives_what_the_full_table_gives() {
         "estimate LOG.csv --vehicle full.toml -o LOG.est.csv --report LOG.report.html --road-out LOG.road.csv -q",
     ] {
         let [full, slow] = both(line);
-        same_words(&full.stdout, &slow.stdout);
+        same_text(&full.stdout, &slow.stdout);
         assert!(!slow.stderr.contains("speed"), "{}", slow.stderr);
     }
     let wheelbase = |name: &str| {
@@ -111,5 +111,5 @@ fn every_command_gives_what_the_full_table_gives() {
     close(&live("full"), &live("slow"), "monitor");
     both("fleet LOG.csv --vehicle full.toml --out LOG.fleet -q");
     let fleet = |log: &str| bench.read(&format!("{log}.fleet/fleet.csv"));
-    same_words(&fleet("full").replace(',', " "), &fleet("slow").replace(',', " "));
+    same_text(&fleet("full").replace(',', " "), &fleet("slow").replace(',', " "));
 }

@@ -35,9 +35,9 @@ fn check_finds_the_damper_that_is_not_the_files() {
     bench.run("simulate drive-puncture --seed 1 -o drive.csv --vehicle car.toml").success();
     let report =
         |line: &str| -> serde_json::Value { bench.json(&format!("vehicle check drive.csv {line} --json")) };
-    let told = report("--vehicle car.toml --report check.html");
+    let reported = report("--vehicle car.toml --report check.html");
     for corner in ["fl", "fr", "rl", "rr"] {
-        let check = &told["corners"][corner];
+        let check = &reported["corners"][corner];
         assert_eq!(check["asks_for_change"], false, "{check}");
         let ratio = check["damping_over_file"].as_f64().unwrap();
         assert!((ratio - 1.0).abs() < 0.1, "{check}");

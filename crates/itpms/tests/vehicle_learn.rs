@@ -119,14 +119,14 @@ fn tire_sensors_that_sleep_count_as_missing_and_those_that_contradict_are_refuse
         });
         let learned = learn(&log, "");
         assert_eq!(corners(learned.success()), corners(given.success()), "{asleep}");
-        let said = format!("of 150 readings of rl_tpms_kpa are no pressure of this tire ({asleep} kPa");
-        assert!(learned.stderr.contains(&said), "{}", learned.stderr);
+        let reported = format!("of 150 readings of rl_tpms_kpa are no pressure of this tire ({asleep} kPa");
+        assert!(learned.stderr.contains(&reported), "{}", learned.stderr);
     }
-    let refused = |log: &str, rest: &str, kpa: &dyn Fn(usize, f64) -> f64, said: &str| {
+    let refused = |log: &str, rest: &str, kpa: &dyn Fn(usize, f64) -> f64, reported: &str| {
         with_sensors(&bench, "drive.csv", log, kpa);
         let outcome = learn(log, rest);
         assert_eq!(outcome.code, Some(2), "{outcome:?}");
-        assert!(outcome.stderr.contains(said), "{said}: {}", outcome.stderr);
+        assert!(outcome.stderr.contains(reported), "{reported}: {}", outcome.stderr);
         assert!(!bench.path(&format!("{log}.toml")).exists());
     };
     refused("all.csv", "", &|_, _| 0.0, "expected --pressure-kpa for every wheel");

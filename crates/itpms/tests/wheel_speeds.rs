@@ -156,7 +156,7 @@ BO_ 1950 TirePressure: 8 X
         summary["tire_sensors_kpa"],
         serde_json::json!({ "fl": 240.0, "fr": 240.0, "rl": 240.0, "rr": 200.0 })
     );
-    let said = "calibrated at what the tires' own sensors send: fl 240, fr 240, rl 240, rr 200 kPa";
-    assert!(asked.stderr.contains(said), "{}", asked.stderr);
+    let reported = "calibrated at what the tires' own sensors send: fl 240, fr 240, rl 240, rr 200 kPa";
+    assert!(asked.stderr.contains(reported), "{}", asked.stderr);
     assert!(bench.read("report.html").contains("fl 240 kPa, fr 240 kPa, rl 240 kPa, rr 200 kPa"));
 }

@@ -37,7 +37,7 @@ enum Car<T: Real> {
     Bare(Box<CarEstimator<T>>),
 }
 
-/// What the estimator knows about the car of the built-in drives.
+/// Configuration of the car of the built-in drives.
 pub fn nominal<T: Real>() -> CarConfig<T> {
     let front = CornerConfig::<T>::paper();
     let car = &front.quarter_car;

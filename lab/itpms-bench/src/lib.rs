@@ -1,4 +1,4 @@
-//! What the benchmarks feed to the estimators: one wheel on a rough road ([`wheel`]) and four of them ([`car`]).
+//! Input of the benchmarks: one wheel on a rough road ([`wheel`]) and four of them ([`car`]).
 #![forbid(unsafe_code)]
 #![allow(missing_docs, reason = "not published: names say it, and comments what they do not")]
 #![allow(clippy::expect_used)] // A benchmark whose fixed parameters are refused has nothing to measure.

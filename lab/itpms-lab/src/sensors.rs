@@ -1,4 +1,4 @@
-//! What a car of a study has to find its pressures with.
+//! Sensors of a study's car.
 
 use itpms_core::model::{Corner, ParameterError};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};

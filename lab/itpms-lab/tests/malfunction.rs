@@ -10,7 +10,7 @@ fn request(only: &str) -> Request {
 }
 
 #[test]
-fn malfunctions_are_said_in_time_and_no_other_is() {
+fn malfunctions_are_reported_in_time_and_no_other_is() {
     let go = |_, _| ControlFlow::Continue(());
     let study = study(&request("wheel swapped"), &go).unwrap();
     assert_eq!(study.rows.len(), 2);
@@ -30,7 +30,7 @@ fn malfunctions_are_said_in_time_and_no_other_is() {
 /// Twenty-six km/h on a road so smooth that the sensors hear little but themselves: noise in a body's makes it look like its
 /// wheel there, as if they were swapped. (It was reported after 32 s as long as that kept it from being compared with its like.)
 #[test]
-fn noise_on_a_smooth_road_is_said_to_be_noise() {
+fn noise_on_a_smooth_road_is_reported_as_noise() {
     let go = |_, _| ControlFlow::Continue(());
     let study = study(&Request { first_seed: 39, ..request("noise") }, &go).unwrap();
     assert_eq!(study.rows.len(), 2);
@@ -73,7 +73,7 @@ fn a_gain_that_changes_is_no_leak_of_the_other_tire() {
 /// A wheel's sensor begins to read a quarter too little or a third too much: reported, and with it that its tire is not known. What
 /// is shown of it and of the other tire of its side until then, and for some seconds more, is wrong.
 #[test]
-fn a_gain_that_is_a_quarter_off_is_said() {
+fn a_gain_that_is_a_quarter_off_is_reported() {
     let go = |_, _| ControlFlow::Continue(());
     for name in ["gain 0.75", "gain 1.35"] {
         let study = study(&request(name), &go).unwrap();

@@ -38,15 +38,15 @@ fn what_diverges_is_shown_as_diverged() {
 
 #[test]
 fn a_break_ends_the_study() {
-    let told = AtomicU64::new(0);
+    let reported = AtomicU64::new(0);
     let stop = |_, _| {
-        told.fetch_add(1, Ordering::Relaxed);
+        reported.fetch_add(1, Ordering::Relaxed);
         ControlFlow::Break(())
     };
     let request = Request { seeds: 1000, ..Request::default() };
     assert!(matches!(reproduce(&request, &stop), Err(StudyError::Stopped)));
     // One word per processor at most.
-    assert!(told.load(Ordering::Relaxed) < 1000);
+    assert!(reported.load(Ordering::Relaxed) < 1000);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! What is found of a car beside its pressures, as a drive goes on: dampers and load, the tires' own sensors, what turns with the wheels.
+//! Monitoring of a car beside its pressures, as a drive goes on: dampers and load, the tires' own sensors, forces once per wheel turn.
 //!
 //! Called by `itpms-drive` with the rows of a log and by `itpms-live` with those of a source, so that both say the same. Touches no pressure.
 
@@ -22,7 +22,7 @@ pub use self::turning::rotation_line;
 use crate::rotation::OncePerTurn;
 use crate::suspension::SuspensionVerdict;
 
-/// What is estimated of the corners after a row, in the order of [`Corner::ALL`].
+/// The corners' estimates after a row, in the order of [`Corner::ALL`].
 type Estimates = [Option<CornerEstimate<f64>>; 4];
 
 /// The car as the estimator has identified it, in the order of [`Corner::ALL`].
@@ -34,7 +34,6 @@ pub struct Identified {
 
 impl Identified {
     /// By an estimator; nothing of a car without one.
-    #[must_use]
     pub fn by(estimator: Option<&CarEstimator<f64>>) -> Self {
         estimator.map_or_else(Self::default, |estimator| Self {
             quarter_cars: estimator.quarter_cars(),
@@ -54,7 +53,6 @@ pub struct Beside {
 
 impl Beside {
     /// For rows of these corners so many seconds apart; `reference`: what the car was when it was healthy.
-    #[must_use]
     pub fn new(
         vehicle: &Vehicle,
         corners: &[Corner],
@@ -94,14 +92,12 @@ impl Beside {
         self.rotation.take(row, estimates, &mut found);
     }
 
-    /// What the tires' own sensors sent last, in kPa; NaN: nothing.
-    #[must_use]
+    /// Last readings of the tires' own sensors in kPa; NaN: none.
     pub fn sent_kpa(&self) -> [f64; 4] {
         self.sensors_kpa
     }
 
     /// What is known so far, which takes some tenths of a second.
-    #[must_use]
     pub fn conclude(&self, car: &Identified) -> Findings {
         Findings {
             suspension: self.suspension.as_ref().map(SuspensionWatch::conclude),
@@ -113,24 +109,23 @@ impl Beside {
     }
 }
 
-/// What a drive has shown beside its pressures, in the order of [`Corner::ALL`].
+/// A drive's results beside its pressures, in the order of [`Corner::ALL`].
 #[derive(Debug, Clone)]
 pub struct Findings {
     /// Dampers and load, where all four corners are measured.
     pub suspension: Option<SuspensionVerdict>,
-    /// What the tires' own sensors sent last, in kPa; NaN: nothing.
+    /// Last readings of the tires' own sensors in kPa; NaN: none.
     pub sensors_kpa: [f64; 4],
     /// What is known of them.
     pub sensors: [WatchedSensor; 4],
     /// Loads of the axles by the car's own sensors.
     pub sent_loads: SentLoads,
-    /// What turns with the wheels, of corners with accelerations.
+    /// Forces once per wheel turn, of corners with accelerations.
     pub once_per_turn: [Option<OncePerTurn>; 4],
 }
 
 impl Findings {
     /// As in `itpms estimate --json`: each null where it is not looked at.
-    #[must_use]
     pub fn json(&self) -> [(&'static str, Value); 5] {
         [
             ("dampers", dampers_json(self.suspension.as_ref())),
@@ -142,22 +137,20 @@ impl Findings {
     }
 
     /// In lines, as the command shows them after those of the pressures.
-    #[must_use]
     pub fn lines(&self) -> Vec<String> {
         let lines = suspension_lines(self.suspension.as_ref()).into_iter();
         lines.chain(self.sent_loads.line()).chain(rotation_line(&self.once_per_turn)).collect()
     }
 
-    /// What should be known before believing a drive that began at `origin_s`, a sentence each.
-    #[must_use]
+    /// Reservations about a drive that began at `origin_s`, a sentence each.
     pub fn concerns(&self, origin_s: f64, unit: PressureUnit) -> Vec<String> {
-        let of = |(corner, sensor): (&Corner, &WatchedSensor)| sensor.words(*corner, origin_s, unit);
+        let of = |(corner, sensor): (&Corner, &WatchedSensor)| sensor.text(*corner, origin_s, unit);
         let sensors = Corner::ALL.iter().zip(&self.sensors).filter_map(of);
         sensors.chain(turning::rises(&self.once_per_turn, origin_s)).collect()
     }
 }
 
-/// What the tires' own sensors sent last; null where none did.
+/// Last readings of the tires' own sensors; null where none.
 fn sent_json(sensors_kpa: &[f64; 4]) -> Value {
     let sent = Corner::ALL.iter().zip(sensors_kpa).filter(|(_, kpa)| kpa.is_finite());
     let sent: Map<String, Value> =

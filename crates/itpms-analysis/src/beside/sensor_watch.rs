@@ -380,7 +380,7 @@ fn line(points: &[[f64; 2]], own_sd: f64) -> Option<(f64, f64)> {
     (slope.is_finite() && sd.is_finite()).then_some((slope, sd))
 }
 
-/// What is estimated beside a sensor: the pressure with the sd of its change, else less the loss by wheel speeds.
+/// The estimate compared with a sensor: the pressure with the sd of its change, else less the loss by wheel speeds.
 fn estimated(
     placard_kpa: f64,
     corner: Option<&itpms_core::model::CornerEstimate<f64>>,

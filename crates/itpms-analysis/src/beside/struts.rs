@@ -101,7 +101,7 @@ pub fn dampers_json(verdict: Option<&SuspensionVerdict>) -> Value {
 /// Loads of front and rear axle by the car's own sensors, and what may be on them.
 #[derive(Debug, Clone, Copy)]
 pub struct SentLoads {
-    /// What was sent last, in kg; NaN: nothing.
+    /// The last reading in kg; NaN: none.
     pub axle_kg: [f64; 2],
     pub gross_axle_kg: Option<[f64; 2]>,
 }
@@ -114,7 +114,6 @@ impl SentLoads {
     }
 
     /// That in a line, where anything was sent.
-    #[must_use]
     pub fn line(&self) -> Option<String> {
         let one = |(name, kg): (&str, f64)| kg.is_finite().then(|| format!("{name} axle {kg:.0} kg"));
         let axles: Vec<String> = ["front", "rear"].into_iter().zip(self.axle_kg).filter_map(one).collect();
@@ -123,7 +122,7 @@ impl SentLoads {
     }
 }
 
-/// What the axles carry; null where that is not looked at, and nothing was sent.
+/// Axle loads; null where they are neither estimated nor sent.
 pub(super) fn load_json(verdict: Option<&SuspensionVerdict>, sent: &SentLoads) -> Value {
     let mut object = Map::new();
     if sent.line().is_some() {
@@ -162,7 +161,7 @@ pub fn left_right_lines(verdict: &SuspensionVerdict) -> Vec<String> {
                 format!("{name} dampers: {left} over {right} {:.2} (sd {sd:.2}){advice}", 1.0 + value)
             }
             (None, because) => {
-                format!("{name} dampers: not judged: {}", because.map_or("nothing was read", Because::words))
+                format!("{name} dampers: not judged: {}", because.map_or("nothing was read", Because::text))
             }
         }
     };
@@ -186,7 +185,7 @@ pub fn suspension_lines(verdict: Option<&SuspensionVerdict>) -> Vec<String> {
     };
     let all: Vec<String> = Corner::ALL.iter().zip(&verdict.dampers).map(of).collect();
     lines.push(match first.because.filter(|_| first.damping_n_s_per_m.is_none()) {
-        Some(because) => format!("dampers: {}: {}", first.state.label(), because.words()),
+        Some(because) => format!("dampers: {}: {}", first.state.label(), because.text()),
         None => format!("dampers over the reference: {}", all.join(", ")),
     });
     lines.push(match (&verdict.load.masses, verdict.load.because) {
@@ -200,7 +199,7 @@ pub fn suspension_lines(verdict: Option<&SuspensionVerdict>) -> Vec<String> {
             if verdict.load.state == LoadState::Overload { ": OVERLOAD" } else { "" }
         ),
         (None, because) => {
-            format!("load: {}: {}", verdict.load.state.label(), because.map_or("nothing was read", Because::words))
+            format!("load: {}: {}", verdict.load.state.label(), because.map_or("nothing was read", Because::text))
         }
     });
     lines

@@ -1,4 +1,4 @@
-//! What turns with the wheels of a drive: rows to the watch of each wheel, by its own speed where the car sends it.
+//! Forces once per wheel turn in a drive: rows to the watch of each wheel, by its own speed where the car sends it.
 
 use itpms_core::model::Corner;
 use itpms_data::{LogRow, Vehicle};
@@ -74,7 +74,7 @@ impl Rotation {
             wheel.watch.push(row.time_s, [logged.wheel_accel_m_s2, logged.body_accel_m_s2], rad_per_s);
             if let Some((rise, since_s)) = wheel.watch.rises(&wheel.wheel) {
                 let label = Corner::ALL[place].label();
-                let text = rise_words(label, rise, since_s);
+                let text = rise_text(label, rise, since_s);
                 let event = json!({ "time_s": since_s, "event": "begun", "kind": "unbalance-rising", "wheels": [label], "rise_n": rise.value, "rise_sd_n": rise.sd, "text": text });
                 found(event.as_object().cloned().unwrap_or_default());
             }
@@ -100,7 +100,7 @@ impl Rotation {
     }
 }
 
-fn rise_words(label: &str, rise: Measured, since_s: f64) -> String {
+fn rise_text(label: &str, rise: Measured, since_s: f64) -> String {
     format!(
         "{label}: the force once per turn has risen by {:.0} N (sd {:.0}), found at {since_s:.0} s: snow in the rim, a lost weight, a damaged tire?",
         rise.value, rise.sd
@@ -125,7 +125,6 @@ pub(super) fn json(wheels: &[Option<OncePerTurn>; 4]) -> Value {
 }
 
 /// A line of the wheels whose force is known.
-#[must_use]
 pub fn rotation_line(wheels: &[Option<OncePerTurn>; 4]) -> Option<String> {
     let known = Corner::ALL.iter().zip(wheels).filter_map(|(corner, one)| {
         let (one, force) = (one.as_ref()?, one.as_ref()?.force_n?);
@@ -138,11 +137,11 @@ pub fn rotation_line(wheels: &[Option<OncePerTurn>; 4]) -> Option<String> {
     (!known.is_empty()).then(|| format!("force once per turn: {}", known.join("; ")))
 }
 
-/// What has risen, a sentence each.
+/// Forces that have risen, a sentence each.
 pub(super) fn rises(wheels: &[Option<OncePerTurn>; 4], origin_s: f64) -> Vec<String> {
     let risen = Corner::ALL.iter().zip(wheels).filter_map(|(corner, one)| {
         let (rise, since_s) = one.as_ref().filter(|one| one.state == RotationState::Rising)?.rise?;
-        Some(rise_words(corner.label(), rise, since_s - origin_s))
+        Some(rise_text(corner.label(), rise, since_s - origin_s))
     });
     risen.collect()
 }

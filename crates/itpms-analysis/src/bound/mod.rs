@@ -25,7 +25,7 @@ use thiserror::Error;
 
 use crate::spectrum::PowerLaw;
 
-/// What is known of the road's spectrum beforehand.
+/// Prior of the road's spectrum.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RoadKnowledge {
     /// Nothing but that it is a power law: level and slope are estimated along with the pressure.
@@ -37,7 +37,7 @@ pub enum RoadKnowledge {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BoundSetting {
     pub road: PowerLaw,
-    /// What an estimator may know of it.
+    /// The parameters of it that an estimator may know.
     pub road_knowledge: RoadKnowledge,
     pub speed_m_s: f64,
     /// Sampling rate in Hz: it spreads the noise's power up to half of it.

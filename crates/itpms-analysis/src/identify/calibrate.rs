@@ -36,7 +36,7 @@ pub struct Calibration {
     pub lack_of_fit: Option<Test>,
     /// Whether a parabola fits better; `None` for fewer than four pressures.
     pub curvature: Option<Test>,
-    /// What a careful reader should know before using the line.
+    /// Reservations about the line.
     pub concerns: Vec<String>,
 }
 
@@ -263,7 +263,7 @@ fn lack_of_fit(groups: &[(f64, Vec<f64>)], squares: f64) -> Option<Test> {
     Some(Test::new(((squares - pure) / upper).max(0.0) / (pure / lower), upper, lower))
 }
 
-/// What a parabola explains over what it leaves.
+/// F statistic of the quadratic term.
 fn curvature(p: &[f64], k: &[f64], squares: f64) -> Option<Test> {
     let (low, high) = guard::range(p);
     let rows: Vec<_> = p

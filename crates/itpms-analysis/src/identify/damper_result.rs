@@ -1,10 +1,10 @@
-//! What was found of a damper, and how well its runs agree.
+//! Result of a damper's identification, and how well its runs agree.
 
 use serde::Serialize;
 
 use super::estimate::Estimate;
 
-/// What sinusoidal excitation says about a damper.
+/// Damper parameters from sinusoidal excitation.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DamperResult {
     /// Damping in N s/m: mean of both directions, friction separated.

@@ -1,4 +1,4 @@
-//! What a careful reader should know about a damper before using its number. Called by the damper's identification.
+//! Reservations about a damper's result. Called by the damper's identification.
 
 use super::damper_result::{Consistency, DamperResult};
 

@@ -52,7 +52,7 @@ impl Estimate {
     }
 }
 
-/// What a standard error was computed from.
+/// The basis of a standard error.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ErrorBasis {

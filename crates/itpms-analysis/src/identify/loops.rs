@@ -1,4 +1,4 @@
-//! What is left beside a line of known slope: the height of a friction loop, residuals, and their correlation. Called by
+//! Residuals about a line of known slope: the height of a friction loop, residuals, and their correlation. Called by
 //! the spring's identification.
 
 use super::estimate::Estimate;

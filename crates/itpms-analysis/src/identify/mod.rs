@@ -1,4 +1,4 @@
-//! What a bench says about a spring, a damper and a tire: the numbers of a vehicle file with their standard errors
+//! Identification of a spring, a damper and a tire on a bench: the numbers of a vehicle file with their standard errors
 //! (paper, Sec. 5.1, eq. 5, Table 1; docs/math/identification.md).
 //!
 //! | module | idea |

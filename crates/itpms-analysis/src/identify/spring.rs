@@ -34,12 +34,12 @@ const PLAUSIBLE_N_PER_M: (f64, f64) = (500.0, 10_000_000.0);
 /// Longest travel in m of any spring of a car.
 const LONGEST_M: f64 = 1.0;
 
-/// What a load-displacement record says about a spring.
+/// Spring parameters from a load-displacement record.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SpringResult {
     /// Stiffness in N/m: slope of the best line over the travel.
     pub stiffness_n_per_m: Estimate,
-    /// What its standard error was computed from.
+    /// The basis of its standard error.
     pub error_basis: ErrorBasis,
     /// Half the height of the loop in N; `None` for a record in one direction.
     pub friction_n: Option<Estimate>,

@@ -23,7 +23,7 @@ const OWN_SD: f64 = 0.01;
 type Unknowns = SVector<f64, SIZE>;
 type Covariance = SMatrix<f64, SIZE, SIZE>;
 
-/// What is believed of masses and tires.
+/// Prior of masses and tires.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Belief {
     mean: Unknowns,

@@ -31,7 +31,7 @@ const HOP_HZ: (f64, f64) = (8.0, 20.0);
 /// Names of the corners, in the order of their signals.
 const CORNERS: [&str; 4] = ["fl", "fr", "rl", "rr"];
 
-/// What a log says of one corner at one time; NaN where a value is missing.
+/// A log's values of one corner at one time; NaN where a value is missing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CornerSignals {
     pub body_accel_m_s2: f64,

@@ -4,7 +4,7 @@
 /// Stretches held at most; beyond, neighbors are joined. A picture has not many more pixels.
 const STRETCHES: usize = 512;
 
-/// What a signal did in one stretch of time.
+/// Statistics of a signal over one stretch of time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Stretch {
     pub(super) count: u64,

@@ -14,7 +14,7 @@ const RATIOS: [(&str, Ink); 3] = [
 ];
 const INKS: [Ink; 4] = [Ink::Default, Ink::Adaptive, Ink::Mended, Ink::Plain];
 
-/// What a log says of its wheels' speeds at one time; NaN where a value is missing.
+/// A log's wheel speeds at one time; NaN where a value is missing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WheelSignals {
     /// Speeds in m/s, or in rad/s where the log has those, front left, front right, rear left, rear right.

@@ -1,4 +1,4 @@
-//! What looks wrong in a log, a sentence each. Plain text; escaping is the page's business.
+//! Implausible signals of a log, a sentence each. Plain text; escaping is the page's business.
 
 use super::{Found, FoundCorner, HOP_HZ, Statistics};
 use crate::transfer::{AGAINST, Density, FEWEST_SEGMENTS, INCOHERENT};
@@ -149,42 +149,42 @@ mod tests {
 
     #[test]
     fn what_is_wrong_is_reported() {
-        let expect_words = |found: super::Found, words: &str| {
+        let expect_text = |found: super::Found, words: &str| {
             let doubts = found.doubts();
             assert!(doubts.iter().any(|doubt| doubt.contains(words)), "{words}: {doubts:?}");
             assert_eq!(doubts.len(), 1, "{doubts:?}");
         };
-        expect_words(
+        expect_text(
             minute(0.2, |_, signals| {
                 std::mem::swap(&mut signals.body_accel_m_s2, &mut signals.wheel_accel_m_s2)
             }),
             "fr: the body moves more than the wheel where wheels hop (8 to 20 Hz)",
         );
-        expect_words(
+        expect_text(
             minute(0.2, |_, signals| signals.body_accel_m_s2 = signals.wheel_accel_m_s2),
             "one and the same signal",
         );
-        expect_words(
+        expect_text(
             minute(0.2, |_, signals| signals.body_accel_m_s2 += 9.81),
             "fr, body: its mean is 9.8 m/s², so gravity is in it",
         );
-        expect_words(
+        expect_text(
             minute(0.2, |_, signals| {
                 signals.body_accel_m_s2 += 9.81;
                 signals.wheel_accel_m_s2 += 9.81;
             }),
             "fr, body, and 1 more: their means are 9.8 m/s² and the like, so gravity is in them",
         );
-        expect_words(minute(0.2, |_, signals| signals.body_accel_m_s2 = 1.5), "fr, body: always 1.5");
-        expect_words(
+        expect_text(minute(0.2, |_, signals| signals.body_accel_m_s2 = 1.5), "fr, body: always 1.5");
+        expect_text(
             minute(0.2, |_, signals| signals.wheel_accel_m_s2 = f64::NAN),
             "fr, wheel: never has a value",
         );
-        expect_words(
+        expect_text(
             minute(0.2, |_, signals| signals.wheel_accel_m_s2 = signals.wheel_accel_m_s2.clamp(-3.5, 3.5)),
             "fr, wheel: stays at its limits (-3.5000 and 3.5000 m/s²) for",
         );
-        expect_words(
+        expect_text(
             minute(0.2, |i, signals| {
                 if (3_000..3_600).contains(&i) {
                     signals.wheel_accel_m_s2 = f64::NAN;
@@ -192,7 +192,7 @@ mod tests {
             }),
             "fr, wheel: 5 % of its values are missing",
         );
-        expect_words(
+        expect_text(
             minute(0.2, |_, signals| {
                 signals.body_accel_m_s2 = (signals.body_accel_m_s2 / 0.16).round() * 0.16
             }),
@@ -201,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_the_same_of_several_corners_is_said_once() {
+    fn what_is_the_same_of_several_corners_is_reported_once() {
         let exchanged = || {
             minute(0.2, |_, signals| {
                 std::mem::swap(&mut signals.body_accel_m_s2, &mut signals.wheel_accel_m_s2)

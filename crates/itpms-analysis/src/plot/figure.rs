@@ -36,7 +36,7 @@ impl Figure {
         }
     }
 
-    /// What it shows, for those who cannot see it.
+    /// Description for screen readers.
     pub fn describe(self, description: impl Into<String>) -> Self {
         Self { description: description.into(), ..self }
     }

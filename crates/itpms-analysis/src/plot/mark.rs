@@ -1,4 +1,4 @@
-//! What can be drawn within a panel. Filled by the panel's methods, read by `paint`.
+//! Marks within a panel. Filled by the panel's methods, read by `paint`.
 
 use super::ink::{Ink, Stroke};
 
@@ -23,7 +23,7 @@ pub(super) enum Mark {
     Stretch { from: f64, to: f64, word: String },
 }
 
-/// What stands for a mark in a legend.
+/// A mark's sample in a legend.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Sample {
     Line(Ink, Stroke),

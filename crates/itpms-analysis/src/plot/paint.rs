@@ -9,7 +9,7 @@ use super::thin::thin;
 
 /// How far beyond the frame a point may be drawn, in frame heights: enough for the right slope at the edge.
 const BEYOND: f64 = 4.0;
-const WORD_SIZE: f64 = 12.0;
+const LABEL_SIZE: f64 = 12.0;
 
 /// Where the axes are in the picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -205,7 +205,7 @@ fn words(svg: &mut Svg, frame: &Frame, marks: &[Mark]) {
         let anchor = match mark {
             Mark::Level { .. } => Anchor::End,
             Mark::Stretch { .. } => Anchor::Middle,
-            _ if at.0 + width(word, WORD_SIZE) > frame.left + frame.width => Anchor::End,
+            _ if at.0 + width(word, LABEL_SIZE) > frame.left + frame.width => Anchor::End,
             _ => Anchor::Start,
         };
         let at = if matches!(mark, Mark::Moment { .. }) && anchor == Anchor::End {
@@ -218,7 +218,7 @@ fn words(svg: &mut Svg, frame: &Frame, marks: &[Mark]) {
         }
         let color = ink.color();
         let style = format!(
-            " font-size=\"{WORD_SIZE}\" fill=\"{color}\" stroke=\"#fff\" stroke-width=\"3\" stroke-linejoin=\"round\" \
+            " font-size=\"{LABEL_SIZE}\" fill=\"{color}\" stroke=\"#fff\" stroke-width=\"3\" stroke-linejoin=\"round\" \
              paint-order=\"stroke\""
         );
         svg.text(at, anchor, style, word);

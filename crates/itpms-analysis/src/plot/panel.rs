@@ -84,7 +84,7 @@ impl Panel {
         (WIDTH, self.height)
     }
 
-    /// What a screen reader reads.
+    /// Text for a screen reader.
     pub(super) fn spoken(&self) -> String {
         let name = if self.letter.is_empty() { String::new() } else { format!("({}) ", self.letter) };
         format!("{name}{}: {} over {}", self.title, self.y.caption(), self.x.caption())

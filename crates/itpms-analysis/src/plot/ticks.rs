@@ -33,7 +33,7 @@ const MOST_TICKS: usize = 100;
 const LARGEST_PLAIN: f64 = 1e12;
 /// Digits after the point, at most, before it is written so.
 const MOST_PLAIN_DECIMALS: f64 = 9.0;
-/// What a number in 64 bits has.
+/// Significant digits of a number in 64 bits.
 const MOST_DIGITS: f64 = 15.0;
 
 /// How the numbers along one axis are written, all in one way.

@@ -1,15 +1,11 @@
-//! What a tire would have cold, and what is to be done about it.
+//! A tire's cold pressure, and the air to add.
 //!
 //! Called by the page's writer and by whoever prints a drive's summary.
 
 use itpms_core::model::{ColdPressure, PressureUnit};
 
 /// As people read it: `218 cold at -10 C`, and `add 22` where that is so.
-pub fn cold_words(
-    cold: &ColdPressure<f64>,
-    placard_kpa: f64,
-    unit: PressureUnit,
-) -> (String, Option<String>) {
+pub fn cold_text(cold: &ColdPressure<f64>, placard_kpa: f64, unit: PressureUnit) -> (String, Option<String>) {
     let at = format!("{} cold at {:.0} C", unit.number(cold.pressure_kpa, 0), cold.ambient_temperature_c);
     (at, cold.air_to_add_kpa(placard_kpa).map(|kpa| format!("add {}", unit.number(kpa, 0))))
 }
@@ -21,7 +17,7 @@ mod tests {
     #[test]
     fn what_is_surely_short_is_to_be_added() {
         let cold = |pressure_kpa, sd_kpa| ColdPressure { pressure_kpa, sd_kpa, ambient_temperature_c: -10.2 };
-        let words = |cold: &ColdPressure<f64>, unit| cold_words(cold, 240.0, unit);
+        let words = |cold: &ColdPressure<f64>, unit| cold_text(cold, 240.0, unit);
         let short = cold(218.2, 6.0);
         assert_eq!(
             words(&short, PressureUnit::Kpa),

@@ -90,7 +90,7 @@ pub struct CornerRow {
     pub truth_kpa: f64,
     /// True road height in m; NaN when unknown.
     pub truth_road_m: f64,
-    /// What the tire's own sensor sent, in kPa; NaN when nothing.
+    /// Reading of the tire's own sensor in kPa; NaN when none.
     pub sensor_kpa: f64,
 }
 

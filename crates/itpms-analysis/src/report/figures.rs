@@ -26,7 +26,7 @@ pub struct Reading {
     pub sd_kpa: f64,
 }
 
-/// What the last valid reading rests on.
+/// The reference of the last valid reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grounds {
     pub level: Level,
@@ -54,7 +54,7 @@ pub struct CornerFigures {
     pub first: Option<Reading>,
     pub last: Option<Reading>,
     pub grounds: Option<Grounds>,
-    /// What the tire would have had cold then, where the temperature of the air was known.
+    /// The cold pressure then, where the temperature of the air was known.
     pub cold: Option<ColdPressure<f64>>,
     /// The valid reading with the lowest upper end of its 95 % interval: the lowest that is sure.
     pub lowest: Option<Reading>,

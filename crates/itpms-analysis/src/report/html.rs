@@ -10,7 +10,7 @@ use itpms_core::model::{Corner, PressureUnit};
 use itpms_files::Date;
 
 use super::car::Tire;
-use super::cold::cold_words;
+use super::cold::cold_text;
 use super::figures_table::{count, some};
 use super::title::title;
 use super::words::{Status, clock, corner_name, reading, sentence};
@@ -187,7 +187,7 @@ fn card(corner: &CornerReport, end_s: f64, unit: PressureUnit) -> String {
         },
     };
     let cold = f.cold.map_or_else(String::new, |cold| {
-        let (at, add) = cold_words(&cold, corner.placard_kpa, unit);
+        let (at, add) = cold_text(&cold, corner.placard_kpa, unit);
         let add = add.map_or_else(String::new, |add| format!("<span>{add}</span>"));
         format!("<span class=\"card-foot\"><span>{at}</span>{add}</span>")
     });

@@ -25,7 +25,7 @@ mod wheels;
 mod witness;
 mod words;
 
-pub use cold::cold_words;
+pub use cold::cold_text;
 pub use collector::{CornerRow, ReportCollector, ReportOptions};
 pub use figures::{CornerFigures, DriveFigures, Reading, TruthFigures};
 pub use html::{PLOT_LICENSE, PLOT_SCRIPT, PLOT_STYLE, page as render_report};
@@ -84,7 +84,7 @@ pub struct ReportData {
     pub wheel_speeds: Option<WheelSpeedReport>,
     /// Dampers and load; `None` where not all four corners are measured.
     pub suspension: Option<SuspensionVerdict>,
-    /// What turns with the wheels, in the order of [`Corner::ALL`].
+    /// Forces once per wheel turn, in the order of [`Corner::ALL`].
     pub once_per_turn: [Option<OncePerTurn>; 4],
 }
 
@@ -93,7 +93,7 @@ pub struct CornerReport {
     pub corner: Corner,
     pub placard_kpa: f64,
     pub config: CornerConfig<f64>,
-    /// What the level of the pressures rested on in the end; `None` where nothing was estimated.
+    /// The final reference of the pressures' level; `None` where nothing was estimated.
     pub level: Option<Level>,
     /// The wheel's state at the end, if a monitor reported it.
     pub state: Option<WheelState>,

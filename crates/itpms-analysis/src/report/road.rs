@@ -205,7 +205,7 @@ impl RoadCollector {
         }
     }
 
-    /// What there is to show; `None` without a metre of road.
+    /// The panels; `None` without a metre of road.
     pub(super) fn finish(mut self) -> Option<RoadReport> {
         self.interrupt();
         if self.profile.is_empty() && self.roughness[0].track.is_empty() {

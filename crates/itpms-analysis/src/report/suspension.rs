@@ -46,7 +46,7 @@ pub(super) fn section(data: &ReportData) -> String {
     out
 }
 
-/// What turns with the wheels, a row each; empty where nothing stands out of the road.
+/// Forces once per wheel turn, a row each; empty where none exceeds the road's.
 pub(super) fn once_per_turn(data: &ReportData) -> String {
     let measured = |of: Option<Measured>| {
         of.map_or_else(|| "–".to_owned(), |of| format!("{:.0} ± {:.0}", of.value, of.sd))
@@ -74,13 +74,13 @@ pub(super) fn once_per_turn(data: &ReportData) -> String {
     )
 }
 
-fn quiet(says: &str) -> String {
-    format!("<p class=\"note\" id=\"suspension\">Dampers and load: {says}</p>\n")
+fn quiet(text: &str) -> String {
+    format!("<p class=\"note\" id=\"suspension\">Dampers and load: {text}</p>\n")
 }
 
 /// Why nothing is judged, and what left and right are to each other where that is known all the same.
 fn not_judged(verdict: &SuspensionVerdict) -> String {
-    let why = |because: Option<Because>| because.map_or("nothing was read", Because::words);
+    let why = |because: Option<Because>| because.map_or("nothing was read", Because::text);
     let (dampers, load) = (verdict.dampers[0].because, verdict.load.because);
     let mut out = match dampers == load {
         true => format!("not judged: {}.", why(dampers)),
@@ -105,26 +105,26 @@ fn summary(verdict: &SuspensionVerdict) -> String {
         found
     };
     let (less, more) = (of(&[DamperState::Weak, DamperState::Worn]), of(&[DamperState::Stiff]));
-    let mut says = Vec::new();
+    let mut text = Vec::new();
     for (dampers, does) in [(&less, "less"), (&more, "more")] {
         match &dampers[..] {
             [] => {}
-            [one] => says.push(format!("The {one} damper damps {does} than it should.")),
-            all => says.push(format!("The dampers {} damp {does} than they should.", all.join(", "))),
+            [one] => text.push(format!("The {one} damper damps {does} than it should.")),
+            all => text.push(format!("The dampers {} damp {does} than they should.", all.join(", "))),
         }
     }
     match (less.len() + more.len(), of(&[DamperState::Fine]).len()) {
-        (0, 4) => says.push("All four dampers do what they did in the calibration drive.".to_owned()),
+        (0, 4) => text.push("All four dampers do what they did in the calibration drive.".to_owned()),
         (0, _) => {}
-        (1, _) => says.push("If further drives say the same, have it looked at.".to_owned()),
-        (_, _) => says.push("If further drives say the same, have them looked at.".to_owned()),
+        (1, _) => text.push("If further drives say the same, have it looked at.".to_owned()),
+        (_, _) => text.push("If further drives say the same, have them looked at.".to_owned()),
     }
     for (over, name) in verdict.load.overloaded_axles().into_iter().zip(["front", "rear"]) {
         if over {
-            says.push(format!("<b>The {name} axle carries more than it may.</b>"));
+            text.push(format!("<b>The {name} axle carries more than it may.</b>"));
         }
     }
-    says.join(" ")
+    text.join(" ")
 }
 
 /// Name of the style and of the badge's sign.
@@ -179,7 +179,7 @@ fn damper_card(out: &mut String, corner: Corner, damper: &DamperHealth) {
         );
     }
     if let Some(because) = damper.because {
-        let _ = write!(out, "<p class=\"card-foot\">{}</p>", because.words());
+        let _ = write!(out, "<p class=\"card-foot\">{}</p>", because.text());
     }
     let damping = finite(damper.damping_n_s_per_m)
         .map_or_else(String::new, |damping| format!("<span>{}\u{a0}N\u{a0}s/m</span>", with_sd(damping, 0)));
@@ -189,7 +189,7 @@ fn damper_card(out: &mut String, corner: Corner, damper: &DamperHealth) {
     let _ = writeln!(out, "<p class=\"card-foot\">{damping}{ratio}</p></div>");
 }
 
-/// What the two dampers of an axle are to each other; `damper`: its left one.
+/// The two dampers of an axle compared; `damper`: its left one.
 fn axle(name: &str, damper: &DamperHealth) -> String {
     match finite(damper.left_right) {
         Some(left_right) => format!("{}.", left_against_right(name, left_right)),
@@ -221,14 +221,14 @@ fn axles_apart(dampers: &[DamperHealth; 4]) -> String {
     let Some(front_rear) = finite(dampers[0].front_rear).filter(|_| is_alike) else { return String::new() };
     let share = percent(front_rear);
     let size = with_sd(Measured { value: share.value.abs(), sd: share.sd }, 0);
-    let says = match share.value.abs() < 2.0 * share.sd {
+    let text = match share.value.abs() < 2.0 * share.sd {
         true => format!("Front and rear have changed alike since the calibration, {size}\u{a0}% apart."),
         false => {
             let does = if share.value < 0.0 { "less" } else { "more" };
             format!("The front axle damps {size}\u{a0}% {does} than the rear one, against the calibration.")
         }
     };
-    format!("<p class=\"note\">{says}</p>")
+    format!("<p class=\"note\">{text}</p>")
 }
 
 fn load_card(out: &mut String, load: &Load) {
@@ -245,7 +245,7 @@ fn load_card(out: &mut String, load: &Load) {
     match &load.masses {
         Some(masses) => carried(out, load, masses),
         None => {
-            let why = load.because.map_or("nothing was read", Because::words);
+            let why = load.because.map_or("nothing was read", Because::text);
             let _ = write!(out, "<p class=\"card-foot\">{why}</p>");
         }
     }

@@ -3,7 +3,7 @@
 use super::words::{Status, corner_name, lower, reading, sentence};
 use super::{CornerReport, ReportData, wheels};
 
-/// What was found, in one line, the page's title: the most urgent corner, and how many more there are. Numbers and their units are held together
+/// The result in one line, the page's title: the most urgent corner, and how many more there are. Numbers and their units are held together
 /// by no-break spaces.
 pub fn title(data: &ReportData) -> String {
     let mut corners: Vec<&CornerReport> = data.corners.iter().collect();

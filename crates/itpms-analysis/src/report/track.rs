@@ -4,7 +4,7 @@
 //! neighbours merge and every bucket becomes twice as wide. Of each bucket the extremes stay, with their order, and
 //! the mean: a spike of one sample in ten hours is still drawn.
 
-/// What of a bucket a curve shows.
+/// The statistic of a bucket that a curve shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Keep {
     /// Smallest and largest value in the order they came.

@@ -1,4 +1,4 @@
-//! What the monitor reported during a drive: each wheel's state over time, and every alert with its end. Bounded memory.
+//! The monitor's reports of a drive: each wheel's state over time, and every alert with its end. Bounded memory.
 //!
 //! Called by the report's collector. Knows nothing of how a state came about.
 

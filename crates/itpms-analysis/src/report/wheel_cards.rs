@@ -39,7 +39,7 @@ fn status(state: Option<WheelState>) -> Status {
     }
 }
 
-/// What a wheel has lost, and what would have been found of it.
+/// A wheel's loss, and its detectable loss.
 fn card(out: &mut String, wheels: &WheelSpeedReport, corner: Corner, state: Option<WheelState>) {
     let status = status(state);
     let wheel = &wheels.last.wheels[corner.index()];

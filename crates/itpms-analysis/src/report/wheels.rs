@@ -1,4 +1,4 @@
-//! What wheel speeds reported during a drive: relative changes of the radii since the calibration, the losses that follow, and what cannot be
+//! Results of wheel speeds over a drive: relative changes of the radii since the calibration, the losses that follow, and what cannot be
 //! seen. Collected in bounded memory, written as a section of the page.
 
 use std::fmt::Write as _;
@@ -6,9 +6,9 @@ use std::fmt::Write as _;
 use itpms_core::model::{Corner, Wheels};
 use itpms_core::warning::{Cause, WheelState};
 use itpms_core::wheel_speed::{RadiusReport, RadiusState, WheelRadius};
-use serde::Serialize;
+use serde_json::{Value, json};
 
-use super::digits::{Digits, axis, values};
+use super::digits::{axis, values};
 use super::track::{Keep, Track};
 use super::words::{clock, corner_name};
 use super::{AlertSpan, ReportData, Z_95};
@@ -89,7 +89,7 @@ impl WheelSpeedCollector {
     }
 }
 
-/// What the wheel speeds say of the tires, in one sentence without a full stop.
+/// The result of the wheel speeds, in one sentence without a full stop.
 pub fn found(radii: &RadiusReport<f64>) -> String {
     let names = |wheels: itpms_core::model::Wheels| {
         let names: Vec<String> = wheels.iter().map(|corner| corner_name(corner).to_lowercase()).collect();
@@ -251,42 +251,25 @@ pub(super) fn section(data: &ReportData) -> String {
     out
 }
 
-#[derive(Serialize)]
-pub(super) struct WheelsJson<'a> {
-    t: Digits<'a>,
-    change: Vec<BandJson<'a>>,
-    lost: Vec<BandJson<'a>>,
-    difference: Vec<BandJson<'a>>,
-    states: Vec<Vec<[f64; 3]>>,
-}
-
-#[derive(Serialize)]
-struct BandJson<'a> {
-    name: &'static str,
-    y: Digits<'a>,
-    lo: Digits<'a>,
-    hi: Digits<'a>,
-}
-
-pub(super) fn json(data: &ReportData) -> Option<WheelsJson<'_>> {
+pub(super) fn json(data: &ReportData) -> Option<Value> {
     let wheels = data.wheel_speeds.as_ref()?;
-    fn bands<'a>(curves: &'a [BandCurve], names: &[&'static str]) -> Vec<BandJson<'a>> {
-        let band = |(curve, name): (&'a BandCurve, &&'static str)| BandJson {
-            name,
-            y: values(&curve.value),
-            lo: values(&curve.band[0]),
-            hi: values(&curve.band[1]),
+    fn bands(curves: &[BandCurve], names: &[&'static str]) -> Vec<Value> {
+        let band = |(curve, name): (&BandCurve, &&str)| {
+            let [lo, hi] = curve.band.each_ref().map(|edge| values(edge));
+            json!({ "name": name, "y": values(&curve.value), "lo": lo, "hi": hi })
         };
         curves.iter().zip(names).map(band).collect()
     }
     let names = Corner::ALL.map(corner_name);
     let pairs = ["Front left over right", "Rear left over right", "Front over rear"];
     let states = data.watch.iter().filter(|_| data.corners.is_empty()).flat_map(|watch| &watch.states);
-    Some(WheelsJson {
-        t: axis(&wheels.time_s),
-        change: bands(&wheels.change_1e3, &names),
-        lost: bands(&wheels.lost_percent, &names),
-        difference: bands(&wheels.difference_1e3, &pairs),
-        states: states.map(|runs| runs.iter().map(|run| [run.0, run.1, run.2]).collect()).collect(),
-    })
+    let states: Vec<Vec<_>> =
+        states.map(|runs| runs.iter().map(|run| [run.0, run.1, run.2]).collect()).collect();
+    Some(json!({
+        "t": axis(&wheels.time_s),
+        "change": bands(&wheels.change_1e3, &names),
+        "lost": bands(&wheels.lost_percent, &names),
+        "difference": bands(&wheels.difference_1e3, &pairs),
+        "states": states,
+    }))
 }

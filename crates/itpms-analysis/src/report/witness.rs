@@ -1,4 +1,4 @@
-//! What the car's own sensor in a tire says beside the estimate: a witness, which may be wrong itself.
+//! The reading of the car's own tire sensor beside the estimate: a witness, which may be wrong itself.
 //!
 //! Called by the collector for every row; the page and the summary show the last reading, and name one that contradicts the estimate for good.
 

@@ -1,4 +1,4 @@
-//! What was found, in words: one sentence per corner.
+//! The results as text: one sentence per corner.
 //!
 //! Called by the page's writer. Plain text; escaping is the writer's business.
 

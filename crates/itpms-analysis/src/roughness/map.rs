@@ -120,7 +120,7 @@ pub struct MapCell {
     /// Its corners, longitude first, in degrees: south-west and north-east.
     pub corners_deg: [[f64; 2]; 2],
     pub iri_m_per_km: f64,
-    /// What it is, in words.
+    /// Its description.
     pub title: String,
 }
 
@@ -128,7 +128,6 @@ pub struct MapCell {
 pub const MAP_STYLE: &str = STYLE;
 
 /// Squares of road from above, by roughness, with a key; empty where there are none.
-#[must_use]
 pub fn cells_picture(cells: &[MapCell]) -> String {
     let all: Vec<[f64; 2]> = cells.iter().flat_map(|cell| cell.corners_deg).collect();
     let Some(to) = Projection::of(&all) else { return String::new() };

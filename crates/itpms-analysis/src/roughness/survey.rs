@@ -82,7 +82,7 @@ impl SegmentRoughness {
         self.start_m + self.length_m
     }
 
-    /// What a reader of the numbers should know, in words; empty if nothing.
+    /// Reservations about the numbers, as text; empty if none.
     pub fn note(&self) -> String {
         let low = || format!("IRI from {:.0} % of its waves: reads low", 100.0 * self.iri_share);
         match (&self.iri_m_per_km, &self.fit) {

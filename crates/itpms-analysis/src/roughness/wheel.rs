@@ -12,7 +12,7 @@ const CELL_M: f64 = 0.05;
 const LONGEST_STEP_M: f64 = 1.0;
 /// Below this speed in m/s the accelerometers see little of the road.
 const SLOWEST_M_S: f64 = 2.5;
-/// What is slower than this in Hz is drift of the accelerometers (docs/math/road.md, section 5).
+/// Below this frequency in Hz the accelerometers drift (docs/math/road.md, section 5).
 const SLOWEST_HZ: f64 = 0.5;
 /// The shortest wave in m that a contact patch lets through.
 const SHORTEST_M: f64 = 0.5;

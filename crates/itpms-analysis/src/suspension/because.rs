@@ -22,8 +22,7 @@ itpms_core::labelled! {
 
 impl Because {
     /// As the end of a sentence.
-    #[must_use]
-    pub fn words(self) -> &'static str {
+    pub fn text(self) -> &'static str {
         match self {
             Self::Short => {
                 "half a minute of driving at more than 11 km/h on a road that moves the wheels is needed"

@@ -10,7 +10,7 @@ use super::equation::{
 use super::signals::{BODY, SIGNALS};
 use super::spectra::{ALL, Sum};
 
-/// What is known beforehand, with its standard deviations; zero holds a parameter.
+/// Prior values with their standard deviations; zero holds a parameter.
 #[derive(Debug, Clone)]
 pub(super) struct Prior {
     pub(super) mean: Parameters,
@@ -279,7 +279,7 @@ fn forces(g: &SMatrix<f64, 4, 4>, row: usize) -> Factors {
     (0..4).map(|corner| (FORCES + corner, -g[(row, corner)])).collect()
 }
 
-/// What is left of a corner's acceleration (eq. 4).
+/// Residual of a corner's acceleration (eq. 4).
 fn residual(g: &SMatrix<f64, 4, 4>, row: usize) -> Factors {
     [vec![(row, 1.0)], forces(g, row)].concat()
 }

@@ -15,7 +15,7 @@ pub struct Measured {
 }
 
 itpms_core::labelled! {
-    /// What a drive says of a damper.
+    /// State of a damper in a drive.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
     pub enum DamperState {
         /// Too little has been driven so far.
@@ -44,7 +44,7 @@ pub struct DamperHealth {
     pub front_rear: Option<Measured>,
     /// Damping ratio of the wheel between its tire, at the pressure that it should have, and its spring.
     pub wheel_damping_ratio: Option<Measured>,
-    /// What its drive says of it.
+    /// Its state in this drive.
     pub state: DamperState,
     /// Why that is not more.
     pub because: Option<Because>,

@@ -42,11 +42,11 @@ pub struct Masses {
 /// The load of a drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Load {
-    /// What the axles carry, where it is known.
+    /// Axle loads, where they are known.
     pub masses: Option<Masses>,
     pub state: LoadState,
     pub because: Option<Because>,
-    /// What front and rear axle may carry in kg, where the vehicle file says so.
+    /// Permitted axle loads in kg, where the vehicle file has them.
     pub gross_axle_kg: Option<[f64; 2]>,
 }
 
@@ -83,7 +83,6 @@ impl Load {
     }
 
     /// Whether front and rear axle carry more than they may, surely so: one driver in twenty is warned of what is just allowed.
-    #[must_use]
     pub fn overloaded_axles(&self) -> [bool; 2] {
         let (Some(masses), Some(limits)) = (&self.masses, self.gross_axle_kg) else { return [false; 2] };
         std::array::from_fn(|i| masses.axles_kg[i].value - ONE_SIDED_95 * masses.axles_kg[i].sd > limits[i])
@@ -97,7 +96,7 @@ fn growth(friction_share: f64) -> f64 {
     1.0 + (friction_share / FRICTION_SHARE).powi(5)
 }
 
-/// What front and rear axle carry in kg.
+/// Axle loads in kg, front and rear.
 fn axles_kg(car: &CarBody, of: &SuspensionReference) -> [f64; 2] {
     let unsprung = &car.unsprung_mass_kg;
     let rear = of.sprung_mass_kg * of.rear_share;

@@ -122,7 +122,7 @@ impl SuspensionReading {
         Self::of(car, &sum, &found.ok_or(Because::Unexplained)?)
     }
 
-    /// What later drives are compared with.
+    /// The reference of later drives.
     ///
     /// # Errors
     /// Friction held the struts: what it hides in this drive shows in another.

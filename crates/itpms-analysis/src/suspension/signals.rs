@@ -29,7 +29,7 @@ const MEAN_S: f64 = 3.0;
 /// Seconds until the filters have forgotten that they began at rest, and the first mean is full.
 pub(super) const SETTLING_S: f64 = 12.0;
 
-/// What the high pass leaves of a power.
+/// Gain of the high pass for a power.
 pub(super) fn high_pass_power(hz: f64) -> f64 {
     let over = TAU * hz / HIGH_PASS_RAD_S;
     (over * over / (over * over + 1.0)).powi(4)
@@ -63,7 +63,7 @@ impl FirstOrder {
     }
 }
 
-/// What filters remember.
+/// States of the filters.
 type Stages<const N: usize> = [[f64; 2]; N];
 
 /// A rate without its drift, and the other signals of the same moment.

@@ -143,7 +143,6 @@ pub struct SuspensionSpectra {
 
 impl SuspensionSpectra {
     /// For rows of all four corners so many seconds apart.
-    #[must_use]
     pub fn new(step_s: f64) -> Self {
         let every = ((1.0 / step_s / LEAST_RATE_HZ + 1e-9) as usize).max(1);
         let length = ((FRAME_S / (step_s * every as f64)).round() as usize).max(8) & !1;
@@ -170,7 +169,6 @@ impl SuspensionSpectra {
     }
 
     /// One that has seen nothing, for the same rows.
-    #[must_use]
     pub fn begun_anew(&self) -> Self {
         Self::new(self.step_s)
     }
@@ -303,7 +301,6 @@ impl SuspensionSpectra {
     }
 
     /// Seconds of driving in the frames that a drive is read from.
-    #[must_use]
     pub fn usable_s(&self) -> f64 {
         HOP_S * f64::from(self.chosen().0)
     }

@@ -107,7 +107,7 @@ fn a_damper_that_has_lost_most_and_a_load_are_found_against_the_reference() {
 }
 
 #[test]
-fn too_short_too_smooth_and_too_rough_are_said() {
+fn too_short_too_smooth_and_too_rough_are_reported() {
     let because = |spectra: &SuspensionSpectra| {
         SuspensionVerdict::of(&file(), spectra, None, &Terms::default()).dampers[0].because
     };

@@ -16,7 +16,7 @@ pub struct Terms {
     pub adaptive_dampers: bool,
     /// The springs follow the load.
     pub level_control: bool,
-    /// What each axle may carry in kg.
+    /// Permitted axle loads in kg.
     pub gross_axle_kg: Option<[f64; 2]>,
 }
 
@@ -34,7 +34,6 @@ pub struct SuspensionVerdict {
 
 impl SuspensionVerdict {
     /// Of a car, with or without what it was when it was healthy.
-    #[must_use]
     pub fn of(
         car: &CarBody,
         spectra: &SuspensionSpectra,

@@ -18,7 +18,7 @@ const COUPLING: f64 = 0.1;
 /// How many standard deviations apart is another value.
 const APART: f64 = 2.0;
 
-/// What the file says of a corner's suspension, with relative standard deviations.
+/// The file's parameters of a corner's suspension, with relative standard deviations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Suspension {
     pub sprung_mass_kg: f64,

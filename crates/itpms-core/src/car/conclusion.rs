@@ -1,4 +1,4 @@
-//! What is concluded of the car whenever something was learned, and a hundred times a second: what the corners find and the road they share, fused into one estimate, and
+//! Conclusion about the car whenever something was learned, and a hundred times a second: what the corners find and the road they share, fused into one estimate, and
 //! how its errors go together. Called by the car's estimator; takes no samples.
 
 use nalgebra::{SMatrix, SVector};

@@ -1,4 +1,4 @@
-//! What of the tires' stiffnesses rests on the vehicle file, whatever the signals say (docs/math/unknown-car.md, section 4): all masses, forces and
+//! Errors of the tires' stiffnesses by the vehicle file, whatever the signals (docs/math/unknown-car.md, section 4): all masses, forces and
 //! stiffnesses of a wheel times one factor give the same accelerations over the same road. So that factor is never learned; its
 //! uncertainty is carried along (a Schmidt-Kalman filter's *considered* parameter).
 
@@ -8,7 +8,7 @@ use crate::memory::Blank;
 use crate::model::{CarConfig, Corner, CornerConfig};
 use crate::real::Real;
 
-/// What a calibration leaves of the tires' levels, as shares of their stiffness, by the shapes in which errors come (all alike, left against right, front
+/// Errors of the tires' levels after a calibration, as shares of their stiffness, by the shapes in which errors come (all alike, left against right, front
 /// against rear, diagonals): tires are set to 3 kPa, and roads differ.
 const CALIBRATED_SDS: [f64; 4] = [0.0125, 0.004, 0.0015, 0.002];
 /// Share of what the vehicle file leaves open of all tires' mean that another road than the calibration's shows again: a car that differs from its file
@@ -87,7 +87,7 @@ impl<T: Real> Considered<T> {
         SMatrix::from_fn(|i, j| self.relative[(i, j)] * k[i] * k[j])
     }
 
-    /// What another road may make of a pair of tires once a calibration has set them, as shares of their stiffnesses.
+    /// Effect of another road on a pair of tires after a calibration, as shares of their stiffnesses.
     pub(super) fn between_roads(&self, i: usize, j: usize) -> T {
         let count = T::lit(self.per_kpa.iter().filter(|&&there| there > T::zero()).count().max(1) as f64);
         let mean = self.relative.sum() / (count * count);

@@ -1,4 +1,4 @@
-//! What each tire has lost in this drive, in kPa, by itself and against the others (docs/math/level-and-loss.md, eq. 3 and 4). The level's
+//! Loss of each tire in this drive in kPa, by itself and against the others (docs/math/level-and-loss.md, eq. 3 and 4). The level's
 //! error is in none of it. What the vehicle file leaves open is a share of the loss: it says how much was lost, and not whether.
 
 use nalgebra::{SMatrix, SVector};

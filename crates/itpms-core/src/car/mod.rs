@@ -23,7 +23,7 @@ use crate::model::{
 use crate::real::Real;
 use crate::suspension::{BodyEquation, Learning};
 
-/// What the road's spectra read too much or too little on one road, as a share of the placard pressure.
+/// Error of the road's spectra on one road, as a share of the placard pressure.
 const SPECTRUM_BIAS: f64 = 0.04;
 
 /// Time in s between two conclusions, which may be twice as long while frames are worked on.
@@ -62,7 +62,7 @@ pub struct CarEstimator<T: Real> {
     corners: [Placed<CornerEstimator<T>>; 4],
     fusion: Placed<Fusion<T>>,
     considered: Considered<T>,
-    /// What wheel speeds tell of the tires' radii, if anyone compares them.
+    /// Differences of the tires' radii by wheel speeds, if they are compared.
     radii: Placed<RadiusDifferences<T>>,
     body_equation: BodyEquation<T>,
     /// When the calibration that is under way ends, and how long it lasts if it has not begun.
@@ -218,7 +218,7 @@ impl<T: Real> CarEstimator<T> {
         Some([excess, (sd * sd + considered * considered + bias * bias).sqrt()])
     }
 
-    /// What the last calibration taught; `None` before it is over, or when it saw too little shared road.
+    /// Result of the last calibration; `None` before it is over, or when it saw too little shared road.
     pub fn calibration(&self) -> Option<VehicleCalibration<T>> {
         self.fusion.as_ref().filter(|_| self.calibration_s.is_none())?.calibration()
     }
@@ -293,7 +293,7 @@ impl<T: Real> CarEstimator<T> {
         CarEstimate { time_s: sample.time_s, corners, correlation, loss_correlation, tracks }
     }
 
-    /// What is known of the axles, at a time at which no corner was measured.
+    /// Information about the axles at a time at which no corner was measured.
     pub(crate) fn without_corners(&self, time_s: f64) -> CarEstimate<T> {
         let Concluded { correlation, loss_correlation, tracks, .. } = self.concluded;
         CarEstimate { time_s, corners: [None; 4], correlation, loss_correlation, tracks }
@@ -347,7 +347,7 @@ impl<T: Real> CarEstimator<T> {
         self.corners[corner].as_ref().map(CornerEstimator::fit)
     }
 
-    /// What the last minute has shown of each strut, in the order of [`Corner::ALL`]; `None` where too little was seen. Computed when asked.
+    /// Identified parameters of each strut over the last minute, in the order of [`Corner::ALL`]; `None` where too little was seen. Computed when asked.
     pub fn strut_readings(&self) -> [Option<StrutReading<T>>; 4] {
         Corner::ALL.map(|corner| self.body_equation.reading(corner))
     }

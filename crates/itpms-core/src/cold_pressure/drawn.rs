@@ -27,7 +27,7 @@ struct Drawn {
     cold_kpa: f64,
     sd_kpa: f64,
     read_kpa: f64,
-    /// What the tire is held against in kPa: where the temperature is not known, and where it is.
+    /// Reference pressure in kPa: where the temperature is not known, and where it is.
     unaware_kpa: f64,
     aware_kpa: f64,
 }

@@ -107,7 +107,7 @@ impl<T: Real> ColdTires<T> {
         self.ambient_c.get().is_some()
     }
 
-    /// What a tire of this pressure with its sd, in kPa, would have cold.
+    /// Cold pressure of a tire of this pressure with its sd, in kPa.
     pub(crate) fn cold(&self, pressure_kpa: T, sd_kpa: T) -> Option<ColdPressure<T>> {
         let ambient_temperature_c = self.ambient_c.get()?;
         let ambient_k = ambient_temperature_c + T::lit(ZERO_C_K);
@@ -219,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn without_a_temperature_nothing_is_said_and_the_last_one_goes_on_for_a_while() {
+    fn without_a_temperature_nothing_is_reported_and_the_last_one_goes_on_for_a_while() {
         let mut tires = driven(&air(f64::NAN, 100.0), 60, 20.0);
         assert!(!tires.is_known() && tires.cold(240.0, 3.0).is_none() && tires.expected_kpa(240.0).is_none());
         tires.take(&air(95.0, 100.0));

@@ -15,13 +15,13 @@ pub(crate) const STANDING_S: f64 = 1800.0;
 const HISTORY_SD_K: f64 = 6.0;
 /// The same in K of the air's temperature: the sensor is in the warmth of engine and road.
 const AMBIENT_SD_K: f64 = 1.5;
-/// What stands for a speed in m/s that is not known, as its standard deviation, too.
+/// Substitute for an unknown speed in m/s, and its standard deviation.
 const UNKNOWN_M_S: f64 = 14.0;
 
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct WarmUp<T> {
-    /// What rolling has added.
+    /// Warmth by rolling.
     driven_k: T,
     /// The air's temperature in degrees Celsius as the tire has taken it on; NaN before one is known.
     soaked_c: T,

@@ -67,7 +67,7 @@ pub(crate) struct SteadyClock {
     latest_s: f64,
     /// The last stamp that was believed; minus infinity before the first.
     stamp_s: f64,
-    /// What the steady time is ahead of the stamps: it begins at zero.
+    /// Offset of the steady time from the stamps: it begins at zero.
     ahead_s: f64,
     stray: Stray,
 }
@@ -126,7 +126,7 @@ impl SteadyClock {
         if ahead { time_s + self.ahead_s } else { f64::INFINITY }
     }
 
-    /// What the steady time is ahead of the stamps now, in s.
+    /// Present offset of the steady time from the stamps in s.
     pub(crate) fn ahead_s(&self) -> f64 {
         self.ahead_s
     }

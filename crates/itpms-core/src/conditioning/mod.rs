@@ -1,4 +1,4 @@
-//! What makes samples fit to be used: one time that only goes forward, a speed where not every sample tells it, values
+//! Conditioning of samples: one time that only goes forward, a speed where not every sample tells it, values
 //! checked and put on a uniform grid, wheels that have left the road.
 
 pub(crate) mod clock;

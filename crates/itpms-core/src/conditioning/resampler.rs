@@ -68,7 +68,7 @@ pub struct GridSample<T> {
     pub unloaded: bool,
 }
 
-/// What a sensor's last values look like, the worst last.
+/// Quality of a sensor's last values, the worst last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Flatness {
     Moving,

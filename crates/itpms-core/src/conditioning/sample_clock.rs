@@ -27,7 +27,7 @@ pub struct Moment<T> {
     pub now_s: f64,
     /// The latest that the steady time may be, in s, whether the stamp was believed or not; infinite if unknown.
     pub latest_s: f64,
-    /// What the steady time is ahead of the stamps, in s.
+    /// Offset of the steady time from the stamps in s.
     pub ahead_s: f64,
     /// Speed to go by in m/s: a missing one is the last one, for half a second ([`SpeedHold`]); NaN: unknown.
     pub speed_m_s: T,

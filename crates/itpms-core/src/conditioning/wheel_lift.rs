@@ -23,7 +23,7 @@ const OFFSET_M_S2: f64 = 4.0;
 /// Seconds for which a spectrum is invalid: frames between two jumps are those in which the wheel happens to hop little.
 const LANDING_S: f64 = 0.5;
 
-/// What a grid step shows of the wheel's hold on the road.
+/// Contact of the wheel with the road at a grid step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Contact {
     /// It may be in the air: the tire equation does not hold at this step; at its neighbours it may.
@@ -40,7 +40,7 @@ pub(crate) struct ContactWatch<T> {
     /// Means of body and wheel in m/s², and over how many seconds (up to [`OFFSET_S`]).
     means: [T; 2],
     watched_s: T,
-    /// What of them is taken for an offset.
+    /// The part of them that is taken for an offset.
     offsets: [T; 2],
     /// Seconds for which the wheel still counts as hopping, and the tire as one that pulls.
     hopping_s: T,

@@ -13,9 +13,9 @@ const UNEXPLAINED_SD: f64 = 0.3;
 const UNEXPLAINED: f64 = 0.01;
 /// What a tire on its rim lacks by its stiffness, and the sd of that: it reads 1.6 to 2.3 times its pressure; and what others lack beside it.
 const RIM: [f64; 3] = [-0.95, 0.35, 0.1];
-/// What a tire that is not low lacks of its share, as an sd: gauges, and a little warmth of its own.
+/// Sd of the deficit of a tire that is not low, as a share: gauges, and a little warmth of its own.
 const FINE_SD: f64 = 0.013;
-/// What all tires lack of their references because they are colder than these, as an sd: 5 K are 1.8 %.
+/// Sd of all tires' deficit by being colder than their references: 5 K are 1.8 %.
 const WARMTH_SD: f64 = 0.018;
 /// What a car that has changed since a calibration makes all tires lack, and an axle's more than the other's, as sds; its prior.
 const CHANGED_SD: f64 = 0.2;

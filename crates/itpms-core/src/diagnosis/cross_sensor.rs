@@ -1,4 +1,4 @@
-//! What is wrong with the sensors, as far as it takes several of them to tell: swapped, or with a wrong gain.
+//! Faults that show between several sensors: swapped, or with a wrong gain.
 
 use crate::diagnosis::debounce::{COMPARED, DebounceTimes, Evidence};
 use crate::diagnosis::fault_latch::{FaultLatch, SwapPattern};
@@ -305,7 +305,7 @@ impl<T: Real> CrossSensorPlausibility<T> {
         }
     }
 
-    /// What is wrong, by the first corner it names.
+    /// Faults by the first corner they name.
     pub(crate) fn faults(&self) -> [Option<Fault<T>>; 4] {
         let mut faults = [None; 4];
         let crossed = self.crossed();

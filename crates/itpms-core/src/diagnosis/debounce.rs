@@ -15,7 +15,7 @@ pub(crate) const AT_ONCE: DebounceTimes = DebounceTimes { set_s: 0.0, clear_s: 1
 /// Of a sensor that is held against others: six blocks are no chance.
 pub(crate) const COMPARED: DebounceTimes = DebounceTimes { set_s: 3.0, clear_s: 5.0 };
 
-/// What speaks for or against the report now.
+/// Present evidence for or against the report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Evidence {
     /// The condition to set it holds.

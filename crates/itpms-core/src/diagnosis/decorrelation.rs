@@ -10,7 +10,7 @@ use crate::spectrum::LASTING_S;
 const APART: f64 = 0.03;
 const TIMES: f64 = 5.0;
 
-/// What the incoherence of a side usually is.
+/// Usual incoherence of a side.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct DecorrelationDetector<T> {

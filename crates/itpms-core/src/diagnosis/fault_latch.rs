@@ -5,7 +5,7 @@ use crate::diagnosis::{Fault, Malfunction};
 use crate::memory::{Blank, Placed};
 use crate::real::Real;
 
-/// What the sensors of a corner look like in the hop band.
+/// Signals of a corner's sensors in the hop band.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) enum SwapPattern {
@@ -51,7 +51,7 @@ impl<T: Real> FaultLatch<T> {
         }
     }
 
-    /// What is reported, while it is.
+    /// The report, while it lasts.
     pub(crate) fn fault(&self) -> Option<Fault<T>> {
         let malfunction = self.malfunction.get().filter(|_| self.debouncer.is_active())?;
         Some(Fault::from_debouncer(&self.debouncer, malfunction))

@@ -1,4 +1,4 @@
-//! What can be wrong with a sensor.
+//! Faults of a sensor.
 
 use core::fmt;
 
@@ -6,7 +6,7 @@ use crate::memory::Blank;
 use crate::model::{Corner, Wheels};
 use crate::real::Real;
 
-/// What a sensor measures, and where.
+/// Quantity and place of a sensor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Place {
@@ -28,7 +28,7 @@ pub struct Sensor {
     pub place: Place,
 }
 
-/// What is wrong with a sensor, as far as is known.
+/// The known fault of a sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Malfunction<T> {

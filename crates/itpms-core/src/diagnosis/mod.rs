@@ -238,7 +238,7 @@ impl<T: Real> Diagnosis<T> {
         }
     }
 
-    /// What is wrong, by the corner it is reported at: the worst of each.
+    /// Faults by the corner they are reported at: the worst of each.
     pub(crate) fn faults(&self) -> [Option<Fault<T>>; 4] {
         let cross_sensor = self.cross_sensor.faults();
         let [bodies, wheels] = &self.sensors;

@@ -49,7 +49,7 @@ pub(crate) struct SensorWatch<T> {
     in_part: u32,
     part_of: u32,
     floor: Option<T>,
-    /// What a value adds to what is usual, and to the share of missing ones.
+    /// Weight of a value in the usual level and in the share of missing ones.
     usual_share: T,
     missing_share: T,
 }

@@ -159,7 +159,7 @@ impl<T: Real> Signals<T> {
 }
 
 impl<T: Real> Strut<T> {
-    /// What spring and damper do to a body at rest, in m/s², after a step of the wheel's acceleration.
+    /// Acceleration of a body at rest by spring and damper, in m/s², after a step of the wheel's acceleration.
     fn push(&mut self, accel: T, dt: T) -> T {
         let keep = T::one() - T::lit(LEAK_RAD_S) * dt;
         self.velocity = keep * self.velocity + dt * accel;

@@ -1,4 +1,4 @@
-//! What is wrong with one sensor, as far as it shows by itself and from the same sensors at the other corners.
+//! Faults of one sensor that show by themselves and from the same sensors at the other corners.
 
 use crate::conditioning::pauses::MISSING_S;
 use crate::diagnosis::debounce::{COMPARED, DebounceTimes, Debouncer, Evidence};
@@ -108,7 +108,7 @@ impl<T: Real> SingleSensorMonitor<T> {
         self.noise.update(time_s, step_s, noise, COMPARED);
     }
 
-    /// What is wrong with it, the most certain first.
+    /// Its fault, the most certain first.
     pub(crate) fn fault(&self, sensor: Sensor) -> Option<Fault<T>> {
         let latches = [
             (&self.dropout, Malfunction::Dropout(sensor)),

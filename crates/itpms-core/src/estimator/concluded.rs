@@ -1,4 +1,4 @@
-//! What was concluded of a corner, as its owner keeps it until the next time.
+//! Conclusion about a corner, kept by its owner until the next one.
 
 use super::reading::Reading;
 use crate::memory::Blank;

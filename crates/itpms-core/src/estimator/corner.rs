@@ -83,7 +83,7 @@ impl<T: Real> CornerEstimator<T> {
         self.informed.stagger();
     }
 
-    /// What is known before the first frame.
+    /// Sets the prior before the first frame.
     fn begin_reading(&mut self) {
         self.reading = Reading::of(&self.config, &self.informed.belief());
         self.read_s = f64::NEG_INFINITY;

@@ -3,7 +3,7 @@
 
 use crate::model::Level;
 
-/// What the whole car knows of a corner that the corner by itself does not.
+/// Information about a corner from the whole car.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct FusedStiffness<T> {
     pub(crate) stiffness_n_per_m: T,

@@ -26,7 +26,7 @@ pub struct Estimator<T: Real> {
     clock: SampleClock<T>,
     corner: CornerEstimator<T>,
     body_equation: BodyEquation<T>,
-    /// What the pulses of its wheel tell of the level.
+    /// Information about the level from its wheel's pulses.
     pulses: PulseLevel<T>,
 }
 

@@ -1,4 +1,4 @@
-//! What a corner reads after a step, and whether that may be believed.
+//! A corner's reading after a step, and whether it is valid.
 
 use super::fused_stiffness::FusedStiffness;
 use crate::conditioning::pauses::ENOUGH_S;

@@ -1,4 +1,4 @@
-//! What is in memory before it is configured: zeros, `false` and `None`, as constants, so that a `static` of them costs no
+//! Memory before it is configured: zeros, `false` and `None`, as constants, so that a `static` of them costs no
 //! flash and building it no stack.
 
 use nalgebra::{ArrayStorage, Complex, SMatrix};

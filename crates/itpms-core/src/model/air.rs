@@ -17,7 +17,7 @@ pub struct Air<T> {
     pub altitude_m: T,
 }
 
-/// What there is on roads: in degrees Celsius, kPa and m.
+/// Plausible ranges on roads in degrees Celsius, kPa and m.
 const TEMPERATURES_C: RangeInclusive<f64> = -60.0..=65.0;
 const PRESSURES_KPA: RangeInclusive<f64> = 45.0..=110.0;
 const ALTITUDES_M: RangeInclusive<f64> = -500.0..=6000.0;

@@ -56,7 +56,7 @@ pub(crate) struct AxleFit<T> {
     pub(crate) is_apart: bool,
 }
 
-/// What does not fit.
+/// The misfit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Misfit {
@@ -138,7 +138,7 @@ impl<T: Real> BodyFit<T> {
         largest.misfit(None).is_none_or(|misfit| misfit.doubt(level).is_some())
     }
 
-    /// What does not fit, given what did not `before`.
+    /// The misfit, given that of `before`.
     pub(crate) fn misfit(&self, before: Option<Misfit>) -> Option<Misfit> {
         let over = |value: Option<T>, [most, again]: [f64; 2], misfit: Misfit| {
             let limit = if before == Some(misfit) { again } else { most };

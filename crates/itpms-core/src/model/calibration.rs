@@ -1,4 +1,4 @@
-//! What a calibration teaches about the car: how it differs from its vehicle file while all tires are known to be right.
+//! Calibration of the car: how it differs from its vehicle file while all tires are known to be right.
 //!
 //! Made by [`CarEstimator::calibration`](crate::car::CarEstimator::calibration) when a calibration is over, given to the next drive's
 //! estimator. Knows nothing of files: whoever stores it checks that it belongs to the car.
@@ -23,7 +23,7 @@ pub struct Learned<T> {
     pub sd: T,
 }
 
-/// What was learned of one corner. Masses, damper and spring as relative deviations from the vehicle file.
+/// Learned values of one corner. Masses, damper and spring as relative deviations from the vehicle file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CornerCalibration<T> {
@@ -35,20 +35,20 @@ pub struct CornerCalibration<T> {
     pub damping: Learned<T>,
     /// Suspension stiffness, relative deviation.
     pub spring: Learned<T>,
-    /// What the road's spectrum reads too much, in kPa.
+    /// Bias of the road's spectrum in kPa.
     pub spectrum_bias_kpa: Learned<T>,
-    /// What the shared road reads too much of the tire's compliance, as a share of that at placard pressure.
+    /// Bias of the tire's compliance by the shared road, as a share of that at placard pressure.
     pub shared_road_bias: Learned<T>,
 }
 
 impl<T: Real> CornerCalibration<T> {
-    /// What is believed of [`shared_road_bias`](Self::shared_road_bias) before any calibration has taught it.
+    /// Prior of [`shared_road_bias`](Self::shared_road_bias).
     pub fn uncalibrated_residual_bias() -> Learned<T> {
         Learned { value: T::zero(), sd: T::lit(UNCALIBRATED_BIAS_SD) }
     }
 }
 
-/// What was learned of the whole car.
+/// Learned values of the whole car.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct VehicleCalibration<T> {
@@ -68,7 +68,7 @@ pub struct VehicleCalibration<T> {
     pub learned_s: T,
 }
 
-/// What a stored reference cannot be.
+/// Why a stored reference is implausible.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum CalibrationError {
     /// A value is not finite, or an sd not positive and finite.

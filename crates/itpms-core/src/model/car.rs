@@ -1,10 +1,10 @@
-//! What an estimator knows about the car.
+//! Configuration of a car's estimator.
 
 use super::estimate::CornerConfig;
 use crate::memory::Blank;
 use crate::real::Real;
 
-/// What an estimator knows about the car.
+/// Configuration of a car's estimator.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CarConfig<T> {

@@ -1,10 +1,10 @@
-//! What is known of a car after a sample.
+//! The estimate of a car after a sample.
 
 use super::estimate::CornerEstimate;
 use crate::memory::Blank;
 use crate::real::Real;
 
-/// What is known of the car after a sample.
+/// The estimate of the car after a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CarEstimate<T> {

@@ -1,10 +1,10 @@
-//! What goes out, for every estimator alike: pressure and stiffness with their standard deviations, whether to believe them, and a warning.
+//! Output of every estimator: pressure and stiffness with their standard deviations, whether to believe them, and a warning.
 
 use crate::memory::Blank;
 use crate::model::{Confidence, ParameterError, ParameterUncertainty, PressureMap, QuarterCar, positive};
 use crate::real::Real;
 
-/// What an estimator knows about its corner.
+/// Configuration of a corner's estimator.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CornerConfig<T> {
@@ -107,7 +107,7 @@ impl Validity {
 }
 
 crate::labelled! {
-    /// What the level of a pressure rests on; changes show by themselves.
+    /// Reference of a pressure's level; changes show by themselves.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Blank)]
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
     pub enum Level {
@@ -164,14 +164,14 @@ pub struct CornerEstimate<T> {
     pub pressure_sd_kpa: T,
     /// The same without what the vehicle file leaves open: how well a change within minutes is known, in kPa.
     pub change_sd_kpa: T,
-    /// What its level rests on.
+    /// Reference of its level.
     pub level: Level,
     /// Standard deviation in kPa of its difference from the pressure of its axle's other tire: errors of the level are common to
     /// both. `None` without another one.
     pub axle_difference_sd_kpa: Option<T>,
-    /// What the tire has lost since losses are counted; `None` as long as they are not. For show: [`lost_kpa`](Self::lost_kpa).
+    /// The tire's loss since losses are counted; `None` as long as they are not. For show: [`lost_kpa`](Self::lost_kpa).
     pub loss: Option<Loss<T>>,
-    /// What it would have cold; `None` where the temperature of the air is not known.
+    /// Its cold pressure; `None` where the temperature of the air is not known.
     pub cold: Option<ColdPressure<T>>,
     /// Road height under the wheel in m, causal and without drift; NaN where no filter of the road has set it.
     pub road_m: T,
@@ -186,7 +186,7 @@ pub struct CornerEstimate<T> {
 }
 
 impl<T: Real> CornerEstimate<T> {
-    /// What the tire has lost in this drive and its standard deviation, in kPa; NaN as long as that is not counted, and where it may have lost
+    /// The tire's loss in this drive and its standard deviation in kPa; NaN as long as that is not counted, and where it may have lost
     /// air before that.
     pub fn lost_kpa(&self) -> [T; 2] {
         let whole = self.loss.filter(|loss| loss.is_whole == 1);
@@ -194,7 +194,7 @@ impl<T: Real> CornerEstimate<T> {
     }
 }
 
-/// What a tire has lost since losses are counted, in kPa: its level is wrong by the same before and after, so a loss is known far better.
+/// A tire's loss since losses are counted, in kPa: its level is wrong by the same before and after, so a loss is known far better.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Loss<T> {
@@ -203,13 +203,13 @@ pub struct Loss<T> {
     /// One if that is all it has lost in this drive, since it was not low when the loss began to be counted; else zero. No `bool`: its unused
     /// values would be what `None` is made of, and memory that has not been configured would not be zeros.
     pub is_whole: u8,
-    /// What was lost since then; below zero where the tire became warmer.
+    /// Loss since then; below zero where the tire became warmer.
     pub lost_kpa: T,
     /// Its standard deviation, with what the vehicle file leaves open.
     pub lost_sd_kpa: T,
     /// The same on one road, as far as the signals tell: how well it is known that it has changed.
     pub change_sd_kpa: T,
-    /// What was lost more than the other tires have lost on average, and its standard deviation: warmth and a change of the whole car
+    /// Loss beyond the other tires' mean loss, and its standard deviation: warmth and a change of the whole car
     /// cancel. What the vehicle file leaves open is no part of the latter: it is a share of the loss, and none where nothing was lost.
     pub excess_kpa: T,
     /// See [`excess_kpa`](Self::excess_kpa).

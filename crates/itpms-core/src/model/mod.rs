@@ -18,9 +18,8 @@ mod wheels;
 
 pub(crate) use self::air::SEA_LEVEL_KPA;
 pub use self::air::{Air, standard_atmosphere_kpa};
-pub(crate) use self::body_fit::AxleFit;
+pub(crate) use self::body_fit::{AxleFit, COHERENCE_BINS, UNEXPLAINED_BINS};
 pub use self::body_fit::{BodyFit, Misfit};
-pub(crate) use self::body_fit::{COHERENCE_BINS, UNEXPLAINED_BINS};
 pub use self::calibration::{CalibrationError, CornerCalibration, Learned, VehicleCalibration};
 pub(crate) use self::calibration::{UNCALIBRATED_BIAS_SD, UNKNOWN_COUPLING_SD};
 pub use self::car::{CarConfig, Inflation};

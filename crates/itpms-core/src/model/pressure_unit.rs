@@ -17,7 +17,7 @@ crate::labelled! {
 }
 
 impl PressureUnit {
-    /// What stands behind a number.
+    /// The unit's symbol behind a number.
     #[must_use]
     pub const fn symbol(self) -> &'static str {
         match self {

@@ -2,7 +2,7 @@
 
 use crate::memory::Blank;
 
-/// What the three ratios see of each wheel's radius.
+/// Derivatives of the three ratios by each wheel's radius.
 pub(crate) const SEEN: [[f64; 3]; 4] =
     [[1.0, 0.0, 0.5], [-1.0, 0.0, 0.5], [0.0, 1.0, -0.5], [0.0, -1.0, -0.5]];
 

@@ -1,4 +1,4 @@
-//! What comes in: one time, one speed, up to four corners. A missing value is NaN, as in the drive log.
+//! Input: one time, one speed, up to four corners. A missing value is NaN, as in the drive log.
 
 use core::ops::{Index, IndexMut};
 

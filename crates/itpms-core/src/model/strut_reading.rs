@@ -1,4 +1,4 @@
-//! What a drive has shown of a strut (docs/math/learn.md, section 3).
+//! Identified parameters of a strut (docs/math/learn.md, section 3).
 
 /// A strut as the body's equation of motion has it, over the last minute. All forces in it times one factor, together with the body's mass,
 /// move the body alike: damping, spring and friction are those that belong to the *file's* sprung mass.

@@ -64,7 +64,7 @@ pub struct ParameterUncertainty<T> {
 }
 
 impl<T: Real> ParameterUncertainty<T> {
-    /// What is usual for parameters of this origin.
+    /// Usual uncertainty of parameters of this origin.
     ///
     /// | | measured | typical | rough |
     /// |---|---|---|---|

@@ -13,11 +13,11 @@ use crate::wheel_speed::WheelSpeedConfig;
 pub struct MonitorConfig<T> {
     /// The car, as its estimator knows it; without corners wheel speeds are all there is.
     pub car: CarConfig<T>,
-    /// What is known of the car for its wheel speeds; `None`: they are not used.
+    /// Configuration of the wheel speeds; `None`: they are not used.
     pub wheel_speeds: Option<WheelSpeedConfig<T>>,
     /// When to say what.
     pub limits: Limits<T>,
-    /// What each pressure is held against, in kPa; `None`: the placard's. A warm reference goes here.
+    /// Reference of each pressure in kPa; `None`: the placard's. A warm reference goes here.
     pub reference_kpa: [Option<T>; 4],
     /// Pressure of the air in kPa where the tires are filled, which gauges count from: 101.325 at sea level.
     pub home_kpa: T,

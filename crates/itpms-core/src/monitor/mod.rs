@@ -57,7 +57,7 @@ pub struct Monitor<T: Real> {
     configured_kpa: [T; 4],
     reference: ReferencePressure<T>,
     cold: ColdTires<T>,
-    /// What each tire should have now.
+    /// Present reference of each tire.
     reference_kpa: [T; 4],
     diagnosis: Diagnosis<T>,
     faults: [Placed<Fault<T>>; 4],
@@ -76,7 +76,7 @@ pub struct Monitor<T: Real> {
     /// The speed to go by.
     speed_m_s: T,
     decided_s: f64,
-    /// What the steady time was ahead of the stamps when it decided.
+    /// Offset of the steady time from the stamps when it decided.
     ahead_s: f64,
     report: MonitorReport<T>,
 }
@@ -350,7 +350,7 @@ impl<T: Real> Monitor<T> {
         }
     }
 
-    /// What else is known when a wheel is looked at.
+    /// Further information about a wheel.
     fn around(&self, estimate: &CarEstimate<T>, corner: Corner, doubted: bool) -> Around<T> {
         let other = estimate.corners[corner.same_side()].as_ref();
         let is_silent = |corner: &CornerEstimate<T>| {
@@ -458,7 +458,7 @@ impl<T: Real> Monitor<T> {
         &mut self.report
     }
 
-    /// What there is to say now.
+    /// The present report.
     pub fn report(&self) -> &MonitorReport<T> {
         &self.report
     }

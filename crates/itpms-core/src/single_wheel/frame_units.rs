@@ -54,7 +54,7 @@ pub(crate) enum Pace {
     Waits,
 }
 
-/// What is left to do with a pair of frames.
+/// Remaining work on a pair of frames.
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct FrameWork<T: Real> {

@@ -50,7 +50,7 @@ pub(crate) struct Posterior<T: Real> {
     settling_pairs: u32,
     /// False until the first frame has set the road's level.
     road_known: bool,
-    /// What all of it says of the pressure.
+    /// The resulting likelihood of the pressure.
     summary: Summary<T>,
 }
 

@@ -87,7 +87,7 @@ pub(crate) struct Informed<T: Real> {
     /// The car as it seems to be now.
     body: Body<T>,
     tables: Tables<T>,
-    /// What the strut's friction makes of its motion.
+    /// Equivalent spring and damper of the strut's friction.
     friction: DescribingFunction<T>,
     clock: FrameClock<T, BINS, ROAD_SIGNALS>,
     posterior: Posterior<T>,
@@ -106,7 +106,7 @@ pub(crate) struct Informed<T: Real> {
     outside: Placed<OutsideStiffness<T>>,
     outside_s: f64,
     last_time_s: f64,
-    /// What is left to do with the newest frame.
+    /// Remaining work on the newest frame.
     work: FrameWork<T>,
 }
 
@@ -344,7 +344,7 @@ impl<T: Real> Informed<T> {
     }
 }
 
-/// What the estimator believes after a frame.
+/// Belief after a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Belief<T> {
     pub(crate) pressure_kpa: T,

@@ -1,4 +1,4 @@
-//! What is believed of the road under one hypothesis of the pressure: a Gaussian over its log level, its slope and
+//! Belief about the road under one hypothesis of the pressure: a Gaussian over its log level, its slope and
 //! the length over which the tire averages it, and how a frame changes that belief (docs/math/informed.md, eq. 13-19).
 //!
 //! Called by the road fits, the posterior and the gate; knows nothing of probabilities of pressures.
@@ -88,11 +88,11 @@ impl<T: Real> Evidence<T> {
     }
 }
 
-/// What a frame is under one cell's stiffness, whatever the road: power densities per bin.
+/// A frame under one cell's stiffness, whatever the road: power densities per bin.
 pub(crate) struct Reading<T> {
     /// Of the reconstructed road velocity.
     pub(crate) power: [T; BINS],
-    /// What it should look like, with the noise of these sensors.
+    /// The expected frame, with the noise of these sensors.
     pub(crate) expected: CellTables<T>,
 }
 
@@ -103,7 +103,7 @@ pub(crate) struct Road<T: Real> {
 }
 
 impl<T: Real> Road<T> {
-    /// What is believed before the first frame, with a level guessed from outside.
+    /// Prior, with a level guessed from outside.
     pub(crate) fn unknown(level: T) -> Self {
         let variance = [LARGEST_VARIANCE[LEVEL], SLOPE_SD * SLOPE_SD, ENVELOPE_SD * ENVELOPE_SD];
         Self {

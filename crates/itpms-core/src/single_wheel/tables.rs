@@ -1,4 +1,4 @@
-//! What the frames should look like for every stiffness of the grid: tables of the transfer function and of the
+//! Expected frames for every stiffness of the grid: tables of the transfer function and of the
 //! sensor noise per bin and cell (docs/math/informed.md, eq. 8-12), averaged over the window's own spectrum.
 //!
 //! Kept for every third cell: in between they go by the cubic in the compliance, of which noise is a parabola. Built two bins of a cell at a time, so that following slow changes
@@ -72,7 +72,7 @@ pub(crate) fn cubic_weights<T: Real>(places: [T; NEAREST], at: T) -> [T; NEAREST
     })
 }
 
-/// What the frames of one cell should look like, per bin.
+/// Expected frames of one cell, per bin.
 pub(crate) struct CellTables<T> {
     /// `ln |H|²`, `H` from road to wheel, less the middle cell's, averaged with the power that the road and the window
     /// give each frequency: for a displacement slope of two, and its change with the exponent `2 - w`.

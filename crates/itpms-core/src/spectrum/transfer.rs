@@ -7,7 +7,7 @@ use crate::memory::Blank;
 use crate::model::QuarterCar;
 use crate::real::Real;
 
-/// What a corner is believed to be now; the unsprung mass is known and does not change.
+/// Present parameters of a corner; the unsprung mass is known and does not change.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Body<T> {

@@ -240,7 +240,7 @@ impl<T: Real> BodyEquation<T> {
         }
     }
 
-    /// What a corner's friction makes of its motion.
+    /// Equivalent spring and damper of a corner's friction.
     pub(crate) fn describing_function(&self, corner: Corner) -> DescribingFunction<T> {
         let (powers, slip_n) = (&self.powers[corner], self.slip_forces_n(corner));
         let mut function = DescribingFunction::BLANK;

@@ -180,7 +180,7 @@ impl<T: Real> Strut<T> {
     }
 }
 
-/// What of a time is left after whole periods.
+/// Remainder of a time after whole periods.
 fn remainder(time_s: f64, period_s: f64) -> f64 {
     let periods = time_s / period_s;
     (periods - (periods as i64) as f64) * period_s

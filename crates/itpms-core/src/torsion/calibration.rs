@@ -1,4 +1,4 @@
-//! What a calibration teaches of a wheel's torsion, to be stored and loaded at the next start. The teeth are not in it: which one passes
+//! Calibration of a wheel's torsion, to be stored and loaded at the next start. The teeth are not in it: which one passes
 //! first after a start is not known, and they are found anew within half a minute.
 
 use crate::memory::Blank;
@@ -17,7 +17,7 @@ pub struct TorsionCurve<T> {
     pub vector: [T; 3],
 }
 
-/// What to store after a calibration and load at the next start (`docs/math/wheel-speed.md`, eq. 17).
+/// The stored calibration, loaded at the next start (`docs/math/wheel-speed.md`, eq. 17).
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TorsionCalibration<T> {

@@ -13,7 +13,7 @@ use crate::real::Real;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CarTorsion<T: Real> {
     wheels: [TorsionWheel<T>; 4],
-    /// What the pressures should be, and by how much those of the calibration were more, in kPa.
+    /// Reference pressures, and the excess of those at the calibration, in kPa.
     reference_kpa: [T; 4],
     above_kpa: [T; 4],
 }
@@ -109,7 +109,7 @@ impl<T: Real> CarTorsion<T> {
         self.wheels.iter_mut().map(TorsionWheel::end_calibration).filter(|learned| *learned).count()
     }
 
-    /// What the last calibration taught of each wheel, and by how much the pressure was above what it should be then, in kPa.
+    /// Result of the last calibration of each wheel, and by how much the pressure was above what it should be then, in kPa.
     #[must_use]
     pub fn calibration(&self) -> [Option<(TorsionCalibration<T>, T)>; 4] {
         let mut learned = [None; 4];
@@ -149,7 +149,7 @@ impl<T: Real> CarTorsion<T> {
         changes
     }
 
-    /// What the pieces since the calibration say of the pressures.
+    /// Estimate of the pressures from the pieces since the calibration.
     #[must_use]
     pub(crate) fn evidence(&self) -> TorsionEvidence<T> {
         let mut evidence = TorsionEvidence { reference_kpa: self.reference_kpa, ..TorsionEvidence::BLANK };

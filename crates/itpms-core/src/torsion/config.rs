@@ -1,4 +1,4 @@
-//! What torsional analysis knows beforehand of a wheel.
+//! Configuration of a wheel's torsional analysis.
 
 use super::teeth::MOST_TEETH;
 use crate::memory::Blank;

@@ -1,4 +1,4 @@
-//! What the pulses of four wheels say about which tires are low (`docs/math/wheel-speed.md`, eq. 18-21). Asked by radius analysis, for each
+//! Evidence by the pulses of four wheels about which tires are low (`docs/math/wheel-speed.md`, eq. 18-21). Asked by radius analysis, for each
 //! of the sixteen sets of low tires.
 
 use super::SCALE_SD;
@@ -6,11 +6,11 @@ use crate::decision::{LOSS, LOW};
 use crate::memory::Blank;
 use crate::real::Real;
 
-/// What a tire that is low has lost of its pressure, with its sd, as shares, and by how much one that is not differs by itself.
+/// Loss of a low tire with its sd, as shares of its pressure, and by how much one that is not differs by itself.
 const LOW_SHARE: f64 = -LOW[0] * LOSS;
 const LOW_SD: f64 = LOW[1] * LOSS;
 const FINE_SD: f64 = 0.0286;
-/// What stays unknown of a wheel however much is driven, in kPa: by itself, and what all four have in common (load, slip stiffness, road).
+/// Lasting uncertainty of a wheel in kPa, however much is driven: by itself, and what all four have in common (load, slip stiffness, road).
 const OWN_SD_KPA: f64 = 4.4;
 const COMMON_SD_KPA: f64 = 6.7;
 
@@ -64,7 +64,7 @@ impl<T: Real> TorsionEvidence<T> {
         square - common * sum * sum / (T::one() + common * all)
     }
 
-    /// What is known of the `ln` of a wheel's pressure against what it should be, and its variance; `None` where nothing was seen.
+    /// The `ln` of a wheel's pressure over its reference, and its variance; `None` where nothing was seen.
     pub(crate) fn ln_pressure(&self, wheel: usize) -> Option<(T, T)> {
         let (change_kpa, information) = (*self.change_kpa.get(wheel)?, *self.information.get(wheel)?);
         let reference_kpa = *self.reference_kpa.get(wheel)?;

@@ -10,7 +10,7 @@ use crate::spectrum::INDEPENDENT;
 /// Bins of a frame, from one distance of bins on: up to 74 Hz.
 pub(super) const BINS: usize = 38;
 const BIN_HZ: f64 = 0.5 / HOP_S;
-/// What is looked at in Hz, and up to which share of the teeth's rate.
+/// Band in Hz, and its upper limit as a share of the teeth's rate.
 const FROM_HZ: f64 = 24.0;
 const MOST_OF_TEETH: f64 = 0.36;
 /// The grid of resonances in Hz.
@@ -30,7 +30,7 @@ const MOST_SD_HZ: f64 = 3.5;
 /// Slope, curvature, `ln` damping.
 pub(super) const SHAPES: usize = 3;
 
-/// What is expected of a spectrum's shape.
+/// Prior of a spectrum's shape.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Shape<T> {
     pub mean: [T; SHAPES],

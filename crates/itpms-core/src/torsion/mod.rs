@@ -71,7 +71,7 @@ const MODEL_SD_HZ: f64 = 0.6;
 /// How well the Hz per kPa are known, as a share of them and so of every change: of a tire nothing is known of.
 const SCALE_SD: f64 = 0.2;
 
-/// What a piece of driving has shown.
+/// Result of a piece of driving.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TorsionPiece<T> {
@@ -103,7 +103,7 @@ pub struct TorsionChange<T> {
     pub change_sd_kpa: T,
 }
 
-/// What is done with a piece.
+/// Use of a piece.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 enum Phase {

@@ -1,4 +1,4 @@
-//! What a calibration teaches of a wheel's spectrum: its resonance and its shape, each a parabola of the speed
+//! Calibration of a wheel's spectrum: its resonance and its shape, each a parabola of the speed
 //! (`docs/math/wheel-speed.md`, eq. 17).
 
 use nalgebra::{Matrix3, Vector3};

@@ -97,9 +97,9 @@ pub struct Reading<T> {
     pub sd_kpa: T,
     /// The limit it has passed, in kPa.
     pub limit_kpa: T,
-    /// What the pressure should be, in kPa.
+    /// Reference pressure in kPa.
     pub reference_kpa: T,
-    /// What it was held against.
+    /// Basis of the reference.
     pub basis: Basis,
     /// How probable it is that the tire has too little air, or has lost so much in this drive; `None` of one that has too much.
     pub probability: Option<T>,
@@ -123,7 +123,7 @@ pub struct LeakOverDays<T> {
     pub days: u32,
 }
 
-/// What a person reads after the wheel's name.
+/// The text after the wheel's name.
 impl<T: Real> fmt::Display for LeakOverDays<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [rate, rate_sd, lost, sd] =
@@ -138,7 +138,7 @@ impl<T: Real> fmt::Display for LeakOverDays<T> {
 }
 
 crate::labelled! {
-    /// What a pressure was held against.
+    /// Basis of a reference pressure.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Blank)]
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
     pub enum Basis {

@@ -26,7 +26,7 @@ pub(crate) struct AllLow<T> {
     mean_share: T,
     sd_share: T,
     probability: T,
-    /// What shifted: which wheels, and their mean with its sd.
+    /// The shift: which wheels, and their mean with its sd.
     shifted: Wheels,
     shifted_share: [T; 2],
 }

@@ -54,7 +54,7 @@ fn valid<T: Real>(estimate: &CarEstimate<T>, i: Corner) -> Option<&CornerEstimat
     estimate.corners[i].as_ref().filter(|corner| corner.validity.is_valid())
 }
 
-/// What each tire has lost in this drive, and the sd of that, where losses are counted.
+/// Loss of each tire in this drive and its sd, where losses are counted.
 fn losses<T: Real>(estimate: &CarEstimate<T>, reference_kpa: [T; 4]) -> [Option<[T; 2]>; 4] {
     Corner::ALL.map(|i| {
         let loss = valid(estimate, i)?.loss?;

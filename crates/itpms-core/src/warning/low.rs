@@ -26,7 +26,7 @@ const MOST_FITTED_S: f64 = 2.0 * FITTED_S;
 /// Evidence for a low tire that began so many seconds before that of a sensor's fault on its side, or since, is the fault's.
 const BESIDE_A_FAULT_S: f64 = 30.0;
 
-/// What else is known when a wheel is looked at.
+/// Further information about a wheel.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Around<T> {
     pub(crate) speed_m_s: T,

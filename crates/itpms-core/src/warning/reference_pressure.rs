@@ -1,4 +1,4 @@
-//! What a tire should have now: the pressure that was given, and what a warm tire had more at the end of the last calibration,
+//! Reference pressure of a tire: the pressure that was given, and what a warm tire had more at the end of the last calibration,
 //! for as long as it can be taken to be as warm again.
 //!
 //! Called by the monitor. Where the temperature of the air is known, the reference follows the tires' temperature. Else it knows only for how long
@@ -25,7 +25,7 @@ const TAKEN_SHARE: f64 = 0.25;
 const TAKEN_S: f64 = 300.0;
 const LEAST_S: f64 = 30.0;
 
-/// What one tire had at the end of a calibration.
+/// Pressure of one tire at the end of a calibration.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Taken<T> {
@@ -160,7 +160,7 @@ impl<T: Real> Taken<T> {
         Self { seconds: 0.0, pressure_kpa: zero, warmth: zero, cold_seconds: 0.0, cold_kpa: zero }
     }
 
-    /// What the tire should have when it is cold: no more than was given.
+    /// Cold reference of the tire: no more than was given.
     fn cold_reference(&self, configured_kpa: T, span: [T; 2]) -> T {
         let taken_kpa = if self.cold_seconds >= LEAST_S {
             self.cold_kpa
@@ -172,7 +172,7 @@ impl<T: Real> Taken<T> {
         taken_kpa.max(span[0] * configured_kpa).min(configured_kpa)
     }
 
-    /// What the tire should have at a warmth. What it had more at the calibration is scaled down while it is colder than then
+    /// Reference of the tire at a warmth. What it had more at the calibration is scaled down while it is colder than then
     /// and not scaled up when it is warmer; what it had less is no matter of warmth.
     fn reference(&self, configured_kpa: T, warmth: T, span: [T; 2]) -> T {
         if !(self.seconds >= LEAST_S) {

@@ -1,4 +1,4 @@
-//! What the monitor says: a state per wheel, and alerts that name wheels, numbers, since when and why.
+//! Report of the monitor: a state per wheel, and alerts that name wheels, numbers, since when and why.
 //!
 //! Made by the monitor; read by displays, files and studies. Holds no logic beyond reading it.
 
@@ -34,7 +34,7 @@ impl Slot {
     }
 }
 
-/// What is known of a wheel, in one word.
+/// State of a wheel, as a label.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum WheelState {
@@ -100,7 +100,7 @@ pub struct WheelReport<T> {
     pub pressure_kpa: T,
     /// Its standard deviation in kPa.
     pub pressure_sd_kpa: T,
-    /// What the pressure is held against, in kPa.
+    /// Reference pressure in kPa.
     pub reference_kpa: T,
     /// When something was last learned of this wheel, in s; minus infinity: never.
     pub informed_s: f64,
@@ -174,7 +174,7 @@ impl<T: Real> MonitorReport<T> {
         wheels.peek().is_some() && wheels.all(|wheel| wheel.state == WheelState::Fine)
     }
 
-    /// What began, changed or ended since `before`, in a fixed order.
+    /// Alerts that began, changed or ended since `before`, in a fixed order.
     pub fn changes_since<'a>(&'a self, before: &'a Self) -> impl Iterator<Item = Change<T>> + 'a {
         let set_back_s = self.set_back_s - before.set_back_s;
         // Most places are empty in both: what would be handed out of a place is not moved before it is known to differ.

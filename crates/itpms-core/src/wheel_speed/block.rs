@@ -141,7 +141,7 @@ impl<T: Real> BlockSums<T> {
         self.samples > 0 && self.speed < T::lit(0.3) * T::whole(self.samples)
     }
 
-    /// What the block says; `docs/math/wheel-speed.md`, eq. 3 and 6. `step_m_s`: the speeds' smallest step.
+    /// Measurement by the block; `docs/math/wheel-speed.md`, eq. 3 and 6. `step_m_s`: the speeds' smallest step.
     pub(super) fn conclude(&self, config: &WheelSpeedConfig<T>, step_m_s: T) -> Block<T> {
         if self.samples < LEAST_SAMPLES || !(self.slowest >= T::one()) {
             return Block::BLANK;

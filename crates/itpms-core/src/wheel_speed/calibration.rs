@@ -1,4 +1,4 @@
-//! What a calibration teaches: how the tires' radii differ, and how the driven axle slips.
+//! Calibration of wheel speeds: how the tires' radii differ, and how the driven axle slips.
 
 use super::state::{BEND, OFFSET, SLIP, UNEQUAL_SLIP};
 use crate::memory::Blank;
@@ -9,7 +9,7 @@ pub(super) const NUMBERS: usize = 8;
 pub(super) const LEARNED: [usize; NUMBERS] =
     [OFFSET, OFFSET + 1, OFFSET + 2, SLIP, UNEQUAL_SLIP, UNEQUAL_SLIP + 1, BEND, BEND + 1];
 
-/// What to store after a calibration and load at the next start. In thousandths: the log ratios of the tires' radii front left over
+/// The stored calibration, loaded at the next start. In thousandths: the log ratios of the tires' radii front left over
 /// right, rear left over right, front over rear, the slip of the driven axle per m/s², what of it the left wheel in front, and the
 /// left one at the rear, has more than the right one, and what the load of a bend does to the first two, per m/s² to the left.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]

@@ -1,4 +1,4 @@
-//! What radius analysis knows beforehand: the car's dimensions, its driven axle, how a radius follows the pressure, what loads may do.
+//! Configuration of radius analysis: the car's dimensions, its driven axle, how a radius follows the pressure, what loads may do.
 
 use crate::memory::Blank;
 use crate::model::{ParameterError, positive};
@@ -68,7 +68,7 @@ impl<T: Real> LoadUncertainty<T> {
     }
 }
 
-/// What [`MonitoredWheels`](crate::monitor::MonitoredWheels) know of a car beforehand.
+/// Configuration of [`MonitoredWheels`](crate::monitor::MonitoredWheels).
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WheelSpeedConfig<T> {
@@ -86,7 +86,7 @@ pub struct WheelSpeedConfig<T> {
     pub radius_per_ln_pressure: T,
     /// Standard deviation of the former, as a share of it.
     pub radius_per_ln_pressure_sd: T,
-    /// What loads may do while the car stands.
+    /// Changes of the load while the car stands.
     pub load: LoadUncertainty<T>,
 }
 

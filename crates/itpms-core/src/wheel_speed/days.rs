@@ -25,7 +25,7 @@ const UNEXPLAINED_SD: f64 = 0.3;
 /// The standard normal distribution function at one: the part of the prior in which a leak takes air away.
 const LOSES: f64 = 0.841_344_746;
 
-/// What one day has shown.
+/// Result of one day.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RadiusDay<T> {
@@ -37,7 +37,7 @@ pub struct RadiusDay<T> {
     pub covariance_1e6: [T; 6],
 }
 
-/// What the days since a calibration have shown: to be stored beside it, and loaded with it.
+/// Results of the days since a calibration: to be stored beside it, and loaded with it.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RadiusDays<T> {
@@ -53,7 +53,7 @@ pub struct RadiusDays<T> {
     pub vector: [[T; 3]; 2],
 }
 
-/// What they say of a slow leak.
+/// Evidence of a slow leak over the days since the calibration.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SlowLeak<T> {

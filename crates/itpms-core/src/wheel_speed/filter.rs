@@ -307,7 +307,7 @@ impl<T: Real> Filter<T> {
         self.see_slip();
     }
 
-    /// What all hypotheses together believe.
+    /// Belief of all hypotheses together.
     pub(super) fn belief(&self) -> Gaussian<T> {
         Gaussian::merged(self.weight.iter().copied().zip(&self.modes))
     }
@@ -369,7 +369,7 @@ fn slippery<T: Real>(belief: &Gaussian<T>, dry_slip: T) -> T {
     (belief.mean[SLIP].abs() - T::lit(SLIPPERY) * dry_slip).at_least(T::zero())
 }
 
-/// What of the driving force each axle has.
+/// Share of the driving force of each axle.
 fn driven_shares(driven: DrivenAxle) -> [f64; 2] {
     match driven {
         DrivenAxle::Front => [1.0, 0.0],

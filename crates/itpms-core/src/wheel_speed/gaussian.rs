@@ -1,4 +1,4 @@
-//! What is believed of offsets, radii and disturbances under one hypothesis: a Gaussian whose covariance is kept once, not twice.
+//! Belief about offsets, radii and disturbances under one hypothesis: a Gaussian whose covariance is kept once, not twice.
 
 use super::state::STATES;
 use crate::memory::Blank;

@@ -24,7 +24,7 @@ use crate::torsion::TorsionEvidence;
 const LEAST_CALIBRATION_S: f64 = 10.0;
 /// By how much more or less than another a tire's radius becomes smaller per km, in thousandths, as an sd.
 const WEAR_PER_KM: f64 = 1.2e-4;
-/// What the monitor does with a block.
+/// Use of a block.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 enum Phase<T> {
@@ -114,7 +114,7 @@ impl<T: Real> RadiusMonitor<T> {
         self.report.forget(RadiusState::Calibrating);
     }
 
-    /// What the last calibration taught; `None` before its end.
+    /// Result of the last calibration; `None` before its end.
     #[must_use]
     pub(crate) fn calibration(&self) -> Option<&RadiusCalibration<T>> {
         self.calibration.as_ref()
@@ -207,7 +207,7 @@ impl<T: Real> RadiusMonitor<T> {
         }
     }
 
-    /// What was reported last.
+    /// The last report.
     #[must_use]
     pub(crate) fn report(&self) -> &RadiusReport<T> {
         &self.report
@@ -237,7 +237,7 @@ impl<T: Real> RadiusMonitor<T> {
         self.sensors.odd()
     }
 
-    /// What the speeds that do not follow the car are as a malfunction, and whose.
+    /// The malfunction of speeds that do not follow the car, and whose.
     #[must_use]
     pub(crate) fn does_not_follow(&self) -> Option<(Wheels, Malfunction<T>)> {
         self.astray().map(Astray::malfunction)

@@ -1,4 +1,4 @@
-//! What radius analysis says.
+//! Report of radius analysis.
 
 use super::config::WheelSpeedConfig;
 use super::hypotheses::{Decision, Triangle, UNEXPLAINED};
@@ -73,7 +73,7 @@ impl From<Wheels> for Pattern {
     }
 }
 
-/// What cannot be seen at the moment.
+/// Losses that cannot be detected at the moment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Unseen {
@@ -89,7 +89,7 @@ pub struct Unseen {
     pub slippery: bool,
 }
 
-/// What is known of a wheel's radius.
+/// State of a wheel's radius.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WheelRadius<T> {
@@ -128,13 +128,13 @@ impl<T: Real> WheelRadius<T> {
     }
 }
 
-/// What radius analysis says at a time.
+/// Report of radius analysis at a time.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RadiusReport<T> {
     /// Time of the last sample in s; NaN before the first one.
     pub time_s: f64,
-    /// What is found.
+    /// The finding.
     pub state: RadiusState,
     /// How much usable driving the state has lasted, in s.
     pub lasted_s: T,
@@ -142,7 +142,7 @@ pub struct RadiusReport<T> {
     pub any_low_probability: T,
     /// Each wheel, in the order of [`Corner::ALL`].
     pub wheels: [WheelRadius<T>; 4],
-    /// What cannot be seen.
+    /// Losses that cannot be detected.
     pub unseen: Unseen,
     /// By how much the ratios of the radii have changed since the calibration: front left over right, rear left over right, front over
     /// rear; what is measured, before anything is concluded of single tires. NaN: not known.

@@ -1,4 +1,4 @@
-//! What is estimated of a car's wheels: the three ratios of their speeds, and the state that explains them.
+//! State of a car's wheels: the three ratios of their speeds, and the state that explains them.
 
 /// The three ratios: front left over right, rear left over right, front over rear.
 pub(super) const FRONT: usize = 0;

@@ -21,7 +21,7 @@ const BIAS_STEP: f64 = 1e-3;
 /// Each time that it is doubted four times as much has to prove it right, up to the fifth.
 const PROOF_LN: f64 = 1.386;
 const MOST_DOUBTS: u8 = 5;
-/// What a road that differs from left to right does to the ratios of both axles, in thousandths.
+/// Effect of a road that differs from left to right on the ratios of both axles, in thousandths.
 const PASSING: f64 = 1.0;
 
 /// Radius of a bend in m from which on a preload may keep the wheels of an axle alike, and time in s after which it is forgotten whether it does.

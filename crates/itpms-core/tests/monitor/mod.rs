@@ -92,7 +92,7 @@ fn a_tire_surely_lower_than_its_axles_other_one_is_low() {
 }
 
 #[test]
-fn no_information_is_never_all_good_and_is_said_after_ten_minutes_of_driving() {
+fn no_information_is_never_all_good_and_is_reported_after_ten_minutes_of_driving() {
     let mut drive = Drive::new();
     assert!(!drive.monitor.report().is_all_fine());
     let nothing = Reported { validity: Validity::NoInformation, gate: 0.0, ..FINE };
@@ -350,7 +350,7 @@ fn a_tire_that_looks_low_while_the_tracks_part_is_waited_for() {
 }
 
 #[test]
-fn limits_are_those_of_the_rule_and_overfull_is_said() {
+fn limits_are_those_of_the_rule_and_overfull_is_reported() {
     let us = MonitorConfig { limits: Regulation::Fmvss138.into(), ..MonitorConfig::new(&car()) };
     // 0.86 of the placard's pressure: low for the one rule, not for the other.
     let said = Reported { sd: 2.0, ..low(0.86 * 241.3) };

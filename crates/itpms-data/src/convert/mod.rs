@@ -11,7 +11,7 @@
 //! | CSV, Parquet | MDF4 | the same, in one channel group |
 //! | CSV, Parquet, MDF4 | CAN log and DBC | the same, in the messages that have signals for them, each with every row |
 //!
-//! What cannot be carried over is reported. Knows nothing of estimators.
+//! Data that cannot be converted is reported. Knows nothing of estimators.
 
 #[cfg(feature = "can")]
 mod frames;
@@ -43,11 +43,11 @@ pub struct Request<'a> {
 pub struct Converted {
     /// Complete but for its name: [`AtomicFile::commit`].
     pub file: AtomicFile,
-    /// What is in it: `20000 rows`.
+    /// Its content: `20000 rows`.
     pub content: String,
-    /// What was mended in the log, or did not get into the file.
+    /// Repairs of the log, and data that did not get into the file.
     pub warnings: Vec<String>,
-    /// What else is worth knowing: which signal became which column.
+    /// Remarks: which signal became which column.
     pub remarks: Vec<String>,
 }
 

@@ -115,7 +115,7 @@ impl Decoder {
         &self.dbc
     }
 
-    /// What is wrong with the description; see [`Dbc::problems`].
+    /// Problems of the description; see [`Dbc::problems`].
     pub fn problems(&self) -> &[DbcProblem] {
         self.dbc.problems()
     }

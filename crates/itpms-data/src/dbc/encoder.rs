@@ -10,7 +10,7 @@ use crate::error::DataError;
 use crate::log::{LogColumns, LogRow, Slot};
 use crate::signals::{Conversion, SignalMap, resolve};
 
-/// What became of the rows.
+/// Count of the rows written.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct EncodeCounts {
     pub frames: u64,
@@ -81,7 +81,7 @@ impl Encoder {
         zeros
     }
 
-    /// What became of the rows so far.
+    /// Count of the rows so far.
     pub fn counts(&self) -> &EncodeCounts {
         &self.counts
     }

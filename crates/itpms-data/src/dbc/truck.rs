@@ -20,7 +20,7 @@ pub(crate) struct Compound {
     pub(super) how: How,
 }
 
-/// What the other signal does.
+/// Effect of the other signal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum How {
     /// The value of the signal at this place is added.

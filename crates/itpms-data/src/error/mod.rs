@@ -1,4 +1,4 @@
-//! What can be wrong with a file, stated once: the file, the line or column, what was found, what was expected.
+//! Problems of a file, stated once: the file, the line or column, what was found, what was expected.
 //!
 //! Every public function of this crate returns [`DataError`]. Its message is complete; callers print it as it is.
 

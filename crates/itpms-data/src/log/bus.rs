@@ -16,7 +16,7 @@ pub fn holds_frames(log: &Path, dbc: Option<&Path>) -> Result<bool, DataError> {
     Ok(LogFormat::of_log(log, dbc)? == LogFormat::Can)
 }
 
-/// What the frames of a log mean: the DBC file that is given, else the one that is attached inside the log.
+/// The database of a log's frames: the DBC file that is given, else the one that is attached inside the log.
 /// Errors: there is none, or it cannot be read.
 pub fn frame_description(log: &Path, dbc: Option<&Path>) -> Result<Dbc, DataError> {
     let attached = || {

@@ -82,7 +82,7 @@ impl Clock {
         time_s
     }
 
-    /// What was found, a sentence each.
+    /// The findings, a sentence each.
     pub(crate) fn remarks(&self) -> Vec<String> {
         let packed = self.is_packed.then(|| {
             "the clock is packed as hhmmss (093045.5 is 45.5 s after 9:30) and was taken apart".to_owned()
@@ -107,7 +107,7 @@ impl Clock {
         seconds_s.unwrap_or(stamp)
     }
 
-    /// What is to be added to this row's time, and from now on to all.
+    /// Offset of this row's time and of all that follow.
     fn correction_s(&mut self, stamp: f64, step_s: f64) -> f64 {
         let usual = 0.0..=self.longest_s();
         if !self.is_packed

@@ -21,7 +21,7 @@ pub(super) struct Mdf4Feed {
 #[derive(Debug)]
 struct Group {
     cursor: GroupCursor,
-    /// What each value is, and how it gets the column's unit.
+    /// The meaning of each value, and its conversion to the column's unit.
     slots: Vec<(Slot, Conversion)>,
     values: Vec<f64>,
     /// The group's stamps are repaired before the groups are merged: one that is odd must not hold its group back.

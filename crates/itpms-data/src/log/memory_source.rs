@@ -28,7 +28,7 @@ pub(super) struct MemorySource {
     before: usize,
     /// Rows of all pieces, where that is known.
     total: Option<usize>,
-    /// What gives the next piece, until there is none.
+    /// Source of the next piece, until there is none.
     more: Option<Pieces>,
 }
 

@@ -205,7 +205,7 @@ mod tests {
     const MOVES: [bool; ROWS] = [true; ROWS];
 
     #[test]
-    fn two_recordings_are_told_from_one() {
+    fn two_recordings_are_distinguished_from_one() {
         for rate_hz in [50.0, 100.0, 200.0, 1000.0] {
             for width in [2, WIDTH] {
                 let (a, b) = (drive(1, rate_hz, 0.3), drive(2, rate_hz, 0.3));
@@ -239,7 +239,7 @@ mod tests {
     }
 
     #[test]
-    fn three_and_four_recordings_are_told_from_one_in_a_car_that_moves() {
+    fn three_and_four_recordings_are_distinguished_from_one_in_a_car_that_moves() {
         for rate_hz in [100.0, 200.0, 1000.0] {
             let all = [1, 2, 3, 4].map(|recording| drive(recording, rate_hz, 0.3));
             let one: Vec<f64> = (0..ROWS).flat_map(&all[0]).collect();

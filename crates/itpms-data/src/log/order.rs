@@ -252,13 +252,12 @@ pub(super) enum Stage {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::log::row::LogMotion;
 
     fn sorted(times: impl IntoIterator<Item = f64>) -> (Vec<f64>, TimeOrder) {
         let mut order = TimeOrder::new();
         let mut out = VecDeque::new();
         for (i, time_s) in (2..).zip(times) {
-            let row = LogRow { time_s, speed_m_s: i as f64, corners: [None; 4], motion: LogMotion::UNKNOWN };
+            let row = LogRow::without_motion(time_s, i as f64, [None; 4]);
             order.push(row, Place::Line(i), &mut out);
         }
         order.finish(&mut out);

@@ -152,6 +152,11 @@ pub struct LogCorner {
 }
 
 impl LogCorner {
+    /// Accelerations, of which the truth is not known.
+    pub const fn measured(body_accel_m_s2: f64, wheel_accel_m_s2: f64) -> Self {
+        Self { body_accel_m_s2, wheel_accel_m_s2, pressure_kpa: f64::NAN, road_m: f64::NAN }
+    }
+
     /// The accelerations, without the truth.
     pub fn sample(&self) -> CornerSample<f64> {
         CornerSample { body_accel_m_s2: self.body_accel_m_s2, wheel_accel_m_s2: self.wheel_accel_m_s2 }
@@ -236,6 +241,11 @@ impl LogMotion {
 }
 
 impl LogRow {
+    /// A row of accelerometers and speed alone.
+    pub const fn without_motion(time_s: f64, speed_m_s: f64, corners: [Option<LogCorner>; 4]) -> Self {
+        Self { time_s, speed_m_s, corners, motion: LogMotion::UNKNOWN }
+    }
+
     /// The estimators' input: everything but the truth, and the wheel speeds.
     pub fn sample(&self) -> CarSample<f64> {
         CarSample {

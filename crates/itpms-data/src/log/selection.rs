@@ -40,7 +40,7 @@ impl Selection {
         })
     }
 
-    /// What is wrong where no row has the value.
+    /// The problem where no row has the value.
     pub(crate) fn nowhere(selections: &[Self]) -> Problem {
         let all = selections.iter().map(ToString::to_string).collect::<Vec<_>>().join(" and ");
         Problem::Refused(format!("no row has {all}, expected a value that is there"))

@@ -127,7 +127,7 @@ impl SignalOrder {
         strays.into_iter().chain(repeated).collect()
     }
 
-    /// What was done without leaving anything out, a sentence each.
+    /// Corrections that left nothing out, a sentence each.
     pub(super) fn remarks(&self) -> Vec<String> {
         let coarse = self.series.iter().map(Series::coarse);
         let (spread, step_s) =

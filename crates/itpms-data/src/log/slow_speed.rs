@@ -143,14 +143,13 @@ fn regular_step(times: impl Iterator<Item = f64>, row_s: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::log::row::LogMotion;
 
     /// 30 s at this rate with a speed of 20 + t where `has` says so, through.
     fn through(rate_hz: f64, has: impl Fn(usize) -> bool) -> (Option<f64>, Vec<LogRow>) {
         let row = |k: usize| {
             let time_s = k as f64 / rate_hz;
             let speed_m_s = if has(k) { 20.0 + time_s } else { f64::NAN };
-            LogRow { time_s, speed_m_s, corners: [None; 4], motion: LogMotion::UNKNOWN }
+            LogRow::without_motion(time_s, speed_m_s, [None; 4])
         };
         let rows: Vec<LogRow> = (0..(30.0 * rate_hz) as usize).map(row).collect();
         let first = &rows[..SURVEY_ROWS.min(rows.len())];

@@ -77,18 +77,10 @@ impl Survey {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::log::row::LogMotion;
 
     fn survey(times: impl IntoIterator<Item = f64>) -> Result<Survey, Problem> {
-        let rows: Vec<LogRow> = times
-            .into_iter()
-            .map(|time_s| LogRow {
-                time_s,
-                speed_m_s: f64::NAN,
-                corners: [None; 4],
-                motion: LogMotion::UNKNOWN,
-            })
-            .collect();
+        let rows: Vec<LogRow> =
+            times.into_iter().map(|time_s| LogRow::without_motion(time_s, f64::NAN, [None; 4])).collect();
         Survey::of(&rows)
     }
 

@@ -150,7 +150,7 @@ fn header_before(texts: &[Vec<u8>], stated: Option<Dialect>) -> Option<usize> {
 mod tests {
     use super::*;
 
-    /// What is read of a text, and the first row after it.
+    /// The head of a text, and its first row.
     fn head(text: &str) -> (TextHead, String) {
         let mut file = tempfile::tempfile().unwrap();
         std::io::Write::write_all(&mut file, text.as_bytes()).unwrap();

@@ -34,24 +34,17 @@ mod tests {
     use itpms_core::model::Corner;
 
     use super::*;
-    use crate::log::row::{LogCorner, LogMotion};
+    use crate::log::row::LogCorner;
     use crate::log::slot::SLOTS;
 
     /// Rows whose wheels move by `wheel`, of the corner and the row.
     fn found(wheel: impl Fn(usize, usize) -> f64) -> Vec<(String, String)> {
         let slots: Vec<Slot> = Slot::all().collect();
         let columns = LogColumns::of(&slots[..SLOTS]);
-        let corner = |c: usize, i: usize| LogCorner {
-            body_accel_m_s2: 0.3 * wheel(c, i) + (c * i) as f64,
-            wheel_accel_m_s2: wheel(c, i),
-            pressure_kpa: f64::NAN,
-            road_m: f64::NAN,
-        };
-        let row = |i: usize| LogRow {
-            time_s: i as f64,
-            speed_m_s: 20.0,
-            corners: Corner::ALL.map(|c| Some(corner(c.index(), i))),
-            motion: LogMotion::UNKNOWN,
+        let corner =
+            |c: usize, i: usize| LogCorner::measured(0.3 * wheel(c, i) + (c * i) as f64, wheel(c, i));
+        let row = |i: usize| {
+            LogRow::without_motion(i as f64, 20.0, Corner::ALL.map(|c| Some(corner(c.index(), i))))
         };
         of(&(0..50).map(row).collect(), &columns)
     }

@@ -145,7 +145,7 @@ impl Messages {
     }
 }
 
-/// What a record says, if it is one that matters here.
+/// Content of a record, if it is of a relevant kind.
 fn message(opcode: u8, data: &[u8]) -> Result<Option<Message<'_>>, McapError> {
     use ::mcap::records::op;
     match opcode {

@@ -1,4 +1,4 @@
-//! What is in a file: topics, the paths of the numbers in their messages, and what these are called as signals.
+//! Contents of a file: topics, the paths of the numbers in their messages, and their names as signals.
 //!
 //! A topic's messages are on one clock: their own stamps, where they have some and these agree with the recorder's clock, else when they were
 //! published or, where that is not known, recorded.
@@ -24,7 +24,7 @@ const STAMPS: [&str; 3] = ["header.stamp", "timestamp", "stamp"];
 const SECONDS: [&str; 2] = ["sec", "seconds"];
 const NANOSECONDS: [&str; 3] = ["nanosec", "nsec", "nanos"];
 
-/// What the bytes of a topic's messages are.
+/// Encoding of a topic's messages.
 #[derive(Debug, Clone)]
 enum Codec {
     Json,
@@ -197,7 +197,7 @@ impl Topic {
     }
 }
 
-/// What messages of this encoding and schema are, or why they are not read.
+/// Decoder of messages of this encoding and schema, or why they are not read.
 fn codec(encoding: &str, schema: Option<&(String, String, Vec<u8>)>) -> Result<Codec, String> {
     let of_ros = |wire| match schema {
         Some((name, kind, text)) if matches!(kind.as_str(), "ros2msg" | "ros1msg") => {

@@ -1,4 +1,4 @@
-//! What the cells of a Parquet column mean: numbers, or times, and how both are read from the stored values.
+//! Meaning of a Parquet column's cells: numbers, or times, and how both are read from the stored values.
 //!
 //! Called by the columns, of which it sees the description alone. All types of the format that hold one number are among them;
 //! what holds none (text, bytes, lists) is named in plain words.
@@ -13,7 +13,7 @@ use crate::log::clock_seconds;
 const JULIAN_DAY_OF_1970: f64 = 2_440_588.0;
 const SECONDS_PER_DAY: f64 = 86_400.0;
 
-/// What a column's cells are.
+/// Meaning of a column's cells.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Meaning {
     pub(crate) quantity: Quantity,
@@ -165,7 +165,7 @@ fn integer(bytes: &[u8]) -> f64 {
     if sign == 0 { size } else { -(size + 1.0) }
 }
 
-/// What a file says of a column besides how it is stored, in the newer or the older way.
+/// Logical type of a column, in the newer or the older way.
 enum Annotation {
     None,
     Unsigned,

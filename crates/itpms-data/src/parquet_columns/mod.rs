@@ -105,12 +105,12 @@ impl ParquetColumns {
         &self.names
     }
 
-    /// What a column holds. Errors: no numbers and no times.
+    /// Meaning of a column. Errors: no numbers and no times.
     pub(crate) fn meaning(&self, leaf: usize) -> Result<Meaning, Problem> {
         self.meant(leaf, Meaning::of)
     }
 
-    /// What a column holds that is given as the clock: numbers, times or text of times.
+    /// Meaning of a column that is given as the clock: numbers, times or text of times.
     pub(crate) fn clock_meaning(&self, leaf: usize) -> Result<Meaning, Problem> {
         self.meant(leaf, Meaning::of_clock)
     }
@@ -216,7 +216,7 @@ impl ParquetColumns {
         Ok(Some(Place::Row(self.rows_read)))
     }
 
-    /// What the row has in the columns, in the order in which they were chosen; NaN where nothing finite is.
+    /// The row's values of the columns, in the order in which they were chosen; NaN where nothing finite is.
     pub(crate) fn values(&self) -> impl Iterator<Item = f64> {
         self.columns.iter().map(|column| column.values[self.now])
     }

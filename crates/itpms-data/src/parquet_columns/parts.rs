@@ -102,13 +102,13 @@ impl ParquetParts {
         &self.names
     }
 
-    /// What a column holds. Errors: no numbers and no times.
+    /// Meaning of a column. Errors: no numbers and no times.
     pub(crate) fn meaning(&self, leaf: usize) -> Result<Meaning, Problem> {
         let (part, leaf) = self.first_part_with(leaf)?;
         part.meaning(leaf)
     }
 
-    /// What a column holds that is given as the clock. Errors: no numbers, no times and no text of times.
+    /// Meaning of a column that is given as the clock. Errors: no numbers, no times and no text of times.
     pub(crate) fn clock_meaning(&self, leaf: usize) -> Result<Meaning, Problem> {
         let (part, leaf) = self.first_part_with(leaf)?;
         part.clock_meaning(leaf)
@@ -216,7 +216,7 @@ impl ParquetParts {
         }
     }
 
-    /// What the row has in the columns, in the order in which they were chosen; NaN where nothing finite is.
+    /// The row's values of the columns, in the order in which they were chosen; NaN where nothing finite is.
     pub(crate) fn values(&self) -> impl Iterator<Item = f64> {
         self.open.get(self.now).into_iter().flat_map(Open::values)
     }

@@ -1,4 +1,4 @@
-//! What the days since a calibration have shown, as a table of a stored reference and back: sums over days, in thousandths.
+//! Results of the days since a calibration, as a table of a stored reference and back: sums over days, in thousandths.
 
 use std::fmt::Write as _;
 

@@ -1,4 +1,4 @@
-//! What a calibration taught of a car, kept in a file from one drive to the next: which car, when, what, and a checksum.
+//! Calibration of a car, kept in a file from one drive to the next: which car, when, what, and a checksum.
 //!
 //! Called by the binary, and by whoever stores references on a vehicle. Knows files and vehicles, nothing of how a
 //! reference is learned or used. What it hands out is whole, plausible and the very car's; anything else is refused with
@@ -59,7 +59,7 @@ pub const FORMAT: u32 = 9;
 const WITH_DAYS: u32 = 7;
 const WITH_WHEEL_SPEEDS: u32 = 6;
 
-/// What tooth pulses taught of each wheel, with the kPa by which its pressure was above the placard's.
+/// Calibration of each wheel by tooth pulses, with the kPa by which its pressure was above the placard's.
 pub type LearnedTorsion = [Option<(TorsionCalibration<f64>, f64)>; 4];
 
 /// A file longer than this is not read to its end: it is something else.
@@ -86,14 +86,14 @@ pub struct StoredReference {
     pub learned_unix_s: u64,
     /// The wheelbase in m that was found, where the vehicle file's was assumed: what was learned counts from it.
     pub wheelbase_m: Option<f64>,
-    /// What was learned of corners with accelerations; of no corner where there were none.
+    /// Calibration of corners with accelerations; of no corner where there were none.
     pub reference: VehicleCalibration<f64>,
     pub wheel_speeds: Option<RadiusCalibration<f64>>,
-    /// What was learned of tooth pulses, in the order of [`Corner::ALL`](itpms_core::model::Corner::ALL); never without wheel speeds.
+    /// Calibration by tooth pulses, in the order of [`Corner::ALL`](itpms_core::model::Corner::ALL); never without wheel speeds.
     pub torsion: LearnedTorsion,
-    /// What the days since then have shown of the wheel speeds; none without wheel speeds.
+    /// Results of the wheel speeds on the days since then; none without wheel speeds.
     pub days: RadiusDays<f64>,
-    /// What struts and body were, for dampers and load; never without corners.
+    /// Reference of struts and body, for dampers and load; never without corners.
     pub suspension: Option<SuspensionReference>,
 }
 
@@ -242,7 +242,7 @@ fn nothing_of_corners() -> VehicleCalibration<f64> {
 /// An anti-roll bar that pushes the body over, by half of the springs' stiffness, is in no car; a smaller one may be noise.
 const LEAST_BAR: f64 = -0.5;
 
-/// What no car is.
+/// Refuses an impossible car.
 fn check(reference: &VehicleCalibration<f64>) -> Result<(), CalibrationError> {
     reference.check()?;
     let pushes = |bar: &Learned<f64>| !(bar.value >= LEAST_BAR);

@@ -1,4 +1,4 @@
-//! What can be wrong with a stored reference; read by people as part of a [`Problem`](crate::error::Problem).
+//! Problems of a stored reference; read by people as part of a [`Problem`](crate::error::Problem).
 
 use itpms_core::model::CalibrationError;
 use thiserror::Error;

@@ -1,4 +1,4 @@
-//! What healthy drives have shown of a car's struts and body, as a table of a stored reference and back.
+//! A healthy car's struts and body, as a table of a stored reference and back.
 
 use std::fmt::Write as _;
 
@@ -76,7 +76,7 @@ impl SuspensionReference {
         all
     }
 
-    /// What is there before anything was read.
+    /// The value before anything was read.
     fn nothing() -> Self {
         Self {
             sprung_mass_kg: f64::NAN,

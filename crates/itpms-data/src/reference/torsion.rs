@@ -1,4 +1,4 @@
-//! What was learned of tooth pulses, as a table per wheel of a stored reference and back: four parabolas of the speed as information.
+//! Learned values of tooth pulses, as a table per wheel of a stored reference and back: four parabolas of the speed as information.
 
 use std::fmt::Write as _;
 

@@ -1,4 +1,4 @@
-//! What was learned of wheel speeds, as a table of a stored reference and back. In thousandths and their squares.
+//! Learned values of wheel speeds, as a table of a stored reference and back. In thousandths and their squares.
 
 use std::fmt::Write as _;
 

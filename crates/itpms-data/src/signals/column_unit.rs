@@ -83,7 +83,7 @@ fn is_date(name: &str) -> bool {
     )
 }
 
-/// What pandas calls the index of a frame in a file, where it has no name.
+/// Name that pandas gives an unnamed index in a file.
 pub(crate) const INDEX: &str = "__index_level_0__";
 
 /// The column that is such an index: with times in it, it is the clock of a table that has no other.
@@ -96,7 +96,7 @@ pub(crate) fn seconds_in(name: &str) -> Option<f64> {
     seconds(&split(name).1)
 }
 
-/// What stands before the unit, and the unit; empty where there is none.
+/// The text before the unit, and the unit; empty where there is none.
 fn split(name: &str) -> (&str, String) {
     let name = name.trim();
     for (open, close) in [('[', ']'), ('(', ')')] {

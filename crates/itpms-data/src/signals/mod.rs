@@ -1,4 +1,4 @@
-//! What comes signal by signal instead of row by row: bus logs and measurement files whose signals have their own clocks.
+//! Logs by signal instead of by row: bus logs and measurement files whose signals have their own clocks.
 //!
 //! | module | idea |
 //! |---|---|

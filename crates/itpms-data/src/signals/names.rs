@@ -1,4 +1,4 @@
-//! What a signal's name says in words: `FL_BodyAccZ`, `AccZ_Wheel_RR`, `ESP_02.VehicleSpeed`, `v_veh`.
+//! The words of a signal's name: `FL_BodyAccZ`, `AccZ_Wheel_RR`, `ESP_02.VehicleSpeed`, `v_veh`.
 //!
 //! Called by the resolver for names that are no column's own. A name is taken apart into words; the message or group
 //! it is in helps out with what the name itself leaves open. Cautious: a word that makes it another quantity (`lateral`,

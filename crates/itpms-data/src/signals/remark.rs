@@ -27,7 +27,7 @@ impl fmt::Display for Source {
     }
 }
 
-/// What is doubtful about a column's signal.
+/// A doubt about a column's signal.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Remark {

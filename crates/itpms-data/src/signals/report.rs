@@ -1,4 +1,4 @@
-//! What was mapped from what, what is ambiguous and what is missing, in words and as a map to start from.
+//! The mapping of signals to columns, ambiguous and missing ones, as text and as a map to start from.
 //!
 //! Called by the commands, which print it as it is. Knows the resolver's result and nothing of logs.
 
@@ -12,7 +12,7 @@ use crate::log::{Field, LogColumns, Quantity, Slot};
 use crate::toml_table::escaped;
 
 impl Resolved {
-    /// What is doubtful, in the order of the columns.
+    /// Doubts, in the order of the columns.
     pub fn remarks(&self) -> &[Remark] {
         &self.remarks
     }
@@ -169,7 +169,7 @@ fn one_line(c: char) -> char {
     if c.is_control() { ' ' } else { c }
 }
 
-/// What a map says of this signal so that it reads back as the same.
+/// This signal's entry of a map, which reads back as the same.
 fn map_value(chosen: &super::Chosen) -> String {
     let signal = escaped(&chosen.signal);
     let stated = super::units::Unit::of(&chosen.unit).conversion_to(chosen.slot);

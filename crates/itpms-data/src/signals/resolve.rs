@@ -33,7 +33,7 @@ pub struct Resolved {
     pub(super) candidates: usize,
     /// Columns of which there are only signals without samples.
     pub(super) without_samples: Vec<Slot>,
-    /// What there is besides and cannot be read.
+    /// Other contents that cannot be read.
     pub(super) unread: Vec<Unread>,
 }
 

@@ -5,7 +5,7 @@ use itpms_files::nearest;
 use super::units::Unit;
 use crate::log::{Quantity, Slot};
 
-/// What to say of a unit that is of no use.
+/// The message for an unusable unit.
 pub(super) fn stated(unit: &str) -> String {
     if unit.is_empty() { "is not stated".to_owned() } else { format!("is stated as {unit:?}") }
 }

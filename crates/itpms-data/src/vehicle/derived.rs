@@ -1,4 +1,4 @@
-//! What follows from a corner's parameters: frequencies, damping ratios, and how a wrong mass reads as a pressure. Shown
+//! Quantities derived from a corner's parameters: frequencies, damping ratios, and how a wrong mass reads as a pressure. Shown
 //! by `itpms vehicle show`; the tests hold typical cars against it.
 
 use itpms_core::model::CornerConfig;

@@ -1,4 +1,4 @@
-//! What a vehicle file says beyond what an estimator is given today: how far its values are to be trusted, friction,
+//! Further parameters of a vehicle file, beyond those of the estimators: how far its values are to be trusted, friction,
 //! tracks, and what the wheel-speed methods need. Read by `read_details`, written by `write`; knows no TOML.
 
 use itpms_core::model::Confidence;
@@ -40,7 +40,7 @@ pub struct VehicleDetails {
     pub home_altitude_m: Option<f64>,
     /// By how much springs stiffen as they are compressed, in 1/m: their slope goes as `exp(p x)`; `None`: not at all.
     pub spring_stiffening_per_m: Option<f64>,
-    /// What front and rear axle may carry in kg, wheels included.
+    /// Permitted axle loads in kg, front and rear, wheels included.
     pub gross_axle_kg: Option<[f64; 2]>,
     /// Whether springs follow the load.
     pub level_control: bool,

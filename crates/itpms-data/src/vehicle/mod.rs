@@ -163,7 +163,7 @@ impl Vehicle {
         standard_atmosphere_kpa(self.details.home_altitude_m.unwrap_or(0.0))
     }
 
-    /// What an estimator of these corners is given; corners that the vehicle does not have are left out.
+    /// Configuration of an estimator of these corners; corners that the vehicle does not have are left out.
     pub fn car_config(&self, corners: &[Corner]) -> CarConfig<f64> {
         let chosen = |corner: Corner| self.corner(corner).copied().filter(|_| corners.contains(&corner));
         CarConfig { corners: Corner::ALL.map(chosen), wheelbase_m: self.wheelbase_m }
@@ -191,7 +191,7 @@ impl Vehicle {
         self.details.corners.iter().find_map(|corner| corner.tire.rolling_radius_m)
     }
 
-    /// What the analysis of wheel speeds is given. Errors: the key that the file lacks for that.
+    /// Configuration of the wheel-speed analysis. Errors: the key that the file lacks for that.
     pub fn wheel_speed_config(&self) -> Result<WheelSpeedConfig<f64>, &'static str> {
         let VehicleDetails { track_front_m, track_rear_m, driven, limited_slip, .. } = self.details;
         let mut config = WheelSpeedConfig::new(

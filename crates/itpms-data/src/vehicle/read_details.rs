@@ -28,7 +28,7 @@ pub(super) const VEHICLE_KEYS: [&str; 15] = [
 /// The largest relative standard deviation that says anything: beyond, a value is a guess of its own order.
 const LARGEST_RELATIVE_SD: f64 = 1.0;
 
-/// What `[vehicle]` says; the corners follow.
+/// The table `[vehicle]`; the corners follow.
 pub(super) fn vehicle(table: &Table<'_>) -> Result<VehicleDetails, Problem> {
     let confidence = word(table, "confidence", Confidence::ALL.map(|c| (c.label(), c)), CONFIDENCES)?;
     Ok(VehicleDetails {
@@ -52,7 +52,7 @@ pub(super) fn vehicle(table: &Table<'_>) -> Result<VehicleDetails, Problem> {
     })
 }
 
-/// What front and rear axle may carry: a kart's axle to a truck's.
+/// Permitted axle loads: a kart's axle to a truck's.
 fn gross_axle_kg(table: &Table<'_>) -> Result<Option<[f64; 2]>, Problem> {
     const KEY: &str = "gross_axle_kg";
     let Some(axles) = table.pair(KEY)? else { return Ok(None) };
@@ -68,7 +68,7 @@ fn gross_axle_kg(table: &Table<'_>) -> Result<Option<[f64; 2]>, Problem> {
 const CONFIDENCES: &str = "\"measured\", \"typical\" or \"rough\"";
 const DRIVEN: &str = "\"front\", \"rear\" or \"all\"";
 
-/// What a table of a corner says, with the details of its tire.
+/// The table of a corner, with the details of its tire.
 pub(super) fn corner(table: &Table<'_>, tire: TireDetails) -> Result<CornerDetails, Problem> {
     Ok(CornerDetails {
         sprung_mass_relative_sd: relative_sd(table, "sprung_mass_relative_sd")?,
@@ -150,5 +150,5 @@ fn word<T: Copy>(
 ) -> Result<Option<T>, Problem> {
     let Some(text) = table.text(key)? else { return Ok(None) };
     let found = known.iter().find(|(label, _)| *label == text).map(|(_, value)| *value);
-    found.map(Some).ok_or_else(|| table.wrong_word(key, &text, expected))
+    found.map(Some).ok_or_else(|| table.unknown_value(key, &text, expected))
 }

@@ -1,4 +1,4 @@
-//! What a vehicle file says of how well a corner's parameters are known (docs/vehicle.md, section 3).
+//! Uncertainty of a corner's parameters in a vehicle file (docs/vehicle.md, section 3).
 
 use itpms_core::model::{Confidence, ParameterUncertainty};
 

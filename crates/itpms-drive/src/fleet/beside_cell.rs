@@ -5,7 +5,7 @@
 
 use itpms_analysis::beside::SensorState;
 use itpms_analysis::plot::escape;
-use itpms_analysis::report::cold_words;
+use itpms_analysis::report::cold_text;
 use itpms_analysis::rotation::RotationState;
 use itpms_analysis::suspension::LoadState;
 use itpms_core::model::{Corner, PressureUnit};
@@ -37,7 +37,7 @@ pub(super) fn lines(done: &Done, unit: PressureUnit) -> Vec<(String, bool)> {
     }));
     let short = |corner: Corner| corner.label().to_uppercase();
     let colds = done.data.corners.iter().filter_map(|corner| {
-        let (at, add) = cold_words(&corner.figures.cold?, corner.placard_kpa, unit);
+        let (at, add) = cold_text(&corner.figures.cold?, corner.placard_kpa, unit);
         Some((corner.corner, at, add))
     });
     let colds: Vec<_> = colds.collect();

@@ -322,7 +322,7 @@ fn drives_table(drives: &[DriveRecord], names: &Names<'_>, unit: PressureUnit) -
             State::of_drive(drive) as u8,
             badge(State::of_drive(drive)),
             key(lowest(Some(drive))),
-            lowest_words(drive, unit),
+            lowest_text(drive, unit),
             mean(drive.wheels.iter().map(|wheel| wheel.iri_m_per_km))
                 .map_or("–".to_owned(), |iri| format!("{iri:.2}")),
             key(drive.distance_m.unwrap_or(f64::NAN)),
@@ -336,19 +336,19 @@ fn drives_table(drives: &[DriveRecord], names: &Names<'_>, unit: PressureUnit) -
 }
 
 /// `FL 139 of 241 kPa`.
-fn lowest_words(drive: &DriveRecord, unit: PressureUnit) -> String {
+fn lowest_text(drive: &DriveRecord, unit: PressureUnit) -> String {
     let known = drive.wheels.iter().filter_map(|wheel| Some((wheel, share(wheel)?, wheel.last?)));
     match known.min_by(|a, b| a.1.total_cmp(&b.1)) {
         Some((wheel, _, last)) => {
             let [now, placard] = [last.pressure_kpa, wheel.placard_kpa].map(|kpa| unit.number(kpa, 0));
             format!("{} {now} of {placard}\u{a0}{unit}", wheel.wheel.to_uppercase())
         }
-        None => lost_words(drive).unwrap_or_else(|| "unknown".to_owned()),
+        None => lost_text(drive).unwrap_or_else(|| "unknown".to_owned()),
     }
 }
 
 /// `FL 29 % lost`, where wheel speeds are all there is.
-fn lost_words(drive: &DriveRecord) -> Option<String> {
+fn lost_text(drive: &DriveRecord) -> Option<String> {
     let known = drive.wheels.iter().filter_map(|wheel| Some((wheel, wheel.lost?)));
     let (wheel, lost) = known.max_by(|a, b| a.1.share.total_cmp(&b.1.share))?;
     Some(format!(

@@ -156,7 +156,7 @@ pub struct DriveRecord {
     pub concerns: Vec<String>,
     /// The radii of its day since the calibration, by wheel speeds and where it has a date.
     pub day: Option<DayRecord>,
-    /// What it says beside pressures and dampers, in words, each with whether somebody has to look.
+    /// Findings beside pressures and dampers as text, each with whether it needs attention.
     #[serde(default)]
     pub beside: Vec<(String, bool)>,
     /// The roads it drove on, piece by piece in the order of its way, where a map was asked for.

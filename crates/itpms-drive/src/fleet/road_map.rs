@@ -119,7 +119,6 @@ struct Seen {
 
 impl FleetRoads {
     /// Of all drives that have their roads.
-    #[must_use]
     pub fn of(drives: &[DriveRecord]) -> Self {
         let drives: Vec<(&str, &[RoadPiece])> =
             drives.iter().filter_map(|drive| Some((drive.car.as_str(), drive.road.as_deref()?))).collect();
@@ -218,7 +217,6 @@ impl FleetRoads {
     }
 
     /// A square for every cell, as GeoJSON.
-    #[must_use]
     pub fn geojson(&self) -> Value {
         let degrees = |value: f64| (1e7 * value).round() / 1e7;
         let feature = |cell: &FleetCell| {

@@ -18,7 +18,7 @@ use tokio::sync::broadcast;
 use tokio::sync::broadcast::error::RecvError;
 use tokio::time::{Interval, MissedTickBehavior, interval_at};
 
-use super::history::Columns;
+use super::history::columns;
 use super::pump::{Newest, json};
 use super::shared::{Shared, unix_s};
 use crate::snapshot::{Snapshot, Transition};
@@ -121,8 +121,8 @@ fn opening(shared: &Shared, last: Option<&str>) -> Bytes {
     });
     let past = json!({
         "resumed": seen.is_some(),
-        "coarse": Columns::of(&history.coarse),
-        "fine": Columns::of(&history.fine),
+        "coarse": columns(&history.coarse),
+        "fine": columns(&history.fine),
         "transitions": history.transitions,
     });
     let mut both = b"retry: 1000\n".to_vec();

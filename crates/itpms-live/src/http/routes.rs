@@ -16,7 +16,7 @@ use axum::routing::get;
 use serde_json::json;
 
 use super::guard::{Guard, watch};
-use super::history::Columns;
+use super::history::columns;
 use super::pump::{Newest, json};
 use super::shared::{Shared, unix_s};
 use super::{Options, assets, events, metrics};
@@ -53,8 +53,8 @@ async fn history(State(shared): State<Arc<Shared>>) -> Response {
     let history = shared.hub.history();
     let body = json!({
         "run": shared.run,
-        "coarse": Columns::of(&history.coarse),
-        "fine": Columns::of(&history.fine),
+        "coarse": columns(&history.coarse),
+        "fine": columns(&history.fine),
         "transitions": history.transitions,
     });
     give_json(StatusCode::OK, json(&body))

@@ -225,11 +225,11 @@ pub struct CanOut {
 
 impl CanOut {
     /// Opens an interface (a name without a dot and a slash) or a file. Errors: there is no such interface, or the file cannot be written.
-    pub fn open(target: &str, say: &NoteSink) -> Result<Self, LiveError> {
+    pub fn open(target: &str, notes: &NoteSink) -> Result<Self, LiveError> {
         let frames = Frames::new()?;
         let name = target.to_owned();
         if is_interface(target) {
-            let (interface, target) = (name.clone(), open_bus(target, say)?);
+            let (interface, target) = (name.clone(), open_bus(target, notes)?);
             return Ok(Self { name, interface, target, frames });
         }
         let file = File::options().create(true).append(true).open(Path::new(target));
@@ -282,12 +282,12 @@ pub fn is_interface(target: &str) -> bool {
 }
 
 #[cfg(target_os = "linux")]
-fn open_bus(interface: &str, say: &NoteSink) -> Result<Target, LiveError> {
-    bus::Bus::open(interface, say).map(Target::Bus)
+fn open_bus(interface: &str, notes: &NoteSink) -> Result<Target, LiveError> {
+    bus::Bus::open(interface, notes).map(Target::Bus)
 }
 
 #[cfg(not(target_os = "linux"))]
-fn open_bus(interface: &str, _say: &NoteSink) -> Result<Target, LiveError> {
+fn open_bus(interface: &str, _notes: &NoteSink) -> Result<Target, LiveError> {
     let error = io::Error::new(io::ErrorKind::Unsupported, "SocketCAN is Linux's alone; expected a file");
     Err(LiveError::Output { target: interface.to_owned(), error })
 }
@@ -311,14 +311,14 @@ mod bus {
         socket: Option<CanSocket>,
         tried: Instant,
         failed: bool,
-        say: NoteSink,
+        notes: NoteSink,
     }
 
     impl Bus {
-        pub(super) fn open(name: &str, say: &NoteSink) -> Result<Self, LiveError> {
+        pub(super) fn open(name: &str, notes: &NoteSink) -> Result<Self, LiveError> {
             let socket = open(name).map_err(|error| LiveError::Output { target: name.to_owned(), error })?;
-            let (name, say) = (name.to_owned(), std::sync::Arc::clone(say));
-            Ok(Self { name, socket: Some(socket), tried: Instant::now(), failed: false, say })
+            let (name, notes) = (name.to_owned(), std::sync::Arc::clone(notes));
+            Ok(Self { name, socket: Some(socket), tried: Instant::now(), failed: false, notes })
         }
 
         /// Sends, or says once that it cannot.
@@ -334,12 +334,12 @@ mod bus {
             match socket.write_frame(&frame) {
                 Ok(()) if self.failed => {
                     self.failed = false;
-                    (self.say)(Note::Remark(format!("{}: takes frames again", self.name)));
+                    (self.notes)(Note::Remark(format!("{}: takes frames again", self.name)));
                 }
                 Ok(()) => {}
                 Err(error) => {
                     if !std::mem::replace(&mut self.failed, true) {
-                        (self.say)(Note::Warning(format!("{}: takes no frames: {error}", self.name)));
+                        (self.notes)(Note::Warning(format!("{}: takes no frames: {error}", self.name)));
                     }
                     // A full buffer empties itself; anything else needs a new socket.
                     if error.kind() != io::ErrorKind::WouldBlock && error.raw_os_error() != Some(105) {

@@ -24,11 +24,11 @@ pub fn name(address: &BrokerAddress) -> SourceName {
 }
 
 /// Starts to listen; a broker that is not there yet is waited for.
-pub fn start(address: BrokerAddress, inputs: Arc<Queue<Input>>, stop: Arc<AtomicBool>, say: NoteSink) {
+pub fn start(address: BrokerAddress, inputs: Arc<Queue<Input>>, stop: Arc<AtomicBool>, notes: NoteSink) {
     thread::spawn(move || {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
         match runtime {
-            Ok(runtime) => runtime.block_on(listen(&address, &inputs, &stop, say)),
+            Ok(runtime) => runtime.block_on(listen(&address, &inputs, &stop, notes)),
             Err(error) => {
                 inputs.push(Input::Failed(format!("MQTT: cannot start: {error}")));
             }
@@ -37,12 +37,12 @@ pub fn start(address: BrokerAddress, inputs: Arc<Queue<Input>>, stop: Arc<Atomic
     });
 }
 
-async fn listen(address: &BrokerAddress, inputs: &Queue<Input>, stop: &AtomicBool, say: NoteSink) {
+async fn listen(address: &BrokerAddress, inputs: &Queue<Input>, stop: &AtomicBool, notes: NoteSink) {
     let (mut options, network) = address.options("in");
     options.set_manual_acks(true);
     let (client, mut events) = AsyncClient::new(options, 64);
     events.set_network_options(network);
-    let mut lines = Lines::new(&name(address).name, say);
+    let mut lines = Lines::new(&name(address).name, notes);
     let mut backoff = Backoff::default();
     let mut lost = false;
     while !stop.load(Ordering::Relaxed) {

@@ -10,13 +10,13 @@ use crate::input::{Input, Note, NoteSink};
 
 pub(super) struct Lines {
     name: String,
-    say: NoteSink,
+    notes: NoteSink,
     complained: bool,
 }
 
 impl Lines {
-    pub(super) fn new(name: &str, say: NoteSink) -> Self {
-        Self { name: name.to_owned(), say, complained: false }
+    pub(super) fn new(name: &str, notes: NoteSink) -> Self {
+        Self { name: name.to_owned(), notes, complained: false }
     }
 
     /// The content of a line; `None` for a blank one. The first that is not understood is reported; all are counted.
@@ -29,7 +29,7 @@ impl Lines {
             Err(problem) => {
                 if !std::mem::replace(&mut self.complained, true) {
                     let text = format!("{}: {problem}; such lines are counted from now on", self.name);
-                    (self.say)(Note::Warning(text));
+                    (self.notes)(Note::Warning(text));
                 }
                 Some(Input::Malformed(1))
             }

@@ -82,7 +82,7 @@ pub fn start(
     speed: Speed,
     inputs: Arc<Queue<Input>>,
     stop: Arc<AtomicBool>,
-    say: NoteSink,
+    notes: NoteSink,
 ) -> JoinHandle<()> {
     thread::spawn(move || {
         let opened = Input::Opened {
@@ -96,7 +96,7 @@ pub fn start(
         };
         let all = Merged { log: next, pulses: pulses.as_mut(), next: None };
         let result = if inputs.push(opened) { replay(all, speed, &inputs, &stop) } else { Ok(()) };
-        end(result, (log.path(), &log.repairs().warnings()), pulses.as_ref(), &inputs, &say);
+        end(result, (log.path(), &log.repairs().warnings()), pulses.as_ref(), &inputs, &notes);
     })
 }
 
@@ -107,7 +107,7 @@ pub fn start_frames(
     speed: Speed,
     inputs: Arc<Queue<Input>>,
     stop: Arc<AtomicBool>,
-    say: NoteSink,
+    notes: NoteSink,
 ) -> JoinHandle<()> {
     thread::spawn(move || {
         let next = || {
@@ -116,7 +116,7 @@ pub fn start_frames(
         };
         let all = Merged { log: next, pulses: pulses.as_mut(), next: None };
         let result = replay(all, speed, &inputs, &stop);
-        end(result, (log.path(), &log.repairs().warnings()), pulses.as_ref(), &inputs, &say);
+        end(result, (log.path(), &log.repairs().warnings()), pulses.as_ref(), &inputs, &notes);
     })
 }
 
@@ -126,9 +126,9 @@ fn end(
     (path, warnings): (&Path, &[String]),
     pulses: Option<&Pulses>,
     inputs: &Queue<Input>,
-    say: &NoteSink,
+    notes: &NoteSink,
 ) {
-    let warn = |path: &Path, warning: &str| say(Note::Warning(format!("{}: {warning}", path.display())));
+    let warn = |path: &Path, warning: &str| notes(Note::Warning(format!("{}: {warning}", path.display())));
     warnings.iter().for_each(|warning| warn(path, warning));
     if let Some(pulses) = pulses {
         pulses.warnings().iter().for_each(|warning| warn(pulses.reader.path(), warning));

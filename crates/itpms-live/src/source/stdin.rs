@@ -17,14 +17,14 @@ pub fn name() -> SourceName {
     SourceName { name: "-".to_owned(), kind: "stdin" }
 }
 
-pub fn start(inputs: Arc<Queue<Input>>, say: NoteSink) {
+pub fn start(inputs: Arc<Queue<Input>>, notes: NoteSink) {
     thread::spawn(move || {
-        read(BufReader::with_capacity(1 << 16, io::stdin()), &inputs, say);
+        read(BufReader::with_capacity(1 << 16, io::stdin()), &inputs, notes);
     });
 }
 
-fn read(mut reader: BufReader<impl Read>, inputs: &Queue<Input>, say: NoteSink) {
-    let mut lines = Lines::new("-", say);
+fn read(mut reader: BufReader<impl Read>, inputs: &Queue<Input>, notes: NoteSink) {
+    let mut lines = Lines::new("-", notes);
     let mut line = Vec::new();
     let mut batch = Vec::new();
     let last = loop {

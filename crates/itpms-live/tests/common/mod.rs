@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use itpms_core::model::Corner;
 use itpms_data::LogRow;
-use itpms_data::log::{LogCorner, LogMotion};
+use itpms_data::log::LogCorner;
 use itpms_live::input::{Note, NoteSink};
 use itpms_live::snapshot::{Latency, Snapshot, Source, SourceState, Transition};
 
@@ -28,14 +28,9 @@ pub(crate) fn rows(count: u32) -> impl Iterator<Item = LogRow> {
     (0..count).map(move |i| {
         let mut corner = |_| {
             let (body_accel_m_s2, wheel_accel_m_s2) = (noise(), 10.0 * noise());
-            Some(LogCorner { body_accel_m_s2, wheel_accel_m_s2, pressure_kpa: f64::NAN, road_m: f64::NAN })
+            Some(LogCorner::measured(body_accel_m_s2, wheel_accel_m_s2))
         };
-        LogRow {
-            time_s: f64::from(i) / 200.0,
-            speed_m_s: 20.0,
-            corners: Corner::ALL.map(&mut corner),
-            motion: LogMotion::UNKNOWN,
-        }
+        LogRow::without_motion(f64::from(i) / 200.0, 20.0, Corner::ALL.map(&mut corner))
     })
 }
 
@@ -64,7 +59,7 @@ pub(crate) fn transition(seq: u64) -> Arc<Transition> {
 }
 
 /// Notes into the test's own output.
-pub(crate) fn say() -> NoteSink {
+pub(crate) fn notes() -> NoteSink {
     Arc::new(|note| match note {
         Note::Remark(text) => println!("{text}"),
         Note::Warning(text) => println!("warning: {text}"),

@@ -13,9 +13,9 @@ pub(crate) fn server() -> (Server, Arc<Hub>) {
     served(|options| options)
 }
 
-pub(crate) fn served(told: impl FnOnce(Options) -> Options) -> (Server, Arc<Hub>) {
+pub(crate) fn served(reported: impl FnOnce(Options) -> Options) -> (Server, Arc<Hub>) {
     let hub = Hub::new();
-    let options = told(Options::new("127.0.0.1:0".parse().unwrap()));
+    let options = reported(Options::new("127.0.0.1:0".parse().unwrap()));
     (Server::start(options, Arc::clone(&hub)).unwrap(), hub)
 }
 

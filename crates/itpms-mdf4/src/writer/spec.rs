@@ -1,4 +1,4 @@
-//! What the caller wants to write: groups, their channels, and how numbers are stored.
+//! Specification of a file to write: groups, their channels, and how numbers are stored.
 
 /// A channel group to be written: samples with a common clock.
 #[derive(Debug, Clone, PartialEq, Eq)]

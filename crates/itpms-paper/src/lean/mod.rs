@@ -40,7 +40,6 @@ pub enum LeanError {
 /// `serde`), resume it bit-identically. To start anew, build another.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[allow(non_snake_case)]
 pub struct AekfUiLean<T> {
     corner: Corner<T>,
     Q: StateVector<T>,
@@ -51,10 +50,9 @@ pub struct AekfUiLean<T> {
     diverged: Option<Divergence>,
 }
 
-/// What a step hands to the next.
+/// State from one step to the next.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[allow(non_snake_case)]
 struct Belief<T> {
     x: StateVector<T>,
     P: Covariance<T>,
@@ -67,7 +65,6 @@ struct Belief<T> {
 }
 
 /// The prediction: `x⁻` and `F = A P⁺ Aᵀ`.
-#[allow(non_snake_case)]
 struct Prediction<T> {
     x: StateVector<T>,
     F: Covariance<T>,
@@ -148,7 +145,6 @@ impl<T: Real> AekfUiLean<T> {
     }
 
     #[inline(always)]
-    #[allow(non_snake_case)]
     fn predict(&self, dt_s: T) -> Prediction<T> {
         let Belief { x, P, u, .. } = &self.believed;
         // (13), (14)
@@ -162,7 +158,6 @@ impl<T: Real> AekfUiLean<T> {
 
     /// The stages of Fig. 4 after the prediction.
     #[inline(always)]
-    #[allow(non_snake_case)]
     fn measured(&mut self, prediction: &Prediction<T>, y: [T; 2]) -> LeanRecord<T> {
         let Prediction { x, F } = prediction;
         let (before, corner) = (&self.believed, &self.corner);
@@ -223,7 +218,6 @@ impl<T: Real> AekfUiLean<T> {
 
     /// `Q h_0` and the upper triangle of `H Q Hᵀ`.
     #[inline(always)]
-    #[allow(non_snake_case)]
     fn process_noise(&self, rows: &AccelerationRows<T>) -> (StateVector<T>, [T; 3]) {
         let (Corner { k_s, c_s, .. }, Q) = (&self.corner, &self.Q);
         // (59)  Qh₀ = Qs/m_b
@@ -241,7 +235,6 @@ impl<T: Real> AekfUiLean<T> {
     }
 
     /// A step without measurement: prediction (eq. 14) with the input held. The paper does not treat this case.
-    #[allow(non_snake_case)]
     #[cold]
     fn unmeasured(&mut self, prediction: &Prediction<T>) -> LeanRecord<T> {
         let P = prediction.F.plus_diagonal(&self.Q);

@@ -1,4 +1,4 @@
-//! What one step of the lean filter says about itself. Quantities and names are those of
+//! Record of one step of the lean filter. Quantities and names are those of
 //! [`crate::StepRecord`]; what costs a matrix is left out.
 //!
 //! Filled by [`crate::lean`]; read by reports and tests.
@@ -33,7 +33,6 @@ pub struct LeanRecord<T: Real> {
 
 impl<T: Real> LeanRecord<T> {
     /// `zᵀ (H P⁻ Hᵀ + R)⁻¹ z`: 2 on average for a filter that believes rightly (`lean-aekf-ui.md`, eq. 67).
-    #[allow(non_snake_case)]
     pub fn nis(&self) -> T {
         let (z, C) = (&self.residual_m_s2, &self.believed_covariance);
         let along = C.m12 / C.m11;

@@ -1,8 +1,8 @@
-//! What a repeated road is judged by: the car, and what others believe of the tire.
+//! Input of a repeated road: the car, and the belief about the tire.
 
 use itpms_core::model::QuarterCar;
 
-/// What is believed of the compliance by others when the road is met.
+/// Belief about the compliance from outside when the road is met.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Belief<T> {
     pub(crate) theta: T,
@@ -21,7 +21,7 @@ pub(crate) enum Held {
     No = 0,
 }
 
-/// What is known of the car and its sensors.
+/// Parameters of the car and its sensors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Corner<T> {
     pub(crate) quarter_car: QuarterCar<T>,

@@ -146,7 +146,7 @@ impl<T: Real> RepeatedRoad<T> {
         });
     }
 
-    /// What is believed of the compliance before the road is met.
+    /// Prior of the compliance.
     fn belief(&self, estimate: &CornerEstimate<T>) -> Belief<T> {
         let tire = &self.config.tire;
         let placard_kpa = self.config.placard_kpa;
@@ -244,7 +244,7 @@ impl<T: Real> Laps<T> {
     }
 }
 
-/// What the passes show, as the estimator takes it.
+/// Measurement by the passes, for the estimator.
 fn outside<T: Real>(periodic: &PeriodicEstimate<T>) -> OutsideStiffness<T> {
     let stiffness_n_per_m = T::one() / periodic.theta;
     let stiffness_sd_n_per_m = periodic.relative_sd * stiffness_n_per_m;

@@ -181,11 +181,11 @@ fn a_stiffness_known_to_five_percent_is_in_the_sd() {
     let assumed = d.car[4];
     d.car[4] *= 1.05;
     let log = drive(&d);
-    let (mut filter, mut told) = (RoadFilter::new(&config(0.05)), RoadFilter::new(&config(0.05)));
-    told.set_stiffness(assumed, 0.05 * assumed).unwrap();
+    let (mut filter, mut known) = (RoadFilter::new(&config(0.05)), RoadFilter::new(&config(0.05)));
+    known.set_stiffness(assumed, 0.05 * assumed).unwrap();
     let mut added = vec![];
     for (time, sample) in log.samples() {
-        let (a, b) = (filter.update(time, &sample), told.update(time, &sample));
+        let (a, b) = (filter.update(time, &sample), known.update(time, &sample));
         assert_eq!(a.road_m, b.road_m);
         added.push((b.road_sd_m.powi(2) - a.road_sd_m.powi(2)).max(0.0).sqrt());
     }

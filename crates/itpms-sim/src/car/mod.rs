@@ -43,7 +43,7 @@ pub struct CarSpec {
     /// How its body bends; not at all, if not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bending: Option<Bending>,
-    /// What it carries beyond what the corners' sprung masses say.
+    /// Load beyond the corners' sprung masses.
     pub payload: Vec<PayloadSpec>,
 }
 
@@ -174,7 +174,7 @@ impl PayloadSpec {
     }
 }
 
-/// What a car carries over time.
+/// Load of a car over time.
 #[derive(Debug, Clone)]
 pub(crate) struct Payload {
     items: Vec<(TimeProfile, [f64; 2])>,

@@ -15,7 +15,7 @@ pub struct Bending {
     pub damping_ratio: f64,
     /// Its modal mass in kg, for the participations given.
     pub modal_mass_kg: f64,
-    /// What the struts' tops have of it, in the order of `Corner::ALL`.
+    /// Its participation at the struts' tops, in the order of `Corner::ALL`.
     pub participation: [f64; 4],
 }
 

@@ -13,7 +13,7 @@ pub(crate) const ELEMENTS: usize = 3;
 pub(crate) struct Friction {
     sliding_n: [f64; ELEMENTS],
     per_presliding_m: [f64; ELEMENTS],
-    /// What breaking away takes beyond sliding, as a share.
+    /// Static over sliding friction, the excess as a share.
     surplus: f64,
     per_stribeck_m_s: f64,
     /// Share of its sliding force that each element has, -1 to 1, at the extension reached.

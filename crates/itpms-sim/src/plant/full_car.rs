@@ -35,14 +35,14 @@ pub struct Body {
     pub bending: Option<Bending>,
 }
 
-/// What the car carries at one place, in m forward and to the left of the body's center of gravity.
+/// A load at one place, in m forward and to the left of the body's center of gravity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Load {
     pub mass_kg: f64,
     pub at_m: [f64; 2],
 }
 
-/// What drives the car through one step: values at its start, middle and end, or at its ends (straight between). A step
+/// Input of the car over one step: values at its start, middle and end, or at its ends (straight between). A step
 /// starts with what the last one ended with.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CarInput {
@@ -75,7 +75,7 @@ pub struct FullCar {
     tires: [Tire; 4],
     hop_dampers: [Oscillator; 4],
     bending: Oscillator,
-    /// What the struts' tops have of the bending.
+    /// Participation of the bending at the struts' tops.
     bends: [f64; 4],
     /// Whether anything bends or is damped at wheel hop.
     is_rigid: bool,
@@ -214,7 +214,7 @@ impl FullCar {
         [0, 1, 2, 3].map(|i| [self.corner(&self.acceleration, i), self.acceleration[3 + i]])
     }
 
-    /// What each tire carries in N, its static load included, on roads of these heights in m with these stiffnesses in N/m.
+    /// Tire loads in N, the static loads included, on roads of these heights in m with these stiffnesses in N/m.
     pub(crate) fn tires_n(&self, road_m: [f64; 4], stiffness_n_per_m: [f64; 4]) -> [f64; 4] {
         [0, 1, 2, 3].map(|i| {
             let tire = &self.tires[i];
@@ -262,7 +262,7 @@ impl FullCar {
         self.carries_over = self.tires.iter().all(|tire| tire.damping_n_s_per_m == 0.0);
     }
 
-    /// What acts at the start (0), the middle (1) or the end (2) of a step.
+    /// Inputs at the start (0), the middle (1) or the end (2) of a step.
     #[inline]
     fn instant(&self, at: usize, h: f64, input: &CarInput) -> Instant {
         let [forward, left] = input.car_m_s2[at];
@@ -338,7 +338,7 @@ impl FullCar {
         forces
     }
 
-    /// What a strut's top has of the body's motion.
+    /// Motion of a strut's top.
     #[inline]
     fn corner<const N: usize>(&self, freedoms: &[f64; N], i: usize) -> f64 {
         let [x, y] = self.body.struts_m[i];

@@ -17,7 +17,7 @@ pub struct PlantState {
     pub wheel_m_s: f64,
 }
 
-/// What drives the plant through one step: the road's height in m at its start, middle and end, and the tire's
+/// Input of the plant over one step: the road's height in m at its start, middle and end, and the tire's
 /// stiffness in N/m at its start and end (straight between).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepInput {
@@ -72,7 +72,7 @@ impl Plant {
         self.accelerations_m_s2
     }
 
-    /// What the tire carries in N, its static load included, on a road of a height in m with a stiffness in N/m.
+    /// Tire load in N, the static load included, on a road of a height in m with a stiffness in N/m.
     pub(crate) fn tire_n(&self, road_m: f64, stiffness_n_per_m: f64) -> f64 {
         self.tire.static_n + self.tire.force_n(stiffness_n_per_m, road_m - self.state.wheel_m, 0.0)
     }

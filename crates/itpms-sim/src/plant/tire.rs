@@ -8,7 +8,7 @@ use super::Deviations;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Tire {
     pub(crate) damping_n_s_per_m: f64,
-    /// What it carries of the unloaded car at rest, in N.
+    /// Its load of the unloaded car at rest in N.
     pub(crate) static_n: f64,
     progression_per_m: f64,
     /// Deflection in m at which the rim bears on the road, and the stiffness in N/m it adds there.

@@ -52,7 +52,7 @@ pub(super) struct Ring {
     mean_m: [f64; 2],
 }
 
-/// What drives the wheel within a step.
+/// Input of the wheel within a step.
 #[derive(Debug, Clone, Copy)]
 struct Driven {
     speed_m_s: f64,

@@ -1,4 +1,4 @@
-//! What two lines along one road have in common: the coherence of an isotropic surface.
+//! Two lines along one road: the coherence of an isotropic surface.
 //!
 //! Called by the surfaces. An isotropic surface whose profiles have the spectrum `n^-w` has the spectrum
 //! `(n² + m²)^(-(w+1)/2)` in the plane; over a distance `d` across the road, profiles share (`simulation.md`, eq. 9)

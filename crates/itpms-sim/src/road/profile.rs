@@ -27,7 +27,7 @@ pub enum Extension {
     Hold,
 }
 
-/// What becomes of the straight line through a profile.
+/// Treatment of a profile's linear trend.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Trend {
@@ -50,7 +50,7 @@ pub struct ProfileSpec {
     pub points_m: Vec<[f64; 2]>,
     /// How it goes on beyond its ends.
     pub extend: Extension,
-    /// What becomes of its straight line.
+    /// Treatment of its linear trend.
     pub trend: Trend,
 }
 

@@ -1,4 +1,4 @@
-//! What comes again and again along a road: the waves of a washboard, sleepers, joints of slabs, the rails of a tram.
+//! Recurring features of a road: the waves of a washboard, sleepers, joints of slabs, the rails of a tram.
 //!
 //! Called by [`Road`](super::Road), which adds them to the surface.
 

@@ -22,7 +22,7 @@ pub struct Segment {
     pub slope: f64,
 }
 
-/// What follows the last stretch.
+/// Continuation after the last stretch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum AfterLast {

@@ -53,7 +53,7 @@ pub(crate) struct Series {
     /// Standard deviation of the real and of the imaginary part of each coefficient, from the first harmonic on.
     deviations: Vec<f64>,
     amplitude: Amplitude,
-    /// What each coefficient is multiplied by, from the first harmonic on; empty for a road left as it is.
+    /// Factor of each coefficient, from the first harmonic on; empty for a road left as it is.
     response: Vec<Complex<f64>>,
     bin_cycles_per_m: f64,
     transform: Arc<dyn ComplexToReal<f64>>,

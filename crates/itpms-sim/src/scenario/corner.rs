@@ -118,18 +118,6 @@ impl CornerSpec {
         };
     }
 
-    /// Loads the true corner with another sprung mass in kg; the estimator is given what it was given before.
-    pub fn set_true_sprung_mass_kg(&mut self, sprung_mass_kg: f64) {
-        self.truth.sprung_mass_factor = sprung_mass_kg / self.sprung_mass_kg;
-    }
-
-    /// Gives the wheel's accelerometer a noise of another variance in (m/s²)². The estimator knows of it only where
-    /// [`CornerSpec::accel_noise_m_s2`] is not given.
-    pub fn set_wheel_noise_variance(&mut self, variance_m2_s4: f64, usual: &SensorSpec) {
-        let sensor = self.wheel_sensor.unwrap_or(*usual);
-        self.wheel_sensor = Some(SensorSpec { noise_m_s2: variance_m2_s4.sqrt(), ..sensor });
-    }
-
     /// The quarter car the estimator is given. Errors: names the parameter that is not positive.
     pub fn quarter_car(&self) -> Result<QuarterCar<f64>, InvalidValue> {
         Ok(QuarterCar::new(

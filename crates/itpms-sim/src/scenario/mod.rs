@@ -222,7 +222,7 @@ impl Scenario {
         }
     }
 
-    /// What the estimator of a corner is given: the vehicle file's values, the sensor noise, where to start.
+    /// Configuration of a corner's estimator: the vehicle file's values, the sensor noise, where to start.
     /// Errors: the scenario has no such corner, or one of the values is out of range.
     pub fn corner_config(&self, corner: Corner) -> Result<CornerConfig<f64>, ScenarioError> {
         let config = match self.corner.get(corner) {

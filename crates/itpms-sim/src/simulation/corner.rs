@@ -31,7 +31,7 @@ pub(crate) struct CornerRun {
     map: PressureMap<f64>,
     stiffness_factor: f64,
     ground_n_per_m: f64,
-    /// What body and wheel sensor read of vertical and of fore-aft accelerations.
+    /// Readings of body and wheel sensor for vertical and fore-aft accelerations.
     directions: [[f64; 2]; 2],
     /// The wheel's fore-aft motion, where a sensor reads of it.
     fore_aft: Option<ForeAft>,

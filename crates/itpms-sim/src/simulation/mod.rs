@@ -144,7 +144,7 @@ impl Simulation {
         step / (self.rate_hz * self.steps_per_sample as f64)
     }
 
-    /// What the sensors' faults leave of a row.
+    /// A row after the sensors' faults.
     fn spoil(&mut self, row: &mut SimRow) {
         let nothing = [f64::NAN; 2];
         let mut readings =

@@ -66,7 +66,7 @@ impl Ride {
         }
     }
 
-    /// What each tire carries in N at the end of a step with these inputs.
+    /// Tire loads in N at the end of a step with these inputs.
     pub(crate) fn tires_n(&self, inputs: &[StepInput; 4]) -> [f64; 4] {
         let road_m = inputs.map(|input| input.road_m[2]);
         let stiffness_n_per_m = inputs.map(|input| input.stiffness_n_per_m[1]);
@@ -111,21 +111,21 @@ pub(crate) struct CarRide {
     payload: Payload,
     speed_m_s: TimeProfile,
     wheels: Imbalance,
-    /// What each wheel has rolled beyond the front axle's way, in m.
+    /// Distance of each wheel beyond the front axle's in m.
     beyond_m: [f64; 4],
     wider_m: [f64; 2],
     /// Where the last step ended.
     reached: Reached,
 }
 
-/// What acts on a car beside its roads, at one instant.
+/// Inputs of a car beside its roads at one instant.
 #[derive(Debug, Clone, Copy)]
 struct Reached {
     car_m_s2: [f64; 2],
     wheel_force_n: [f64; 4],
 }
 
-/// What the wheels have too much on one side.
+/// Imbalance of the wheels.
 #[derive(Debug, Clone, Copy)]
 struct Imbalance {
     per_radius_m: [f64; 4],

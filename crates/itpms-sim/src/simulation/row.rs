@@ -1,4 +1,4 @@
-//! What a simulation hands out: rows of a log with the truth beside them.
+//! Output of a simulation: rows of a log with the truth.
 
 use itpms_core::model::{CarSample, CornerSample};
 
@@ -14,7 +14,7 @@ pub struct SimRow {
     pub distance_m: f64,
     /// By [`Corner::index`](itpms_core::model::Corner::index); `None` where the scenario has no such corner.
     pub corners: [Option<CornerRow>; 4],
-    /// What the bus has sent of the wheels by now; `None` where the scenario has no wheel speeds.
+    /// Latest wheel speeds on the bus; `None` where the scenario has no wheel speeds.
     pub wheel_speeds: Option<WheelSpeedRow>,
 }
 
@@ -36,7 +36,7 @@ pub struct CornerRow {
 }
 
 impl SimRow {
-    /// What the car's estimator sees of it.
+    /// The input of the car's estimator.
     pub fn car_sample(&self) -> CarSample<f64> {
         CarSample {
             time_s: self.time_s,

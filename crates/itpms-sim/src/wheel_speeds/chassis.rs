@@ -16,7 +16,7 @@ const SIDE_N_S2_PER_M2: f64 = 3.2;
 /// Where a trailer pulls: m behind the rear axle, and over the road.
 const HITCH_BEHIND_M: f64 = 1.0;
 const HITCH_HEIGHT_M: f64 = 0.4;
-/// What an engine that is not fed holds back, in m/s²; more is braked.
+/// Deceleration by the engine without fuel in m/s²; more is braked.
 const ENGINE_M_S2: f64 = 0.25;
 /// Share of the brakes' force that is in front.
 const FRONT_BRAKES: f64 = 0.7;
@@ -94,7 +94,7 @@ impl Moving {
     }
 }
 
-/// What pushes the wheels along the road.
+/// Longitudinal forces of the wheels.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Forces {
     pub(crate) engine_n: [f64; 2],
@@ -158,7 +158,7 @@ impl Chassis {
         loads_n
     }
 
-    /// What a trailer puts on the front and the rear axle, in N: its tongue behind the rear axle, its pull above the road.
+    /// A trailer's load on the front and the rear axle in N: its tongue behind the rear axle, its pull above the road.
     fn hitched_n(&self, moving: &Moving) -> [f64; 2] {
         let tongue_n = GRAVITY_M_S2 * self.trailer.tongue_kg;
         let moved_n =

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::{InvalidValue, within};
 
-/// What is wrong with the yaw rate on the bus.
+/// Fault of the yaw rate on the bus.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum YawFault {

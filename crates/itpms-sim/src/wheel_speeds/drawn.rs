@@ -22,7 +22,7 @@ const OUT_OF_ROUND: f64 = 2e-4;
 const YAW_OFFSET_RAD_S: f64 = 5e-3;
 const ACCEL_OFFSET_M_S2: f64 = 0.05;
 
-/// What a seed's car has.
+/// Parameters of a seed's car.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Drawn {
     pub(crate) tires: [Tire; 4],

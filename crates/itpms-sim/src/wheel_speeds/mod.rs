@@ -1,4 +1,4 @@
-//! What a car's bus says of its four wheels: their speeds, and how the car moves.
+//! Wheel speeds on a car's bus, and the car's motion.
 //!
 //! Part of a scenario (`[wheel_speeds]`); the simulation drives it beside its masses, or alone, which takes no step of a plant.
 //! It shares speed, turns, loads and pressures with them and draws from generators of its own, so that no other number of a

@@ -1,4 +1,4 @@
-//! What the sensors of the car's motion say: yaw rate, accelerations along and across, each with its errors.
+//! Sensors of the car's motion: yaw rate, accelerations along and across, each with its errors.
 //!
 //! Called by the run, message by message.
 

@@ -37,7 +37,7 @@ const BODY_SHARE: f64 = 0.2;
 const SHAKEN_M_S: f64 = 20.0;
 const WHITE: f64 = 2e-4;
 
-/// What a row of a log holds of the wheels' bus, with its truth. NaN: the bus does not say it.
+/// Wheel speeds of a log's row, with the truth. NaN: not sent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WheelSpeedRow {
     /// Speeds of the wheels in m/s, in the order of `Corner::ALL`, each by the same assumed radius.
@@ -56,7 +56,7 @@ pub struct WheelSpeedRow {
 }
 
 impl WheelSpeedRow {
-    /// What a monitor sees of it.
+    /// The input of a monitor.
     pub fn sample(&self, time_s: f64) -> WheelSpeedSample<f64> {
         WheelSpeedSample {
             time_s,
@@ -181,7 +181,7 @@ impl WheelSpeedRun {
         }))
     }
 
-    /// What the bus has sent by a time in s; times go forward.
+    /// Latest values on the bus at a time in s; times go forward.
     pub(crate) fn read(&mut self, time_s: f64) -> Option<WheelSpeedRow> {
         let step_s = 1e-3 * self.spec.period_ms;
         // Rounding does not make a message late.

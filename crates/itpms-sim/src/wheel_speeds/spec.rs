@@ -74,39 +74,42 @@ fn is_off(conditions: &ConditionsSpec) -> bool {
 
 impl Default for WheelSpeedSpec {
     fn default() -> Self {
-        Self {
-            alone: false,
-            car_seed: None,
-            driven: DrivenWheels::Front,
-            locking_n: 0.0,
-            locking_share: 0.0,
-            period_ms: 20.0,
-            latency_ms: 10.0,
-            resolution_km_h: 0.03,
-            lost_share: 1e-3,
-            turns_imbalance: false,
-            yaw_rate: true,
-            accel_x: true,
-            accel_y: true,
-            brake: true,
-            radius_per_ln_pressure: 0.007,
-            radius_per_ln_load: 0.0064,
-            radius_sd: 2e-3,
-            radius_offsets: [0.0; 4],
-            wear_per_km: 5e-7,
-            slip_stiffness_per_load: 50.0,
-            brake_imbalance: 0.05,
-            grade_sd: 0.02,
-            cross_slope_sd: 0.01,
-            wind_m_s: 2.0,
-            steering_m_s2: 0.15,
-            load_share: 0.12,
-            conditions: ConditionsSpec::OFF,
-        }
+        Self::DEFAULT
     }
 }
 
 impl WheelSpeedSpec {
+    /// A front-wheel drive whose bus sends everything, with usual errors.
+    pub const DEFAULT: Self = Self {
+        alone: false,
+        car_seed: None,
+        driven: DrivenWheels::Front,
+        locking_n: 0.0,
+        locking_share: 0.0,
+        period_ms: 20.0,
+        latency_ms: 10.0,
+        resolution_km_h: 0.03,
+        lost_share: 1e-3,
+        turns_imbalance: false,
+        yaw_rate: true,
+        accel_x: true,
+        accel_y: true,
+        brake: true,
+        radius_per_ln_pressure: 0.007,
+        radius_per_ln_load: 0.0064,
+        radius_sd: 2e-3,
+        radius_offsets: [0.0; 4],
+        wear_per_km: 5e-7,
+        slip_stiffness_per_load: 50.0,
+        brake_imbalance: 0.05,
+        grade_sd: 0.02,
+        cross_slope_sd: 0.01,
+        wind_m_s: 2.0,
+        steering_m_s2: 0.15,
+        load_share: 0.12,
+        conditions: ConditionsSpec::OFF,
+    };
+
     pub(crate) fn validate(&self) -> Result<(), InvalidValue> {
         within("locking_n", self.locking_n, 0.0, 1e5, "a force from 0 to 100000 N")?;
         within("locking_share", self.locking_share, 0.0, 10.0, "a share from 0 to 10")?;

@@ -1,4 +1,4 @@
-//! What is under the wheels of each side: surfaces one after the other, strips at the road's edge; `docs/math/simulation.md`, eq. 16a-16c.
+//! Surfaces under the wheels of each side: surfaces one after the other, strips at the road's edge; `docs/math/simulation.md`, eq. 16a-16c.
 //!
 //! Called by the run, message by message. Draws from a generator of its own.
 
@@ -27,7 +27,7 @@ const STRIP_S: [f64; 2] = [5.0, 30.0];
 const STRIP_STIFFNESS: f64 = 0.7;
 const STRIP_ROLLING: f64 = 0.01;
 
-/// What is under the wheels of a side.
+/// Surface under the wheels of a side.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Ground {
     /// Slip stiffness over that on a dry road.

@@ -1,8 +1,8 @@
-//! What can be typed after `itpms fleet`: which drives, whose they are, and where the results go.
+//! Arguments of `itpms fleet`: which drives, whose they are, and where the results go.
 
 use std::path::PathBuf;
 
-use super::{EstimatorKind, LogArgs, Regulation, UnitArgs, estimator_names, positive, regulation_names};
+use super::{EstimatorKind, LogArgs, Regulation, UnitArgs, one_of, positive};
 
 /// Estimate many drives of many cars: a table, a page about the whole fleet, and what failed.
 ///
@@ -50,10 +50,10 @@ pub(crate) struct FleetArgs {
     #[arg(long)]
     pub(crate) strict: bool,
     /// Which estimator.
-    #[arg(long, value_name = "NAME", default_value = EstimatorKind::default().label(), value_parser = estimator_names())]
+    #[arg(long, value_name = "NAME", default_value = EstimatorKind::default().label(), value_parser = one_of(EstimatorKind::ALL, EstimatorKind::label))]
     pub(crate) estimator: EstimatorKind,
     /// Which loss is warned of.
-    #[arg(long, value_name = "NAME", default_value = Regulation::default().label(), value_parser = regulation_names())]
+    #[arg(long, value_name = "NAME", default_value = Regulation::default().label(), value_parser = one_of(Regulation::ALL, Regulation::label))]
     pub(crate) regulation: Regulation,
     #[command(flatten)]
     pub(crate) unit: UnitArgs,

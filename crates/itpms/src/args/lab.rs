@@ -1,4 +1,4 @@
-//! What can be typed after `itpms lab`: what this program does itself, and studies that it hands to `itpms-lab`.
+//! Arguments of `itpms lab`: the tools of this program itself, and studies that it hands to `itpms-lab`.
 
 use std::ffi::OsString;
 
@@ -67,7 +67,7 @@ impl Study {
     }
 }
 
-/// What follows a study's name, as it was typed.
+/// The arguments after a study's name, as typed.
 #[derive(Debug, clap::Args)]
 #[command(disable_help_flag = true)]
 pub(crate) struct Words {

@@ -7,7 +7,7 @@ use clap::ArgGroup;
 use itpms_core::warning::Regulation;
 use itpms_live::source::Speed;
 
-use super::{LogArgs, UnitArgs, VEHICLE, positive, regulation_names};
+use super::{LogArgs, UnitArgs, VEHICLE, one_of, positive};
 
 /// Watch a car live: estimates and warnings from a CAN bus, a broker or a replayed log, as they come.
 ///
@@ -81,7 +81,7 @@ pub(crate) struct MonitorArgs {
     #[arg(long, value_name = "FILE", conflicts_with = "calibrate_s")]
     pub(crate) reference: Option<PathBuf>,
     /// Which loss is warned of, as in `itpms estimate`.
-    #[arg(long, value_name = "NAME", default_value = Regulation::default().label(), value_parser = regulation_names())]
+    #[arg(long, value_name = "NAME", default_value = Regulation::default().label(), value_parser = one_of(Regulation::ALL, Regulation::label))]
     pub(crate) regulation: Regulation,
     /// Print the DBC of the frames of --can-out, and nothing else.
     #[arg(long)]

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Subcommand;
-use clap::builder::{PossibleValuesParser, TypedValueParser as _};
+use itpms_console::options::one_of;
 use itpms_core::model::Corner;
 use itpms_data::vehicle::Driven;
 use itpms_data::vehicle::typical::{CarClass, FrontRear, TireSize};
@@ -53,7 +53,7 @@ pub(crate) struct InitArgs {
     #[arg(long, value_name = "SIZE[,SIZE]")]
     pub(crate) tire: Option<FrontRear<TireSize>>,
     /// Kind of car.
-    #[arg(long, value_name = "CLASS", default_value = CarClass::default().label(), value_parser = classes())]
+    #[arg(long, value_name = "CLASS", default_value = CarClass::default().label(), value_parser = one_of(CarClass::ALL, CarClass::label))]
     pub(crate) class: CarClass,
     /// Pressure on the placard; front and rear: 230,260.
     #[arg(long, value_name = "KPA[,KPA]", default_value = "240", value_parser = placard)]
@@ -62,7 +62,7 @@ pub(crate) struct InitArgs {
     #[arg(long, value_name = "M", value_parser = positive)]
     pub(crate) wheelbase_m: Option<f64>,
     /// Which wheels are driven; for wheel speeds.
-    #[arg(long, value_name = "AXLE", value_parser = driven())]
+    #[arg(long, value_name = "AXLE", value_parser = one_of(Driven::ALL, Driven::label))]
     pub(crate) driven: Option<Driven>,
     /// Whether the wheels of a driven axle are coupled: a limited-slip or locked differential; for wheel speeds.
     #[arg(long)]
@@ -83,18 +83,6 @@ pub(crate) struct InitArgs {
 
 fn placard(text: &str) -> Result<FrontRear<f64>, String> {
     FrontRear::read(text, positive).map_err(|error| format!("{error}, or two of them: front,rear"))
-}
-
-fn driven() -> impl clap::builder::TypedValueParser<Value = Driven> {
-    PossibleValuesParser::new(Driven::ALL.map(Driven::label)).try_map(|label| {
-        let named = |driven: &Driven| driven.label() == label;
-        Driven::ALL.into_iter().find(named).ok_or("expected front, rear or all")
-    })
-}
-
-fn classes() -> impl clap::builder::TypedValueParser<Value = CarClass> {
-    PossibleValuesParser::new(CarClass::ALL.map(CarClass::label))
-        .map(|label| CarClass::from_label(&label).unwrap_or_default())
 }
 
 /// Show what a vehicle file says: parameters, standard deviations, and what follows from them.

@@ -61,7 +61,7 @@ pub(crate) fn run(args: &FleetArgs, screen: &Screen, interrupt: &Interrupt) -> R
     report(args, screen, &outcome)
 }
 
-/// What was found: the cars that want attention, what failed, and a line that counts.
+/// The result: the cars that need attention, failures, and a line of counts.
 fn report(args: &FleetArgs, screen: &Screen, outcome: &Outcome) -> Result<(), Failure> {
     let cars = CarStanding::of_all(&outcome.drives, &outcome.failed);
     if outcome.damaged > 0 {

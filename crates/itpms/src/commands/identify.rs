@@ -38,14 +38,8 @@ fn run_spring(args: &SpringArgs, screen: &Screen) -> Result<(), Failure> {
     let table = Columns::read(&args.table, &["displacement_m", "load_n"], &[])?;
     let result = spring(table.column("displacement_m"), table.column("load_n"), units(&args.output))
         .map_err(|error| refusal(&args.table, &error))?;
-    finish(
-        &args.output,
-        serde_json::to_string_pretty(&result),
-        &result.table(),
-        &result.figure(),
-        Vec::new(),
-        screen,
-    )
+    let json = serde_json::to_string_pretty(&result);
+    finish(&args.output, json, &result.table(), &result.figure(), Vec::new(), screen)
 }
 
 const SINE: [&str; 3] = ["time_s", "displacement_m", "force_n"];
@@ -80,14 +74,8 @@ fn run_damper(args: &DamperArgs, screen: &Screen) -> Result<(), Failure> {
                 several.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ")
             )),
         })?;
-    finish(
-        &args.output,
-        serde_json::to_string_pretty(&result),
-        &result.table(),
-        &result.figure(),
-        Vec::new(),
-        screen,
-    )
+    let json = serde_json::to_string_pretty(&result);
+    finish(&args.output, json, &result.table(), &result.figure(), Vec::new(), screen)
 }
 
 /// The records of a file: one, or one for each stretch of equal `run`.

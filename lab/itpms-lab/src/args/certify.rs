@@ -1,13 +1,10 @@
-//! What can be typed after `itpms lab certify`.
+//! Arguments of `itpms lab certify`.
 
 use std::path::PathBuf;
 
-use clap::builder::{PossibleValuesParser, TypedValueParser};
-use itpms_console::options::{Jobs, Strict};
+use itpms_console::options::{Jobs, Strict, one_of};
 use itpms_lab::certify::StatedLoads;
 use itpms_lab::sensors::Sensors;
-
-use super::sensor_names;
 
 /// Drive the test procedures of UN R141 Annex 3 and FMVSS 138 S6 in simulation: pass or fail, with times against the limits.
 ///
@@ -26,10 +23,10 @@ pub(crate) struct CertifyArgs {
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(crate) seed: u64,
     /// What the car has. On wheel speeds, alone or with their tooth pulses, no sensor is unplugged, and every combination of tires is let down for both regulations.
-    #[arg(long, value_name = "SENSORS", default_value = Sensors::default().label(), value_parser = sensor_names())]
+    #[arg(long, value_name = "SENSORS", default_value = Sensors::default().label(), value_parser = one_of(Sensors::ALL, Sensors::label))]
     pub(crate) sensors: Sensors,
     /// What a car with wheel speeds alone knows of its loads while it stands.
-    #[arg(long, value_name = "LOADS", default_value = StatedLoads::default().label(), value_parser = load_names())]
+    #[arg(long, value_name = "LOADS", default_value = StatedLoads::default().label(), value_parser = one_of(StatedLoads::ALL, StatedLoads::label))]
     pub(crate) loads: StatedLoads,
     /// How often each test is driven, each time by another car on another road.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
@@ -50,15 +47,6 @@ pub(crate) struct CertifyArgs {
     /// Print JSON.
     #[arg(long)]
     pub(crate) json: bool,
-}
-
-fn load_names() -> impl TypedValueParser<Value = StatedLoads> {
-    PossibleValuesParser::new(StatedLoads::ALL.map(StatedLoads::label)).try_map(|label| {
-        StatedLoads::ALL
-            .into_iter()
-            .find(|loads| loads.label() == label)
-            .ok_or("expected unknown or constant")
-    })
 }
 
 const EXAMPLES: &str = "\

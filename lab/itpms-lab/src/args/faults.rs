@@ -1,4 +1,4 @@
-//! What can be typed after `itpms lab faults`.
+//! Arguments of `itpms lab faults`.
 
 use std::path::PathBuf;
 

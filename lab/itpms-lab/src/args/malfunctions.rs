@@ -1,4 +1,4 @@
-//! What can be typed after `itpms lab malfunctions`.
+//! Arguments of `itpms lab malfunctions`.
 
 use itpms_console::options::{Jobs, Strict};
 

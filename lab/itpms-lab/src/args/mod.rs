@@ -1,4 +1,4 @@
-//! What can be typed after `itpms-lab`, or after `itpms lab`, which hands it on. Names are part of the contract with scripts.
+//! Arguments of `itpms-lab`, or of `itpms lab`, which hands it on. Names are part of the contract with scripts.
 
 mod certify;
 mod faults;
@@ -8,11 +8,9 @@ mod reproduce;
 mod score;
 mod soak;
 
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{CommandFactory as _, Parser, Subcommand};
 use clap_complete::Shell;
 use itpms_console::options::Speaking;
-use itpms_lab::sensors::Sensors;
 
 pub(crate) use certify::CertifyArgs;
 pub(crate) use faults::FaultsArgs;
@@ -56,14 +54,4 @@ pub(crate) enum Study {
 pub(crate) struct CompletionsArgs {
     /// Which shell.
     pub(crate) shell: Shell,
-}
-
-/// What a study's car has.
-fn sensor_names() -> impl TypedValueParser<Value = Sensors> {
-    PossibleValuesParser::new(Sensors::ALL.map(Sensors::label)).try_map(|label| {
-        Sensors::ALL
-            .into_iter()
-            .find(|sensors| sensors.label() == label)
-            .ok_or("expected accelerations or wheel-speeds")
-    })
 }

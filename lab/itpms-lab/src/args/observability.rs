@@ -1,9 +1,8 @@
-//! What can be typed after `itpms lab observability`.
+//! Arguments of `itpms lab observability`.
 
 use std::path::PathBuf;
 
-use clap::builder::{PossibleValuesParser, TypedValueParser};
-use itpms_console::options::Jobs;
+use itpms_console::options::{Jobs, one_of};
 use itpms_core::model::Corner;
 
 /// What the accelerations of a corner can tell of its tire, and what they cannot.
@@ -17,7 +16,7 @@ pub(crate) struct ObservabilityArgs {
     #[arg(long, value_name = "V.toml")]
     pub(crate) vehicle: PathBuf,
     /// Which corner: fl, fr, rl or rr; the vehicle's first unless given.
-    #[arg(long, value_name = "C", value_parser = corner_names())]
+    #[arg(long, value_name = "C", value_parser = one_of(Corner::ALL, Corner::label))]
     pub(crate) corner: Option<Corner>,
     /// Where a page, figures (SVG), tables (CSV) and everything as JSON go.
     #[arg(long, value_name = "DIR")]
@@ -33,10 +32,3 @@ const OBSERVABILITY_EXAMPLES: &str = "\
 Examples:
   itpms lab observability --vehicle car.toml
   itpms lab observability --vehicle car.toml --corner rl --out why";
-
-fn corner_names() -> impl clap::builder::TypedValueParser<Value = Corner> {
-    PossibleValuesParser::new(Corner::ALL.map(Corner::label)).try_map(|label| {
-        let named = |corner: &Corner| corner.label() == label;
-        Corner::ALL.into_iter().find(named).ok_or("expected fl, fr, rl or rr")
-    })
-}

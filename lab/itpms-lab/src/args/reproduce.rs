@@ -1,4 +1,4 @@
-//! What can be typed after `itpms lab reproduce`: how many drives, and what the paper leaves open.
+//! Arguments of `itpms lab reproduce`: how many drives, and what the paper leaves open.
 
 use std::path::PathBuf;
 

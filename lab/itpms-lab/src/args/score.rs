@@ -1,7 +1,7 @@
-//! What can be typed after `itpms lab score`.
+//! Arguments of `itpms lab score`.
 
-use clap::builder::{PossibleValuesParser, TypedValueParser};
-use itpms_console::options::{Jobs, Strict};
+use clap::builder::{PossibleValuesParser, TypedValueParser as _};
+use itpms_console::options::{Jobs, Strict, one_of};
 use itpms_drive::EstimatorKind;
 use itpms_lab::score::Part;
 
@@ -24,7 +24,7 @@ pub(crate) struct ScoreArgs {
     #[arg(long, value_name = "NAME", default_value = EstimatorKind::default().label(), value_parser = scored_names())]
     pub(crate) estimator: Scored,
     /// One part of the table instead of all.
-    #[arg(long, value_name = "NAME", value_parser = part_names())]
+    #[arg(long, value_name = "NAME", value_parser = one_of(Part::ALL, Part::label))]
     pub(crate) row: Option<Part>,
     /// Of the four-wheel parts, only rows whose names contain TEXT, such as "quarters, 80".
     #[arg(long, value_name = "TEXT")]
@@ -70,9 +70,4 @@ impl Scored {
 fn scored_names() -> impl clap::builder::TypedValueParser<Value = Scored> {
     PossibleValuesParser::new(EstimatorKind::ALL.map(EstimatorKind::label).into_iter().chain(["all"]))
         .map(|label| EstimatorKind::from_label(&label).map_or(Scored::All, Scored::One))
-}
-
-fn part_names() -> impl clap::builder::TypedValueParser<Value = Part> {
-    PossibleValuesParser::new(Part::ALL.map(Part::label))
-        .try_map(|label| Part::from_label(&label).ok_or("expected a part of the table"))
 }

@@ -1,14 +1,11 @@
-//! What can be typed after `itpms lab soak`: how many hours, of what, and where they are kept.
+//! Arguments of `itpms lab soak`: how many hours, of what, and where they are kept.
 
 use std::path::PathBuf;
 
-use clap::builder::{PossibleValuesParser, TypedValueParser};
-use itpms_console::options::positive;
+use itpms_console::options::{one_of, positive};
 use itpms_lab::sensors::Sensors;
 use itpms_lab::soak::Car;
 use itpms_sim::wheel_speeds::Condition;
-
-use super::sensor_names;
 
 /// Drive for many simulated hours in which nothing is wrong, and count what the monitor says.
 ///
@@ -38,18 +35,18 @@ pub(crate) struct SoakArgs {
     pub(crate) jobs: Option<u16>,
     /// Whether every seed drives another car, all the one of the scenario, or every seed four other quarter cars that no body
     /// joins.
-    #[arg(long, value_name = "CAR", default_value = Car::Varied.label(), value_parser = car_names())]
+    #[arg(long, value_name = "CAR", default_value = Car::Varied.label(), value_parser = one_of(Car::ALL, Car::label))]
     pub(crate) car: Car,
     /// Calibrate for so long at the beginning of every drive; never unless given.
     #[arg(long, value_name = "S", value_parser = positive)]
     pub(crate) calibrate_s: Option<f64>,
     /// What the cars have. On wheel speeds alone every seed has another bus, tires warm up, and each drive begins with a calibration
     /// of ten minutes unless given.
-    #[arg(long, value_name = "SENSORS", default_value = Sensors::default().label(), value_parser = sensor_names())]
+    #[arg(long, value_name = "SENSORS", default_value = Sensors::default().label(), value_parser = one_of(Sensors::ALL, Sensors::label))]
     pub(crate) sensors: Sensors,
     /// On wheel speeds alone: calibrate on a day of its own and drive on a later one, with roads, weather, loads and distance drawn
     /// from the seed.
-    #[arg(long, value_name = "CONDITION", value_parser = condition_names())]
+    #[arg(long, value_name = "CONDITION", value_parser = one_of(Condition::ALL, Condition::label))]
     pub(crate) condition: Option<Condition>,
     /// Let tires of every drive lose this share of their pressure, other ones with every seed.
     #[arg(long, value_name = "SHARE", value_parser = positive, requires = "condition")]
@@ -60,21 +57,6 @@ pub(crate) struct SoakArgs {
     /// Print the sums as JSON.
     #[arg(long)]
     pub(crate) json: bool,
-}
-
-fn condition_names() -> impl TypedValueParser<Value = Condition> {
-    PossibleValuesParser::new(Condition::ALL.map(Condition::label)).try_map(|label| {
-        Condition::ALL
-            .into_iter()
-            .find(|condition| condition.label() == label)
-            .ok_or("expected ordinary, snow, trailer, limited-slip or mixed")
-    })
-}
-
-fn car_names() -> impl TypedValueParser<Value = Car> {
-    PossibleValuesParser::new(Car::ALL.map(Car::label)).try_map(|label| {
-        Car::ALL.into_iter().find(|car| car.label() == label).ok_or("expected varied, nominal or quarters")
-    })
 }
 
 const EXAMPLES: &str = "\

@@ -6,8 +6,7 @@
 use itpms_core::model::{Corner, Wheels};
 use itpms_sim::fault::Faults;
 use itpms_sim::simulation::{SimRow, Simulation};
-use rand::RngExt;
-use rand::SeedableRng as _;
+use rand::{RngExt, SeedableRng as _};
 use rand_pcg::Pcg64;
 
 use super::course::{Course, RECOVERY_S};

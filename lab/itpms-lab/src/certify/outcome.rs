@@ -1,4 +1,4 @@
-//! What came of a test, and whether that passes.
+//! Outcome of a test, and whether it passes.
 
 use itpms_core::model::{CarEstimate, Wheels};
 use itpms_core::warning::Alert;
@@ -111,7 +111,7 @@ impl Verdict {
     }
 }
 
-/// What came of a test. Times in s; times of day count from the start of the learning phase.
+/// Outcome of a test. Times in s; times of day count from the start of the learning phase.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Outcome {
     pub name: String,
@@ -158,7 +158,7 @@ impl Outcome {
             name: procedure.name(),
             rule: procedure.rule,
             clause: procedure.rule.clause(procedure.test),
-            what: procedure.words(),
+            what: procedure.text(),
             verdict: Verdict::of(&findings, course.limit_s),
             warned_after_s: findings.warned_after_s,
             limit_s: course.limit_s,

@@ -80,14 +80,14 @@ impl Procedure {
         format!("{rule}-{}", test.replace(' ', "-"))
     }
 
-    /// What is done to the car, for a person.
-    pub fn words(&self) -> String {
+    /// Description of the test for a person.
+    pub fn text(&self) -> String {
         match (self.rule, self.test) {
             (Rule::UnR141, Test::Low(wheels)) => format!("puncture: {wheels}"),
             (Rule::Fmvss138, Test::Low(wheels)) => format!("low: {wheels}"),
             (Rule::UnR141, Test::LowAll) => "diffusion: all four".to_owned(),
             (Rule::Fmvss138, Test::LowAll) => "low: all four".to_owned(),
-            (_, Test::Malfunction(failure)) => format!("malfunction: {}", failure.words()),
+            (_, Test::Malfunction(failure)) => format!("malfunction: {}", failure.text()),
         }
     }
 

@@ -1,4 +1,4 @@
-//! What the two regulations ask for, in numbers. Known to every module here; knows nothing of how it is driven.
+//! Requirements of the two regulations, in numbers. Known to every module here; knows nothing of how it is driven.
 //!
 //! Sources: UN Regulation No. 141, paragraphs 5.2 to 5.4 and Annex 3; 49 CFR 571.138 (FMVSS 138), S4.2, S4.4, S5.3, S6.
 

@@ -30,9 +30,10 @@ pub(super) fn pressures(outcome: &Outcome) -> String {
 
 /// What was reported of which nothing is true, each with when it was first.
 pub(super) fn false_alerts(outcome: &Outcome) -> String {
-    let said =
-        |said: &super::FalseAlert| format!("{} {} {}", said.cause, said.wheels, clock(Some(said.time_s)));
-    let all = outcome.false_alerts.iter().map(said).collect::<Vec<_>>().join(", ");
+    let reported = |reported: &super::FalseAlert| {
+        format!("{} {} {}", reported.cause, reported.wheels, clock(Some(reported.time_s)))
+    };
+    let all = outcome.false_alerts.iter().map(reported).collect::<Vec<_>>().join(", ");
     if all.is_empty() { "-".to_owned() } else { all }
 }
 
@@ -141,7 +142,7 @@ pub fn list(procedures: &[Procedure]) -> String {
             [
                 p.name(),
                 p.rule.clause(p.test).to_owned(),
-                p.words(),
+                p.text(),
                 format!("{slow:.0}-{fast:.0} km/h"),
                 format!("within {}", clock(Some(p.rule.limit_s(p.test)))),
             ]
@@ -234,11 +235,11 @@ mod tests {
         };
         let table = certificate.table();
         let lines: Vec<&str> = table.lines().collect();
-        let said = "under-inflated rr 25:07";
+        let reported = "under-inflated rr 25:07";
         assert!(lines[1].ends_with("pass") && !lines[1].contains("rr"), "{table}");
-        assert!(lines[2].contains(said) && lines[2].ends_with("FAIL: wrong wheel named"), "{table}");
+        assert!(lines[2].contains(reported) && lines[2].ends_with("FAIL: wrong wheel named"), "{table}");
         assert!(lines[3].contains("1 with something reported that was not so"), "{table}");
-        assert!(certificate.page().contains(said));
+        assert!(certificate.page().contains(reported));
         let json = serde_json::to_value(&certificate).unwrap();
         let kept = &json["outcomes"][1]["false_alerts"][0];
         assert_eq!((&kept["cause"], &kept["phase"]), (&"under-inflated".into(), &"detection".into()));

@@ -1,4 +1,4 @@
-//! What the driver would see: one lamp for low pressure, one for a malfunction, and the wheels that are named.
+//! The driver's display: one lamp for low pressure, one for a malfunction, and the wheels that are named.
 
 use itpms_core::model::{CarEstimate, Corner, Warning, Wheels};
 use itpms_core::warning::{Alert, Cause, MonitorReport};
@@ -88,11 +88,11 @@ mod tests {
         let one = Wheels::from(fl);
         let reading = crate::LOW;
         let stuck = Malfunction::Stuck(Sensor { corner: fl, place: Place::Wheel });
-        let says = |lamp, concerned, cause, wheels: Wheels| {
+        let reports = |lamp, concerned, cause, wheels: Wheels| {
             wrong(lamp, concerned, &Alert { wheels, since_s: 0.0, reported_s: 0.0, cause })
         };
         // Front left is let down.
-        let low = |cause, wheels| says(Lamp::Low, one, cause, wheels);
+        let low = |cause, wheels| reports(Lamp::Low, one, cause, wheels);
         assert_eq!(low(Cause::UnderInflated(reading), one), None);
         assert_eq!(low(Cause::FastLeak { reading, rate_kpa_per_min: 50.0 }, one), None);
         assert_eq!(low(Cause::UnderInflated(reading), fr.into()), Some(Wrong::Wheel));
@@ -105,10 +105,10 @@ mod tests {
         assert_eq!(low(Cause::NoInformation { driven_s: 600.0 }, one), Some(Wrong::Lamp));
         // All four are.
         let mean = Cause::AllLow { mean_share: 0.8, sd_share: 0.01, probability: 0.998 };
-        assert_eq!(says(Lamp::Low, all, mean, all), None);
-        assert_eq!(says(Lamp::Low, all, Cause::UnderInflated(reading), fr.into()), None);
+        assert_eq!(reports(Lamp::Low, all, mean, all), None);
+        assert_eq!(reports(Lamp::Low, all, Cause::UnderInflated(reading), fr.into()), None);
         // Its wheel sensor is stuck.
-        let broken = |cause, wheels| says(Lamp::Malfunction, one, cause, wheels);
+        let broken = |cause, wheels| reports(Lamp::Malfunction, one, cause, wheels);
         assert_eq!(broken(Cause::Malfunction(stuck), one), None);
         assert_eq!(broken(Cause::NoInformation { driven_s: 600.0 }, one), None);
         assert_eq!(broken(Cause::Malfunction(Malfunction::SwappedSides), all), Some(Wrong::Wheel));

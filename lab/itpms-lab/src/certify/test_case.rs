@@ -1,9 +1,9 @@
-//! What a test does to the car: tires that are let down, a sensor that fails. Known to the list and to the rules.
+//! A test's intervention: tires that are let down, a sensor that fails. Known to the list and to the rules.
 
 use itpms_core::model::{Corner, Wheels};
 use itpms_sim::fault::{FaultKind, FaultPlace, FaultSpec, SensorName};
 
-/// What is wrong with the car.
+/// Fault of the car.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Test {
     Low(Wheels),
@@ -32,7 +32,7 @@ impl Failure {
         }
     }
 
-    pub(super) fn words(self) -> String {
+    pub(super) fn text(self) -> String {
         let place = |place| if place == FaultPlace::Wheel { "wheel" } else { "body" };
         match self {
             Self::Unplugged(corner, at) => format!("{} {} sensor unplugged", corner.label(), place(at)),

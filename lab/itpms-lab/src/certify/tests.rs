@@ -47,29 +47,32 @@ fn also_unplugged(from_s: f64) -> FaultSpec {
 }
 
 #[test]
-fn what_is_said_of_another_wheel_beside_the_lamp_or_after_it_fails_a_test() {
+fn what_is_reported_of_another_wheel_beside_the_lamp_or_after_it_fails_a_test() {
     let procedure = unplugged();
     let seen = |course: &Course| {
         let outcome = driven(&procedure, course);
-        let said = outcome.false_alerts.iter().map(|said| (said.phase, said.cause, said.wheels.clone()));
-        (outcome.verdict, said.collect::<Vec<_>>())
+        let reported = outcome
+            .false_alerts
+            .iter()
+            .map(|reported| (reported.phase, reported.cause, reported.wheels.clone()));
+        (outcome.verdict, reported.collect::<Vec<_>>())
     };
     assert_eq!(seen(&short(&procedure)), (Verdict::Pass, vec![]));
 
     let mut course = short(&procedure);
     course.scenario.fault.push(also_unplugged(course.wrong_at_s + 30.0));
-    let said = (Phase::Detection, "malfunction", "fr".to_owned());
-    assert_eq!(seen(&course), (Verdict::WrongWheel, vec![said]));
+    let reported = (Phase::Detection, "malfunction", "fr".to_owned());
+    assert_eq!(seen(&course), (Verdict::WrongWheel, vec![reported]));
 
     // The tell-tale is out within seconds; half a minute later it comes on for another wheel.
     let mut course = short(&procedure);
     course.recovery.fault.push(also_unplugged(30.0));
-    let said = (Phase::Recovery, "malfunction", "fr".to_owned());
-    assert_eq!(seen(&course), (Verdict::WrongWheel, vec![said]));
+    let reported = (Phase::Recovery, "malfunction", "fr".to_owned());
+    assert_eq!(seen(&course), (Verdict::WrongWheel, vec![reported]));
 }
 
 #[test]
-fn an_unplugged_sensor_is_told_and_the_run_repeats_to_the_bit() {
+fn an_unplugged_sensor_is_reported_and_the_run_repeats_to_the_bit() {
     let procedure = unplugged();
     let course = short(&procedure);
     let run = || {
@@ -93,7 +96,7 @@ fn an_unplugged_sensor_is_told_and_the_run_repeats_to_the_bit() {
 }
 
 #[test]
-fn a_stop_ends_it_and_a_name_that_is_none_is_told() {
+fn a_stop_ends_it_and_a_name_that_is_none_is_reported() {
     let stop = |_: u64, _: u64| ControlFlow::Break(());
     assert!(matches!(certify(&request("unplugged-rl-wheel"), &stop), Err(StudyError::Stopped)));
     let error = certify(&request("brakes"), &stop).unwrap_err().to_string();
@@ -135,7 +138,7 @@ fn on_wheel_speeds_one_tire_is_found_and_runs_of_a_kind_are_put_together() {
 }
 
 #[test]
-fn by_tooth_pulses_all_four_are_found_and_nothing_else_is_said() {
+fn by_tooth_pulses_all_four_are_found_and_nothing_else_is_reported() {
     let go = |_: u64, _: u64| ControlFlow::Continue(());
     let request = Request { sensors: Sensors::Pulses, ..request("fmvss-138-low-all") };
     let certificate = certify(&request, &go).unwrap();

@@ -12,7 +12,7 @@ pub struct Kind {
     pub name: &'static str,
     /// Seconds of driving within which it is reported.
     pub stated_s: f64,
-    /// What happens to the sensors. Times are filled in when it is put in. None: a road that tells nothing, on a drive of its own.
+    /// Fault of the sensors. Times are filled in when it is put in. None: a road that tells nothing, on a drive of its own.
     pub faults: Vec<FaultSpec>,
     /// The words of [`Malfunction::label`] that pass for its name: its own, and those of what it looks like.
     pub labels: &'static [&'static str],
@@ -211,24 +211,24 @@ mod tests {
     #[test]
     fn exactly_is_the_kind_and_the_very_sensor_and_which_way() {
         let [fl, fr, rl, _] = Corner::ALL;
-        let says = |kind: &str, said| of(kind).is_exactly(&Cause::Malfunction(said));
-        assert!(says("stuck, wheel", Malfunction::Stuck(at(fl, Place::Wheel))));
-        assert!(!says("stuck, wheel", Malfunction::Stuck(at(fl, Place::Body))));
-        assert!(!says("stuck, wheel", Malfunction::Stuck(at(fr, Place::Wheel))));
-        assert!(!says("noise of 2 m/s2, wheel", Malfunction::Spikes(at(fl, Place::Wheel))));
+        let reports = |kind: &str, said| of(kind).is_exactly(&Cause::Malfunction(said));
+        assert!(reports("stuck, wheel", Malfunction::Stuck(at(fl, Place::Wheel))));
+        assert!(!reports("stuck, wheel", Malfunction::Stuck(at(fl, Place::Body))));
+        assert!(!reports("stuck, wheel", Malfunction::Stuck(at(fr, Place::Wheel))));
+        assert!(!reports("noise of 2 m/s2, wheel", Malfunction::Spikes(at(fl, Place::Wheel))));
         let gain = |gain| Malfunction::Gain { sensor: at(fl, Place::Body), gain };
-        assert!(says("upside down, body", gain(-0.8)) && !says("upside down, body", gain(0.5)));
-        assert!(says("dropped out, a side", Malfunction::Dropout(at(rl, Place::Body))));
-        assert!(!says("dropped out, a side", Malfunction::Dropout(at(fr, Place::Body))));
+        assert!(reports("upside down, body", gain(-0.8)) && !reports("upside down, body", gain(0.5)));
+        assert!(reports("dropped out, a side", Malfunction::Dropout(at(rl, Place::Body))));
+        assert!(!reports("dropped out, a side", Malfunction::Dropout(at(fr, Place::Body))));
         let halved = |gain| Malfunction::Gain { sensor: at(fr, Place::Wheel), gain };
-        assert!(says("gain 0.5, wheel", halved(0.6)) && !says("gain 0.5, wheel", halved(1.6)));
+        assert!(reports("gain 0.5, wheel", halved(0.6)) && !reports("gain 0.5, wheel", halved(1.6)));
         let (wheel, body) = (at(fl, Place::Wheel), at(rl, Place::Body));
-        assert!(says("body and another's wheel swapped", Malfunction::Swapped(body, wheel)));
-        assert!(says("body and another's wheel swapped", Malfunction::Swapped(wheel, body)));
-        assert!(!says("body and another's wheel swapped", Malfunction::Inconsistent(fl)));
-        assert!(says("corners swapped, left and right", Malfunction::SwappedSides));
-        assert!(!says("corners swapped, left and right", Malfunction::SwappedAxles));
-        assert!(says("corners swapped, front and rear", Malfunction::SwappedAxles));
+        assert!(reports("body and another's wheel swapped", Malfunction::Swapped(body, wheel)));
+        assert!(reports("body and another's wheel swapped", Malfunction::Swapped(wheel, body)));
+        assert!(!reports("body and another's wheel swapped", Malfunction::Inconsistent(fl)));
+        assert!(reports("corners swapped, left and right", Malfunction::SwappedSides));
+        assert!(!reports("corners swapped, left and right", Malfunction::SwappedAxles));
+        assert!(reports("corners swapped, front and rear", Malfunction::SwappedAxles));
         let nothing = Cause::NoInformation { driven_s: 600.0 };
         assert!(of("road smooth as glass").is_exactly(&nothing) && !of("stuck, wheel").is_exactly(&nothing));
     }

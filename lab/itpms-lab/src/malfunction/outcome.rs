@@ -10,7 +10,7 @@ use super::drive::Recorded;
 use super::kinds::{Kind, malfunction_label};
 
 /// Seconds for which a malfunction goes on after it was reported, and the longest it lasts.
-const AFTER_SAID_S: f64 = 20.0;
+const AFTER_REPORT_S: f64 = 20.0;
 const LONGEST_S: f64 = 150.0;
 /// Seconds that are driven after its end, whenever all is well again: a tire may be warned of for nothing later.
 const RECOVERY_S: f64 = 120.0;
@@ -144,7 +144,7 @@ pub(super) fn run(kind: &Kind, drive: &Recorded, mut car: Box<MonitoredCar<f64>>
             Phase::Said => {
                 outcome.driven_s += step_driven_s;
                 // Twenty seconds, however long the road makes it last.
-                if since_s <= AFTER_SAID_S {
+                if since_s <= AFTER_REPORT_S {
                     outcome.after.add(shown, period_s);
                 } else if drive.ends.is_none() {
                     (phase, since_s) = (Phase::Over, 0.0);

@@ -7,7 +7,7 @@ use itpms_analysis::plot::{Axis, Figure, Ink, Panel, Stroke};
 
 type Line = (&'static str, Ink, Stroke);
 
-/// What is drawn over time; the others are in the tables.
+/// Curves over time; the others are in the tables.
 const OVER_TIME: [Line; 8] = [
     ("a", Ink::Default, Stroke::Solid),
     ("b", Ink::Adaptive, Stroke::Solid),
@@ -19,15 +19,8 @@ const OVER_TIME: [Line; 8] = [
     ("road known", Ink::Muted, Stroke::Dotted),
 ];
 
-/// What is drawn over speed, damping and noise; a reset alone knows nothing after a loss.
-const OVER_CIRCUMSTANCES: [Line; 6] = [
-    ("a", Ink::Default, Stroke::Solid),
-    ("b", Ink::Adaptive, Stroke::Solid),
-    ("b'", Ink::Adaptive, Stroke::Dashed),
-    ("c", Ink::Plain, Stroke::Solid),
-    ("a+b+c+d", Ink::Truth, Stroke::Bold),
-    ("road known", Ink::Muted, Stroke::Dotted),
-];
+/// Drawn over time alone: after a loss a reset knows nothing.
+const OVER_TIME_ALONE: [&str; 2] = ["d", "a+d"];
 
 /// Part of the drive that is shown from near, in s: after the loss.
 const NEAR_S: (f64, f64) = (7.0, 7.6);
@@ -120,7 +113,9 @@ impl Observability {
             };
             let y = Axis::logarithmic("Least sd", "kPa").within(lowest(car), 30.0);
             let mut panel = Panel::new(letter, known, x, y);
-            for (sources, ink, stroke) in OVER_CIRCUMSTANCES {
+            for (sources, ink, stroke) in
+                OVER_TIME.into_iter().filter(|line| !OVER_TIME_ALONE.contains(&line.0))
+            {
                 if let Some(sweep) = self.sweep(sources, varied, car) {
                     panel = panel.line(sources, ink, stroke, finite(&sweep.points));
                 }
@@ -139,7 +134,7 @@ fn lowest(car: Car) -> f64 {
     }
 }
 
-/// What can be drawn; nothing known is no line.
+/// The finite points; without any there is no line.
 fn finite(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     points.iter().copied().filter(|(_, sd)| sd.is_finite()).collect()
 }

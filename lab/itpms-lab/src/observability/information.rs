@@ -10,7 +10,7 @@ use nalgebra::{Complex, DMatrix, DVector, Vector2};
 use super::car;
 use itpms_analysis::bound::{BoundSetting, LEVEL_HZ, STEP_HZ, transfers};
 
-/// What is assumed of a stretch of road.
+/// Assumptions about a stretch of road.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum RoadModel {
     /// Nothing: another unknown power at every frequency.
@@ -115,7 +115,7 @@ fn at_frequency(
     if !(rho > 0.0) {
         return DMatrix::zeros(order, order);
     }
-    let told = rho / (1.0 + rho);
+    let explained = rho / (1.0 + rho);
     // a_i: how much a parameter stretches g; d_i: how much it turns g (eq. 13).
     let stretching = g.adjoint() * &slopes / Complex::from(rho);
     let mut turning = &slopes - &g * &stretching;
@@ -128,7 +128,9 @@ fn at_frequency(
     let mut information = DMatrix::zeros(order, order);
     let by_turning = match model {
         RoadModel::Surveyed => slopes.adjoint() * &slopes * Complex::from(2.0),
-        RoadModel::Free | RoadModel::PowerLaw => turning.adjoint() * &turning * Complex::from(2.0 * told),
+        RoadModel::Free | RoadModel::PowerLaw => {
+            turning.adjoint() * &turning * Complex::from(2.0 * explained)
+        }
     };
     information.view_mut((0, 0), (others, others)).copy_from(&by_turning.map(|value| value.re));
     if model == RoadModel::PowerLaw {
@@ -138,7 +140,7 @@ fn at_frequency(
         }
         power[others] = 1.0;
         power[others + 1] = -(frequency_hz / LEVEL_HZ).ln();
-        information += &power * power.transpose() * told.powi(2);
+        information += &power * power.transpose() * explained.powi(2);
     }
     information
 }

@@ -58,7 +58,7 @@ impl Curve {
 }
 
 itpms_core::labelled! {
-    /// What a sweep varies; everything else stays.
+    /// The varied parameter of a sweep; everything else stays.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
     #[serde(rename_all = "snake_case")]
     pub enum Varied {
@@ -169,7 +169,7 @@ fn curves(subject: &Subject, sources: Sources) -> Result<Vec<Curve>, StudyError>
         let bound = SourceBound::new(subject, sources, car, Circumstances::of(subject))?;
         curves.extend(Situation::ALL.map(|situation| Curve {
             sources: sources.to_string(),
-            words: sources.words(),
+            words: sources.text(),
             situation,
             car,
             points: TIMES_S.iter().map(|&t| (t, bound.sd_kpa(situation, t))).collect(),

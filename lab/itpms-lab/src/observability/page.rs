@@ -3,7 +3,7 @@
 //! Called by the binary and by the page about the paper. A section brings its headings, tables and figures; the page
 //! around it brings the style (`plot-legend`, `plot-panels`, tables).
 
-use super::summary::{TOLD_S, told};
+use super::summary::{REPORTED_S, reported};
 use super::{Car, Observability, Situation, Sources, TOLERANCE};
 use itpms_analysis::plot::{Figure, escape};
 
@@ -41,12 +41,12 @@ impl Observability {
             "<h3>Two accelerations leave the stiffness free</h3>{}\
              <div class=\"scroll\" tabindex=\"0\"><table><thead><tr><th>tire</th><th>its road differs by, mm rms</th><th>body acceleration differs by</th>\
              <th>wheel acceleration differs by</th></tr></thead><tbody>{rows}</tbody></table></div>",
-            self.proof_words()
+            self.proof_text()
         )
     }
 
     /// The proof as a paragraph of HTML.
-    pub(crate) fn proof_words(&self) -> String {
+    pub(crate) fn proof_text(&self) -> String {
         format!(
             "<p>Body and wheel feel the road only through the tire's force, <i>F</i> = <i>k</i><sub>t</sub> (<i>x</i><sub>r</sub> − <i>x</i><sub>w</sub>). \
              A tire of another stiffness <i>k</i>′ gives the same force on the road <i>x</i><sub>w</sub> + <i>F</i>/<i>k</i>′, and so the same motion and \
@@ -69,7 +69,7 @@ impl Observability {
                     case.unknowns,
                     case.missing,
                     case.drifts,
-                    case.stiffness.words()
+                    case.stiffness.text()
                 )
             })
             .collect();
@@ -77,12 +77,12 @@ impl Observability {
             "<h3>Rank with the road as unknown input</h3>{}\
              <div class=\"scroll\" tabindex=\"0\"><table><thead><tr><th>case</th><th>rank</th><th>missing</th><th>of these drift</th><th>stiffness</th></tr></thead>\
              <tbody>{rows}</tbody></table></div>",
-            self.rank_words()
+            self.rank_text()
         )
     }
 
     /// What the ranks mean, as a paragraph of HTML.
-    pub(crate) fn rank_words(&self) -> String {
+    pub(crate) fn rank_text(&self) -> String {
         format!(
             "<p>Unknown are the states, the stiffness and the road with its derivatives; known are both accelerations with theirs. What no singular value \
              above {TOLERANCE:.0e} of the largest belongs to is not observable. Two directions are always missing: body, wheel and road lifted together, and set off \
@@ -91,7 +91,8 @@ impl Observability {
     }
 
     fn bounds(&self) -> String {
-        let head: String = (0..4).map(|_| TOLD_S.map(|t| format!("<th>{t:.0} s</th>")).concat()).collect();
+        let head: String =
+            (0..4).map(|_| REPORTED_S.map(|t| format!("<th>{t:.0} s</th>")).concat()).collect();
         let rows: String = Sources::ALL
             .into_iter()
             .map(|sources| {
@@ -101,11 +102,11 @@ impl Observability {
                     .flat_map(|car| Situation::ALL.map(|situation| (car, situation)))
                     .flat_map(|(car, situation)| {
                         let curve = self.curve(&label, situation, car);
-                        TOLD_S.map(|t| told(curve.map_or(f64::NAN, |curve| curve.at(t))))
+                        REPORTED_S.map(|t| reported(curve.map_or(f64::NAN, |curve| curve.at(t))))
                     })
                     .map(|sd| format!("<td>{}</td>", if sd == "-" { "–".to_owned() } else { escape(&sd) }))
                     .collect();
-                format!("<tr><td><b>{}</b> {}</td>{cells}</tr>", escape(&label), escape(sources.words()))
+                format!("<tr><td><b>{}</b> {}</td>{cells}</tr>", escape(&label), escape(sources.text()))
             })
             .collect();
         format!(
@@ -113,13 +114,13 @@ impl Observability {
              <div class=\"scroll\" tabindex=\"0\"><table class=\"numbers\"><thead><tr><th rowspan=\"3\">sources</th><th colspan=\"6\">car known</th><th colspan=\"6\">car uncertain</th></tr>\
              <tr><th colspan=\"3\">constant</th><th colspan=\"3\">after a loss</th><th colspan=\"3\">constant</th><th colspan=\"3\">after a loss</th></tr>\
              <tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>{}",
-            self.conditions_words(),
-            self.lesson_words()
+            self.conditions_text(),
+            self.lesson_text()
         )
     }
 
     /// What the bounds hold for, as a paragraph of HTML.
-    pub(crate) fn conditions_words(&self) -> String {
+    pub(crate) fn conditions_text(&self) -> String {
         let c = &self.conditions;
         format!(
             "<p>Least standard deviation of the pressure in kPa for any unbiased estimator (Cramer-Rao), for each source alone and together; a dash is \
@@ -146,7 +147,7 @@ impl Observability {
     }
 
     /// What follows from the bounds, as a paragraph of HTML.
-    pub(crate) fn lesson_words(&self) -> String {
+    pub(crate) fn lesson_text(&self) -> String {
         "<p>The road's spectrum (a) gives the absolute pressure, slowly: the limit is the randomness of the road. Wheels that share a road (b), and a \
              wheel with its own past (c), compare; they are as sharp as the sensors, but corners alike with the same pressure compare to nothing. A reset (d) does not see a \
              loss; it tells what the car's file does not know. With a car known as well as its file is, one per cent of unsprung mass is one per cent of \
@@ -155,11 +156,11 @@ impl Observability {
     }
 
     fn circumstances(&self) -> String {
-        format!("<h3>Over speed, damping, noise and tracks</h3>{}", self.circumstances_words())
+        format!("<h3>Over speed, damping, noise and tracks</h3>{}", self.circumstances_text())
     }
 
     /// What the sweeps show, as a paragraph of HTML.
-    pub(crate) fn circumstances_words(&self) -> String {
+    pub(crate) fn circumstances_text(&self) -> String {
         "<p>Speed and noise hardly matter to the road's spectrum (a), which is far louder than the sensors; the damper does, through the width of the \
          wheel-hop resonance. For wheels that compare (b, c) it is the other way round: more speed is more road and less noise is a better comparison. \
          All that holds for a road that is quite common. A rear wheel beside the front's track meets a road of which a share is its own, and that share is noise \

@@ -26,7 +26,7 @@ enum Known {
     Road,
 }
 
-/// What becomes of the first wheel's stiffness.
+/// Observability of the first wheel's stiffness.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Stiffness {
@@ -39,7 +39,7 @@ pub enum Stiffness {
 }
 
 impl Stiffness {
-    pub fn words(self) -> &'static str {
+    pub fn text(self) -> &'static str {
         match self {
             Stiffness::Free => "free",
             Stiffness::DifferenceOnly => "difference only",

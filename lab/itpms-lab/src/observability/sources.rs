@@ -62,7 +62,7 @@ impl Sources {
         self.0.contains(&source)
     }
 
-    pub fn words(self) -> &'static str {
+    pub fn text(self) -> &'static str {
         match self.to_string().as_str() {
             "a" => "the road's spectrum is a power law",
             "b" => "same road, front and rear alike",

@@ -5,7 +5,7 @@
 use super::{Car, Observability, Situation, Sources, TOLERANCE};
 
 /// When the bounds are printed, in s.
-pub(super) const TOLD_S: [f64; 3] = [2.0, 8.0, 40.0];
+pub(super) const REPORTED_S: [f64; 3] = [2.0, 8.0, 40.0];
 
 impl Observability {
     pub fn summary(&self) -> String {
@@ -54,7 +54,7 @@ impl Observability {
                 case.unknowns,
                 case.missing,
                 case.drifts,
-                case.stiffness.words()
+                case.stiffness.text()
             );
         }
         let kept = self.ranks.iter().map(|case| case.smallest_kept).fold(f64::INFINITY, f64::min);
@@ -75,7 +75,7 @@ impl Observability {
         );
         *text += &format!("  {:<9}", "sources");
         for _ in 0..4 {
-            *text += &TOLD_S.map(|t| format!("{:>5}", format!("{t:.0} s"))).concat();
+            *text += &REPORTED_S.map(|t| format!("{:>5}", format!("{t:.0} s"))).concat();
             text.push(' ');
         }
         text.push('\n');
@@ -83,13 +83,13 @@ impl Observability {
             let label = sources.to_string();
             *text += &format!("  {label:<9}");
             for (car, situation) in Car::ALL.into_iter().flat_map(|car| Situation::ALL.map(|s| (car, s))) {
-                for t in TOLD_S {
+                for t in REPORTED_S {
                     let sd = self.curve(&label, situation, car).map_or(f64::NAN, |curve| curve.at(t));
-                    *text += &format!("{:>5}", told(sd));
+                    *text += &format!("{:>5}", reported(sd));
                 }
                 text.push(' ');
             }
-            *text += &format!(" {}\n", sources.words());
+            *text += &format!(" {}\n", sources.text());
         }
         *text += &format!(
             "  (b') unsprung mass {:.1} kg against {:.1}{}\n  (c) period {} s; (d) sd {:.1} kPa; uncertain: unsprung mass 1 %, sprung mass 15 %, damping 20 %, spring 5 %\n",
@@ -103,7 +103,7 @@ impl Observability {
 }
 
 /// Three digits at most, or a dash.
-pub(super) fn told(sd: f64) -> String {
+pub(super) fn reported(sd: f64) -> String {
     if !sd.is_finite() {
         "-".to_owned()
     } else if sd < 0.005 {

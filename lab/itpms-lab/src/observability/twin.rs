@@ -85,7 +85,7 @@ fn time(step: usize) -> f64 {
     step as f64 / RATE_HZ
 }
 
-/// What one step of a drive leaves behind.
+/// Record of one step of a drive.
 #[derive(Debug, Clone, Copy)]
 struct Step {
     wheel_m: f64,

@@ -1,10 +1,10 @@
-//! What the paper does not say and we had to choose. A list for the reader, with the option that changes it where there is one.
+//! Choices that the paper leaves open. A list for the reader, with the option that changes it where there is one.
 //!
 //! Called by [`super::reproduce`].
 
 use super::Request;
 use super::data::Data;
-use super::plan::{RESET_LONG_S, RESET_SHORT_S, TOLD_KG};
+use super::plan::{CONFIGURED_KG, RESET_LONG_S, RESET_SHORT_S};
 use super::section::{Section, Table};
 
 /// What, our choice, why.
@@ -23,7 +23,7 @@ fn assumptions(request: &Request) -> Vec<Assumption> {
          "The paper's measured road (its reference 30) is not printed. 16e-6 m³ is the mean of ISO 8608 class A."),
         ("Begin of the loss", "20 s (Fig. 7, 9a), 15 s (Fig. 9b)".into(), "Only drawn in the paper."),
         ("Recovery of Fig. 9b", "138 to 195 kPa from 17.5 to 27.5 s".into(), "Only drawn in the paper."),
-        ("Sprung mass of Table 3", format!("Estimators are given {TOLD_KG} kg, the car weighs 220, 240 or 260"),
+        ("Sprung mass of Table 3", format!("Estimators are given {CONFIGURED_KG} kg, the car weighs 220, 240 or 260"),
          "The text could also mean the opposite; Fig. 7's 240.8 kg and Table 3's 240 are taken to be one experiment."),
         ("Which input the correction of eq. (17) subtracts", "the new estimate u*_k".into(),
          "Printed with u*_{k-1}; the work it cites has the new one. A table below Fig. 7 has both."),
@@ -59,9 +59,9 @@ fn assumptions(request: &Request) -> Vec<Assumption> {
 pub(super) fn section(request: &Request) -> Section {
     let all = assumptions(request);
     let data = Data::new("assumed", "Assumed, because the paper does not say")
-        .words("what", all.iter().map(|one| one.0.to_owned()))
-        .words("choice", all.iter().map(|one| one.1.clone()))
-        .words("why", all.iter().map(|one| one.2.to_owned()));
+        .text("what", all.iter().map(|one| one.0.to_owned()))
+        .text("choice", all.iter().map(|one| one.1.clone()))
+        .text("why", all.iter().map(|one| one.2.to_owned()));
     let mut table = Table::new("Assumptions", &["What", "Our choice", "Why"], data);
     for (what, choice, why) in all {
         table = table.row([what.to_owned(), choice, why.to_owned()]);

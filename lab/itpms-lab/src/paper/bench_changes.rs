@@ -4,7 +4,7 @@
 
 use super::changes::Study;
 use super::outcome::Outcome;
-use super::plan::{RESET_LONG_S, TOLD_KG};
+use super::plan::{CONFIGURED_KG, RESET_LONG_S};
 use super::published::{TABLE_4, TABLE_5};
 use super::section::{Section, number};
 
@@ -27,7 +27,7 @@ pub(super) fn mass(outcomes: &[Outcome; 3]) -> Section {
         error_top_kpa: 20.0,
     };
     let text = format!(
-        "<p>The same as Table 3 on the test bed: the estimators are given {TOLD_KG} kg. {NOMINALS} Our median changes by {} % at most.</p>",
+        "<p>The same as Table 3 on the test bed: the estimators are given {CONFIGURED_KG} kg. {NOMINALS} Our median changes by {} % at most.</p>",
         number(study.largest_change_percent(), 1)
     );
     let section = Section::new("bench-mass", "Test bed: sprung mass, Figure 14 and Table 4").text(text);

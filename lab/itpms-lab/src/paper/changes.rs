@@ -13,7 +13,7 @@ use super::section::{Section, Table, number, signed};
 use super::standing::{spread, standing};
 use itpms_analysis::plot::{Axis, Figure, Ink, Panel};
 
-/// What tells the three studies apart.
+/// Parameters of the three studies.
 pub(super) struct Study<'a> {
     pub(super) figure: u32,
     pub(super) table: u32,
@@ -90,7 +90,7 @@ impl Study<'_> {
         let mut data = Data::new(format!("table-{:02}", self.table), format!("Table {}", self.table))
             .numbers(self.column, self.rows.iter().map(|row| row.setting))
             .numbers("paper_rmse_kpa", self.rows.iter().map(|row| row.rmse_kpa))
-            .words("paper_printed_change", self.rows.iter().map(|row| row.printed.to_owned()))
+            .text("paper_printed_change", self.rows.iter().map(|row| row.printed.to_owned()))
             .numbers(
                 "paper_change_percent",
                 self.rows.iter().map(|row| change_percent(self.rows, row).unwrap_or(f64::NAN)),

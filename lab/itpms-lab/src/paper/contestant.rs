@@ -63,7 +63,7 @@ pub(super) fn is_published(kind: EstimatorKind) -> bool {
     matches!(kind, EstimatorKind::AekfUi | EstimatorKind::EkfUi)
 }
 
-/// What a contestant says after a sample.
+/// Estimate of a contestant after a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Word {
     pub(super) pressure_kpa: f64,

@@ -35,7 +35,7 @@ impl Data {
         self
     }
 
-    pub fn words(mut self, name: impl Into<String>, values: impl IntoIterator<Item = String>) -> Self {
+    pub fn text(mut self, name: impl Into<String>, values: impl IntoIterator<Item = String>) -> Self {
         self.columns.push((name.into(), Values::Words(values.into_iter().collect())));
         self
     }
@@ -141,7 +141,7 @@ mod tests {
     fn cells_are_short_and_missing_ones_empty() {
         let data = Data::new("t", "T")
             .numbers("x_m", [0.1 + 0.2, f64::NAN, -0.0])
-            .words("note", ["a, b".to_owned(), "say \"c\"".to_owned()]);
+            .text("note", ["a, b".to_owned(), "say \"c\"".to_owned()]);
         assert_eq!(data.csv(), "x_m,note\n0.3,\"a, b\"\n,\"say \"\"c\"\"\"\n0,\n");
         let json = data.json().unwrap();
         assert_eq!(

@@ -193,7 +193,7 @@ fn from_first(road_m: &[f64]) -> Vec<f64> {
 fn errors_table(heard: &[Heard], truth_rms: f64) -> Table {
     let part = |i: usize| heard.iter().map(move |one| one.error_percent[i]);
     let data = Data::new("figure-08-errors", "Error of the road, percent of its rms, by wavelength")
-        .words("estimator", heard.iter().map(|one| one.column.clone()))
+        .text("estimator", heard.iter().map(|one| one.column.clone()))
         .numbers("error_percent_0_5_to_10_m", part(0))
         .numbers("error_percent_2_5_to_10_m", part(1))
         .numbers("error_percent_1_to_2_5_m", part(2))

@@ -15,7 +15,7 @@ const HELD_S: f64 = 0.2;
 /// Usual error axis in kPa: what works stays within.
 const ERROR_KPA: f64 = 80.0;
 
-/// What one panel draws of a record.
+/// Curves of a record in one panel.
 pub(super) type Pick = fn(&Record) -> &Vec<f64>;
 
 pub(super) fn time_axis(outcome: &Outcome) -> Axis {

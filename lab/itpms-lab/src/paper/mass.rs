@@ -4,7 +4,7 @@
 
 use super::changes::Study;
 use super::outcome::Outcome;
-use super::plan::TOLD_KG;
+use super::plan::CONFIGURED_KG;
 use super::published::TABLE_3;
 use super::section::{Section, number};
 
@@ -22,7 +22,7 @@ pub(super) fn section(mass: &[Outcome; 3]) -> Section {
         error_top_kpa: 80.0,
     };
     let text = format!(
-        "<p>The car weighs 220, 240 or 260 kg per corner, the estimators are given {TOLD_KG}. The paper calls its changes \"not \
+        "<p>The car weighs 220, 240 or 260 kg per corner, the estimators are given {CONFIGURED_KG}. The paper calls its changes \"not \
          significant\". They are: from 12.96 to 17.57 kPa is <strong>+36 %</strong> (35.6; the paper prints 35 %, cut rather than rounded), and to 13.31 kPa +2.7 %. \
          A load that is wrong by 8 % need not cost anything: the default estimator takes the tire's force through the suspension, not \
          from the body's mass, and identifies the load on the way. Its median changes by {} % at most.</p>",

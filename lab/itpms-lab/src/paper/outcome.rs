@@ -1,4 +1,4 @@
-//! What became of a case: the drive that is drawn, and figures over all its drives.
+//! Outcome of a case: the drive that is drawn, and figures over all its drives.
 //!
 //! Filled by `plan`, read by the sections.
 

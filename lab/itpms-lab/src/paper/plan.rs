@@ -12,7 +12,7 @@ use crate::runner::{Runner, StudyError};
 pub(super) const RESET_LONG_S: f64 = 20.0;
 pub(super) const RESET_SHORT_S: f64 = 4.0;
 /// The estimators' sprung mass in the mass studies, kg.
-pub(super) const TOLD_KG: f64 = 240.0;
+pub(super) const CONFIGURED_KG: f64 = 240.0;
 
 #[derive(Debug)]
 pub(super) struct Outcomes {
@@ -42,10 +42,10 @@ pub(super) fn run(request: &Request, progress: Progress<'_>) -> Result<Outcomes,
         bench("bench-slow", RESET_SHORT_S)?,
     ];
     for row in TABLE_3 {
-        cases.push(simulated("paper-drop")?.with_sprung_mass(row.setting, TOLD_KG)?);
+        cases.push(simulated("paper-drop")?.with_sprung_mass(row.setting, CONFIGURED_KG)?);
     }
-    for row in TABLE_4.iter().filter(|row| row.setting != TOLD_KG) {
-        cases.push(bench("bench-drop", RESET_LONG_S)?.with_sprung_mass(row.setting, TOLD_KG)?);
+    for row in TABLE_4.iter().filter(|row| row.setting != CONFIGURED_KG) {
+        cases.push(bench("bench-drop", RESET_LONG_S)?.with_sprung_mass(row.setting, CONFIGURED_KG)?);
     }
     for row in &TABLE_5[1..] {
         cases.push(bench("bench-drop", RESET_LONG_S)?.with_wheel_noise_variance(row.setting)?);

@@ -1,4 +1,4 @@
-//! What the paper prints, as data: Tables 1 to 5, eq. (5), and every RMSE its text names.
+//! The paper's results as data: Tables 1 to 5, eq. (5), and every RMSE its text names.
 //!
 //! Read by the study's sections; nothing here is computed by us.
 

@@ -15,7 +15,7 @@ use super::{CORNER, Request};
 use crate::runner::StudyError;
 use crate::score::stats::{ErrorSum, Spread};
 
-/// What people call a reading, and its settings.
+/// Name of a reading, and its settings.
 fn readings() -> [(&'static str, FilterConfig<f64>); 7] {
     let usual = FilterConfig::paper_simulation();
     let printed = usual.with_correction_input(CorrectionInput::Previous);
@@ -68,7 +68,7 @@ pub(super) fn table(request: &Request) -> Result<Table, StudyError> {
         .collect();
     let column = |pick: fn(&(&str, Spread, usize)) -> f64| found.iter().map(pick).collect::<Vec<_>>();
     let data = Data::new("figure-07-readings", "Readings of the published filter in the case of Figure 7")
-        .words("reading", found.iter().map(|one| one.0.to_owned()))
+        .text("reading", found.iter().map(|one| one.0.to_owned()))
         .numbers("rmse_median_kpa", column(|one| one.1.median))
         .numbers("rmse_p10_kpa", column(|one| one.1.p10))
         .numbers("rmse_p90_kpa", column(|one| one.1.p90))

@@ -37,8 +37,8 @@ pub(super) fn standing(file: &str, title: &str, what: &str, cases: &[(String, &O
     let column =
         |pick: fn(&Record) -> f64| records.iter().map(|(_, record)| pick(record)).collect::<Vec<_>>();
     let data = Data::new(file, title)
-        .words("case", records.iter().map(|(case, _)| (*case).clone()))
-        .words("estimator", records.iter().map(|(_, record)| record.who.label().to_owned()))
+        .text("case", records.iter().map(|(case, _)| (*case).clone()))
+        .text("estimator", records.iter().map(|(_, record)| record.who.label().to_owned()))
         .numbers("reset_s", column(|r| r.who.reset_s))
         .numbers("rmse_median_kpa", column(|r| r.rmse.median))
         .numbers("rmse_p10_kpa", column(|r| r.rmse.p10))

@@ -173,14 +173,14 @@ fn study(
 fn table(lines: &[Line]) -> Table {
     let column = |pick: fn(&Line) -> f64| lines.iter().map(pick).collect::<Vec<_>>();
     let data = Data::new("summary", "Every number of the paper, and ours")
-        .words("where", lines.iter().map(|line| line.place.clone()))
-        .words("case", lines.iter().map(|line| line.case.clone()))
-        .words("unit", lines.iter().map(|line| line.unit.to_owned()))
+        .text("where", lines.iter().map(|line| line.place.clone()))
+        .text("case", lines.iter().map(|line| line.case.clone()))
+        .text("unit", lines.iter().map(|line| line.unit.to_owned()))
         .numbers("paper", column(|line| line.paper))
         .numbers("ours_median", column(|line| line.ours.median))
         .numbers("ours_p10", column(|line| line.ours.p10))
         .numbers("ours_p90", column(|line| line.ours.p90))
-        .words("comment", lines.iter().map(|line| line.comment.clone()));
+        .text("comment", lines.iter().map(|line| line.comment.clone()));
     let mut table = Table::new(
         "The paper and itpms",
         &["Where", "Case", "Paper", "Ours", "Agrees, or differs because"],

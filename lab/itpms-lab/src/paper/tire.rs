@@ -124,10 +124,10 @@ fn data(map: &PressureMap<f64>, paper: &PressureMap<f64>) -> Data {
 
 fn table_2() -> Table {
     let data = Data::new("table-02", "Parameters of the simulated car")
-        .words("symbol", TABLE_2.map(|row| row.0.to_owned()))
-        .words("meaning", TABLE_2.map(|row| row.1.to_owned()))
+        .text("symbol", TABLE_2.map(|row| row.0.to_owned()))
+        .text("meaning", TABLE_2.map(|row| row.1.to_owned()))
         .numbers("value", TABLE_2.map(|row| row.2))
-        .words("unit", TABLE_2.map(|row| row.3.to_owned()));
+        .text("unit", TABLE_2.map(|row| row.3.to_owned()));
     let mut table =
         Table::new("Table 2: Parameters of the simulation", &["Symbol", "Meaning", "Value", "Unit"], data);
     for (symbol, meaning, value, unit) in TABLE_2 {

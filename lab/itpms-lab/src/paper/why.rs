@@ -10,14 +10,14 @@ use crate::observability::{Car, Observability, Situation, Sources, Subject, Vari
 use crate::runner::StudyError;
 
 /// When the bounds are printed, in s.
-const TOLD_S: [f64; 3] = [2.0, 8.0, 40.0];
+const REPORTED_S: [f64; 3] = [2.0, 8.0, 40.0];
 
 /// The section; needs no drive. Errors: none for the paper's car.
 pub(super) fn section() -> Result<Section, StudyError> {
     let found = study(&Subject::paper(), &|_| ControlFlow::Continue(()))?;
     let mut figures = found.figures().into_iter();
     let mut section = Section::new("why", "Why: what two accelerations can tell, and what they cannot")
-        .text(found.proof_words())
+        .text(found.proof_text())
         .table(twins(&found), "Each drive is integrated by itself, from its own road and its own stiffness.");
     if let Some(figure) = figures.next() {
         section = section.figure(
@@ -28,11 +28,11 @@ pub(super) fn section() -> Result<Section, StudyError> {
         );
     }
     section = section
-        .text(found.rank_words())
+        .text(found.rank_text())
         .table(ranks(&found), "Exact derivatives at 20 instants of a steady motion; the same rank at each.")
-        .text(found.conditions_words())
+        .text(found.conditions_text())
         .table(bounds(&found), "Least sd in kPa after 2 / 8 / 40 s; a dash is nothing at all.")
-        .text(found.lesson_words());
+        .text(found.lesson_text());
     if let Some(figure) = figures.next() {
         section = section.figure(
             figure,
@@ -41,7 +41,7 @@ pub(super) fn section() -> Result<Section, StudyError> {
             vec![time_data(&found)],
         );
     }
-    section = section.text(found.circumstances_words());
+    section = section.text(found.circumstances_text());
     if let Some(figure) = figures.next() {
         let caption = "Eight seconds after a loss of 20 %: over speed, damping, sensor noise, and the share of the road that each wheel or pass has for \
              itself.";
@@ -53,7 +53,7 @@ pub(super) fn section() -> Result<Section, StudyError> {
 fn twins(found: &Observability) -> Table {
     let others = || found.twins.drives.iter().skip(1);
     let data = Data::new("why-twins", "Tires that are not distinguishable")
-        .words("tire", others().map(|twin| twin.label.clone()))
+        .text("tire", others().map(|twin| twin.label.clone()))
         .numbers("road_difference_rms_m", others().map(|twin| twin.road_difference_rms_m))
         .numbers("body_relative_difference", others().map(|twin| twin.relative_difference[0]))
         .numbers("wheel_relative_difference", others().map(|twin| twin.relative_difference[1]));
@@ -76,12 +76,12 @@ fn twins(found: &Observability) -> Table {
 fn ranks(found: &Observability) -> Table {
     let all = || found.ranks.iter();
     let data = Data::new("why-rank", "Rank with the road as unknown input")
-        .words("case", all().map(|case| case.label.clone()))
+        .text("case", all().map(|case| case.label.clone()))
         .numbers("unknowns", all().map(|case| case.unknowns as f64))
         .numbers("rank", all().map(|case| case.rank as f64))
         .numbers("missing", all().map(|case| case.missing as f64))
         .numbers("drifts", all().map(|case| case.drifts as f64))
-        .words("stiffness", all().map(|case| case.stiffness.words().to_owned()));
+        .text("stiffness", all().map(|case| case.stiffness.text().to_owned()));
     let head = ["Case", "Rank", "Missing", "Of these drift", "Stiffness"];
     all().fold(Table::new("Rank with the road as unknown input", &head, data), |table, case| {
         table.row([
@@ -89,7 +89,7 @@ fn ranks(found: &Observability) -> Table {
             format!("{} of {}", case.rank, case.unknowns),
             case.missing.to_string(),
             case.drifts.to_string(),
-            case.stiffness.words().to_owned(),
+            case.stiffness.text().to_owned(),
         ])
     })
 }
@@ -105,8 +105,8 @@ fn bounds(found: &Observability) -> Table {
     };
     let labels: Vec<String> = Sources::ALL.into_iter().map(|sources| sources.to_string()).collect();
     let mut data = Data::new("why-bounds", "Least sd for each source of information")
-        .words("sources", labels.iter().cloned());
-    for (column, t) in columns().flat_map(|column| TOLD_S.map(|t| (column, t))) {
+        .text("sources", labels.iter().cloned());
+    for (column, t) in columns().flat_map(|column| REPORTED_S.map(|t| (column, t))) {
         let name = format!("{}_{}_{t}_s_kpa", column.0.label(), column.1.label()).replace('-', "_");
         data = data.numbers(name, labels.iter().map(|label| at(label, column, t)));
     }
@@ -121,14 +121,14 @@ fn bounds(found: &Observability) -> Table {
     Sources::ALL.into_iter().zip(&labels).fold(
         Table::new("Least sd for each source of information", &head, data),
         |table, (sources, label)| {
-            let cells = columns().map(|column| told(TOLD_S.map(|t| at(label, column, t))));
-            table.row([label.clone(), sources.words().to_owned()].into_iter().chain(cells))
+            let cells = columns().map(|column| configured(REPORTED_S.map(|t| at(label, column, t))));
+            table.row([label.clone(), sources.text().to_owned()].into_iter().chain(cells))
         },
     )
 }
 
 /// `25.5 / 12.7 / 5.7`, or a dash where nothing can be known.
-fn told(sds: [f64; 3]) -> String {
+fn configured(sds: [f64; 3]) -> String {
     if sds.iter().all(|sd| !sd.is_finite()) {
         return "–".to_owned();
     }
@@ -148,9 +148,9 @@ fn twin_data(found: &Observability) -> Data {
 fn time_data(found: &Observability) -> Data {
     let rows = || found.curves.iter().flat_map(|curve| curve.points.iter().map(move |point| (curve, *point)));
     Data::new("observability-time", "Least sd over time")
-        .words("sources", rows().map(|(curve, _)| curve.sources.clone()))
-        .words("situation", rows().map(|(curve, _)| curve.situation.label().to_owned()))
-        .words("car", rows().map(|(curve, _)| curve.car.label().to_owned()))
+        .text("sources", rows().map(|(curve, _)| curve.sources.clone()))
+        .text("situation", rows().map(|(curve, _)| curve.situation.label().to_owned()))
+        .text("car", rows().map(|(curve, _)| curve.car.label().to_owned()))
         .numbers("time_s", rows().map(|(_, point)| point.0))
         .numbers("sd_kpa", rows().map(|(_, point)| point.1))
 }
@@ -165,9 +165,9 @@ fn sweep_data(found: &Observability) -> Data {
         "observability-sweeps",
         "Least sd over speed, damping, noise and the share of the road that is not common",
     )
-    .words("varied", rows().map(|(sweep, _)| sweep.varied.label().to_owned()))
-    .words("sources", rows().map(|(sweep, _)| sweep.sources.clone()))
-    .words("car", rows().map(|(sweep, _)| sweep.car.label().to_owned()))
+    .text("varied", rows().map(|(sweep, _)| sweep.varied.label().to_owned()))
+    .text("sources", rows().map(|(sweep, _)| sweep.sources.clone()))
+    .text("car", rows().map(|(sweep, _)| sweep.car.label().to_owned()))
     .numbers("value", rows().map(|(_, point)| point.0))
     .numbers("sd_kpa", rows().map(|(_, point)| point.1))
 }

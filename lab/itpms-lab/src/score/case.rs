@@ -169,7 +169,7 @@ impl Case {
     }
 }
 
-/// What a bound is asked for: a drive at one speed on one spectrum.
+/// Case of a bound: a drive at one speed on one spectrum.
 pub(super) fn bound_setting(scenario: &Scenario, road: &Iso8608) -> Result<BoundSetting, StudyError> {
     Ok(BoundSetting {
         road: PowerLaw { gd_n0_m3: road.roughness.gd_n0_m3(), waviness: road.slope },

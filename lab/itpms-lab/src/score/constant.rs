@@ -11,8 +11,7 @@ use itpms_paper::EstimatorKind;
 use super::case::{Case, START_SD_KPA};
 use super::row::{Cell, Column, Goal, Row};
 use super::stats::Mean;
-use crate::runner::StudyError;
-use crate::runner::{Runner, Turn};
+use crate::runner::{Runner, StudyError, Turn};
 
 const PRESSURES_KPA: [f64; 3] = [241.3, 190.0, 140.0];
 const TIMES_S: [f64; 2] = [16.0, 39.0];

@@ -165,7 +165,7 @@ impl Default for Request {
     }
 }
 
-/// What came out. JSON: `version`, `estimators`, `seeds`, `first_seed`, `rows` ([`Row`]).
+/// The result. JSON: `version`, `estimators`, `seeds`, `first_seed`, `rows` ([`Row`]).
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Score {
     /// Of this structure: 1.
@@ -263,12 +263,5 @@ mod tests {
         let of_cars = Request { estimators, part: Some(Part::Drive), seeds: 1, ..Request::default() };
         let refused = score(&of_cars, &go).unwrap_err().to_string();
         assert!(refused.starts_with("drive is scored for informed alone"), "{refused}");
-    }
-
-    #[test]
-    fn labels_name_parts() {
-        for part in Part::ALL {
-            assert_eq!(Part::from_label(part.label()), Some(part));
-        }
     }
 }

@@ -12,8 +12,7 @@ use itpms_sim::time_profile::Speed;
 use super::case::Case;
 use super::row::{Column, Goal, Row};
 use super::stats::Spread;
-use crate::runner::StudyError;
-use crate::runner::{Runner, Turn};
+use crate::runner::{Runner, StudyError, Turn};
 use itpms_analysis::roughness::{Enveloping, iri_m_per_km};
 use itpms_analysis::spectrum::Welch;
 

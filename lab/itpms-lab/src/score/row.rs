@@ -1,11 +1,11 @@
-//! What the score says: rows of cells, each with its goal and whether it is met.
+//! Rows of the score: rows of cells, each with its goal and whether it is met.
 //!
 //! Filled by the parts of the score; read by the table, by `--json` and by whoever keeps books.
 
 use itpms_paper::EstimatorKind;
 use serde::Serialize;
 
-/// What a cell's figure has to be.
+/// Goal of a cell's figure.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Goal {
@@ -56,7 +56,7 @@ impl Goal {
     }
 }
 
-/// What a figure is: its name in JSON, its heading in the table.
+/// Column of a figure: its name in JSON, its heading in the table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Column {
     pub name: &'static str,
@@ -86,7 +86,7 @@ pub struct Cell {
     #[serde(flatten)]
     pub column: Column,
     pub value: f64,
-    /// What it has to be, if anything.
+    /// Its goal, if any.
     pub goal: Option<Goal>,
     pub verdict: Option<Verdict>,
 }

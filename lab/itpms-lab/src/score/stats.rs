@@ -2,6 +2,7 @@
 //!
 //! Called by the rest of the score; knows numbers only.
 
+use itpms_core::model::CornerEstimate;
 use serde::Serialize;
 
 /// Half-width of a 95 % interval in standard deviations.
@@ -65,6 +66,31 @@ impl ErrorSum {
     /// Share of errors within 1.96 sd, 0 to 1.
     pub fn coverage(&self) -> f64 {
         self.covered as f64 / self.count as f64
+    }
+}
+
+/// Errors of one estimate over the windows of a drive in which a pressure changes.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct WindowErrors {
+    pub(super) judged: ErrorSum,
+    pub(super) before: ErrorSum,
+    pub(super) after: ErrorSum,
+    pub(super) change: ErrorSum,
+}
+
+impl WindowErrors {
+    /// `windows`: in the order of the fields.
+    pub(super) fn push(
+        &mut self,
+        windows: [Window; 4],
+        time_s: f64,
+        truth_kpa: f64,
+        estimate: &CornerEstimate<f64>,
+    ) {
+        let sums = [&mut self.judged, &mut self.before, &mut self.after, &mut self.change];
+        for (_, sum) in windows.iter().zip(sums).filter(|(window, _)| window.contains(time_s)) {
+            sum.push(estimate.pressure_kpa - truth_kpa, estimate.pressure_sd_kpa);
+        }
     }
 }
 

@@ -8,9 +8,8 @@ use itpms_sim::road::RoadClass;
 use super::Part;
 use super::case::Case;
 use super::row::{Cell, Column, Goal, Row};
-use super::stats::{ErrorSum, Mean, Spread};
-use crate::runner::StudyError;
-use crate::runner::{Runner, Turn};
+use super::stats::{Mean, Spread, WindowErrors};
+use crate::runner::{Runner, StudyError, Turn};
 
 /// Share of time within the 95 % interval.
 const COVERAGE: Goal = Goal::Between(0.93, 0.98);
@@ -39,28 +38,11 @@ const COVERED: Column = Column::new("coverage", "coverage", 3);
 const COVERED_CHANGE: Column = Column::new("coverage_in_change", "in drop", 3);
 const BOUND: Column = Column::new("bound_rms_kpa", "bound", 1);
 
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Track {
-    judged: ErrorSum,
-    before: ErrorSum,
-    after: ErrorSum,
-    change: ErrorSum,
-}
-
-fn track(case: &Case, turn: Turn) -> Result<Track, StudyError> {
-    let mut track = Track::default();
+fn track(case: &Case, turn: Turn) -> Result<WindowErrors, StudyError> {
+    let mut track = WindowErrors::default();
+    let windows = [case.judged, case.before, case.after, case.change];
     case.drive(turn.seed, |row, truth, estimate| {
-        let (error, sd) = (estimate.pressure_kpa - truth.pressure_kpa, estimate.pressure_sd_kpa);
-        for (window, sum) in [
-            (case.judged, &mut track.judged),
-            (case.before, &mut track.before),
-            (case.after, &mut track.after),
-            (case.change, &mut track.change),
-        ] {
-            if window.contains(row.time_s) {
-                sum.push(error, sd);
-            }
-        }
+        track.push(windows, row.time_s, truth.pressure_kpa, estimate)
     })?;
     Ok(track)
 }
@@ -79,8 +61,9 @@ struct Summary {
 }
 
 impl Summary {
-    fn of(case: &Case, tracks: &[Track]) -> Result<Self, StudyError> {
-        let mean = |figure: &dyn Fn(&Track) -> f64| Mean::of(&tracks.iter().map(figure).collect::<Vec<_>>());
+    fn of(case: &Case, tracks: &[WindowErrors]) -> Result<Self, StudyError> {
+        let mean =
+            |figure: &dyn Fn(&WindowErrors) -> f64| Mean::of(&tracks.iter().map(figure).collect::<Vec<_>>());
         Ok(Self {
             name: case.name.clone(),
             kind: case.kind,

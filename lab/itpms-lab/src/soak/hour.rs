@@ -28,7 +28,7 @@ const ONE_SIDED_95: f64 = 1.645;
 /// The same of a two-sided interval of 95 %.
 pub(super) const HALF_95: f64 = 1.96;
 
-/// What is kept of a drive: a line of a file.
+/// Record of a drive: a line of a file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Hour {
     pub seed: u64,
@@ -92,7 +92,7 @@ pub struct RadiusHour {
     pub covered: [f64; 3],
 }
 
-/// What is kept of a day beside its hour.
+/// Record of a day beside its hour.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DayHour {
     /// What the day was: of a mixed plan one of the others.
@@ -110,7 +110,7 @@ pub struct DayHour {
     pub loss: Option<LossHour>,
 }
 
-/// What became of a yaw rate.
+/// Outcome of a yaw rate.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct YawHour {
     pub fault: YawFault,

@@ -45,7 +45,7 @@ itpms_core::labelled! {
     }
 }
 
-/// What is driven: drives of one plan can be added up.
+/// Plan of the drives: those of one plan can be added up.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Plan {
     pub rate_hz: f64,

@@ -20,7 +20,7 @@ pub struct Summary {
     pub false_warnings: usize,
     /// Largest rate of false warnings per hour that agrees with their number at 95 % (Poisson, one-sided): 3/hours for none.
     pub rate_limit_per_h: f64,
-    /// What was reported, by cause; `no-information` is no false warning.
+    /// Reports by cause; `no-information` is no false warning.
     pub said: BTreeMap<String, usize>,
     /// Share of the time in which a wheel's pressure was valid.
     pub valid: f64,

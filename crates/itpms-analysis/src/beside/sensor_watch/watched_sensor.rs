@@ -1,4 +1,4 @@
-//! What is reported of a tire's own sensor: its state in a sentence, as an event and as JSON.
+//! The report of a tire's own sensor: its state in a sentence, as an event and as JSON.
 
 use itpms_core::model::{Corner, PressureUnit};
 use serde_json::{Map, Value, json};
@@ -6,7 +6,7 @@ use serde_json::{Map, Value, json};
 use super::SDS;
 
 itpms_core::labelled! {
-    /// What is known of a tire's own sensor at a drive's end.
+    /// State of a tire's own sensor at a drive's end.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
     pub enum SensorState {
         /// Too few readings, or it sends nothing.
@@ -16,9 +16,9 @@ itpms_core::labelled! {
         Fine = "fine",
         /// It sees its tire lose air.
         Leak = "leak",
-        /// What it sends changes otherwise than its tire.
+        /// Its reading changes otherwise than its tire.
         Drift = "drift",
-        /// What it sends has stopped changing, and its tire has not.
+        /// Its reading has stopped changing, and its tire's pressure has not.
         Stuck = "stuck",
     }
 }
@@ -28,9 +28,9 @@ itpms_core::labelled! {
 pub struct WatchedSensor {
     /// What is known of it.
     pub state: SensorState,
-    /// What it sent last, in kPa; NaN: nothing.
+    /// Its last reading in kPa; NaN: none.
     pub pressure_kpa: f64,
-    /// What its tire lost since the first reading, warmth and the other tires taken off, in kPa, and its standard deviation.
+    /// The tire's loss since the first reading, warmth and the other tires taken off, in kPa, and its standard deviation.
     pub lost_kpa: [f64; 2],
     /// The same per hour.
     pub lost_kpa_per_h: [f64; 2],
@@ -51,8 +51,7 @@ impl WatchedSensor {
     };
 
     /// That in words; `None` while there is nothing to say.
-    #[must_use]
-    pub fn words(&self, corner: Corner, origin_s: f64, unit: PressureUnit) -> Option<String> {
+    pub fn text(&self, corner: Corner, origin_s: f64, unit: PressureUnit) -> Option<String> {
         let [say, since] = [corner.label().to_owned(), format!("found at {:.0} s", self.since_s - origin_s)];
         let shown =
             |[value, sd]: [f64; 2]| format!("{} {unit} (sd {})", unit.number(value, 0), unit.number(sd, 0));
@@ -94,9 +93,8 @@ impl WatchedSensor {
     }
 
     /// That as a line of `events.jsonl`.
-    #[must_use]
     pub fn event(&self, corner: Corner) -> Option<Map<String, Value>> {
-        let text = self.words(corner, 0.0, PressureUnit::Kpa)?;
+        let text = self.text(corner, 0.0, PressureUnit::Kpa)?;
         let mut event = self.object();
         let kind = format!("tire-sensor-{}", self.state.label());
         for (key, value) in [

@@ -1,4 +1,4 @@
-//! What a careful reader should know before using the numbers. Called by `corner`.
+//! Reservations about the result. Called by `corner`.
 
 use std::f64::consts::TAU;
 

@@ -29,7 +29,7 @@ use super::IdentifyError;
 use super::estimate::Estimate;
 use motion::Motion;
 
-/// What was measured of a corner, in the rows of the record.
+/// Measurements of a corner, in the rows of the record.
 #[derive(Debug, Clone, Copy)]
 pub enum BumpSignals<'a> {
     /// Heights in m of body and wheel, up positive, from any zero.
@@ -51,7 +51,7 @@ pub struct BumpMasses {
     pub unsprung_kg: f64,
 }
 
-/// What a drop says about the corners of a car.
+/// Parameters of a car's corners from a drop.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BumpResult {
     pub corners: Vec<BumpFit>,
@@ -59,7 +59,7 @@ pub struct BumpResult {
     pub axles: Vec<BumpFit>,
 }
 
-/// What a drop says about one corner, or about the mean of an axle's two.
+/// Parameters of one corner from a drop, or of the mean of an axle's two.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BumpFit {
     /// `fl`, `fr`, `rl`, `rr`, or `front`, `rear`.
@@ -76,7 +76,7 @@ pub struct BumpFit {
     pub body_explained: f64,
     /// Time in s from which and until which the motion was used.
     pub used_s: (f64, f64),
-    /// What a careful reader should know before using the numbers.
+    /// Reservations about the result.
     pub concerns: Vec<String>,
     traces: Traces,
 }

@@ -14,7 +14,7 @@ const SLIP_HZ: f64 = 32.0;
 const LOOK_HZ: f64 = 16.0;
 /// The same for the search for its end, where noise is loudest beside the motion.
 const ENDING_HZ: f64 = 6.0;
-/// What is slower than this is lost where heights come from accelerations.
+/// Lowest frequency that heights from accelerations keep.
 const SLOWEST_HZ: f64 = 0.4;
 /// Zeros before and behind a record of accelerations, so that the low-pass has settled where the record begins.
 const PADDING_S: f64 = 1.5;

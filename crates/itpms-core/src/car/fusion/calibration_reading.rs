@@ -1,4 +1,4 @@
-//! What the road's spectra read of the pressures during a calibration: whether the driver has set them.
+//! Readings of the road's spectra during a calibration: whether the driver has set them.
 
 use crate::memory::Blank;
 use crate::model::Corner;

@@ -25,7 +25,7 @@ enum Unit {
     Checkpoint,
     /// Some of the products that are expected of a frame, where they are not known yet.
     Prepare(usize),
-    /// What the frame measures, and what that is worth.
+    /// Measurement by the frame, and its weight.
     Measure,
     /// One hypothesis is updated.
     Update(usize),
@@ -66,7 +66,7 @@ pub(super) struct FrameQueue<T: Real> {
     /// When the next one is due, and the time between two, in s.
     due_s: f64,
     unit_s: f64,
-    /// What the first one measures, once that is known.
+    /// Measurement by the first one, once known.
     measured: Placed<Measured<T>>,
 }
 

@@ -49,7 +49,7 @@ const FOUND_SD_S: f64 = 1e-3;
 pub(super) struct Fusion<T: Real> {
     inter_axle: InterAxle<T>,
     belief: Belief<T>,
-    /// What each corner finds by itself, and when its spectrum last gave a pseudo-measurement.
+    /// Each corner's own estimate, and when its spectrum last gave a pseudo-measurement.
     single_wheel: [SingleWheelEstimate<T>; 4],
     pseudo_measured_s: [f64; 4],
     /// Where each side last found the other axle's road, when it looked for it anew.
@@ -59,7 +59,7 @@ pub(super) struct Fusion<T: Real> {
     /// Variance in (N/m)² of each corner's stiffness at wheel hop by unknown friction.
     friction_variance: [T; 4],
     queue: FrameQueue<T>,
-    /// What is believed of the tires, as of the last frame that was learned from.
+    /// Belief about the tires as of the last frame that was learned from.
     tires: Tires<T>,
 }
 
@@ -215,7 +215,7 @@ impl<T: Real> Fusion<T> {
         self.belief.load_calibration(calibration)
     }
 
-    /// What the tires' level rests on.
+    /// Reference of the tires' level.
     pub(super) fn level(&self) -> Level {
         self.belief.level()
     }

@@ -1,4 +1,4 @@
-//! What the fused belief says of the tires now (docs/math/shared-road.md).
+//! Present estimate of the tires from the fused belief (docs/math/shared-road.md).
 
 use nalgebra::{SMatrix, SVector};
 
@@ -19,7 +19,7 @@ pub(in crate::car) struct FusedEstimate<T: Real> {
     pub(in crate::car) changing: T,
     /// Seconds of shared road that it rests on.
     pub(in crate::car) learned_s: T,
-    /// What was lost in this drive, if that is counted.
+    /// Loss in this drive, if that is counted.
     pub(in crate::car) losses: Option<FusedLosses<T>>,
 }
 
@@ -33,7 +33,7 @@ pub(in crate::car) struct FusedLosses<T: Real> {
 }
 
 impl<T: Real> Fusion<T> {
-    /// What is believed now; in the middle of a frame, what was before it.
+    /// Present belief; in the middle of a frame, the one before it.
     pub(in crate::car) fn estimate(&mut self) -> FusedEstimate<T> {
         if self.is_at_rest() {
             self.belief.refresh(&mut self.tires);

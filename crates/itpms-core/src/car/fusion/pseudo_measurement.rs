@@ -82,7 +82,7 @@ impl<T: Real> Fusion<T> {
         (unit * bias, unit * unit * variance)
     }
 
-    /// What a corner's road spectrum is expected to tell: stiffness and sd in N/m.
+    /// Expected measurement by a corner's road spectrum: stiffness and sd in N/m.
     pub(in crate::car) fn expected_spectral(&self, corner: Corner) -> (T, T) {
         let hypothesis = self.belief.most_likely();
         let (expected, slope) = self.belief.scale().spectral_stiffness(corner, &hypothesis.mean);

@@ -99,7 +99,7 @@ impl<T: Real> Fusion<T> {
     }
 }
 
-/// What both sides found at the same moment.
+/// Findings of both sides at the same moment.
 fn both<T: Real>(left: &Found<T>, right: &Found<T>) -> Find<T> {
     let mean = |of: &dyn Fn(&Found<T>) -> T| T::lit(0.5) * (of(left) + of(right));
     Find {
@@ -111,7 +111,7 @@ fn both<T: Real>(left: &Found<T>, right: &Found<T>) -> Find<T> {
     }
 }
 
-/// What both sides agree on, who found it so many seconds apart.
+/// The common finding of both sides, made so many seconds apart.
 fn agreed<T: Real>([left, right]: [T; 2], apart_s: f64) -> Option<T> {
     let agree = apart_s < FRESH_S && (left - right).abs() < T::lit(ALIKE);
     agree.then(|| T::lit(0.5) * (left + right))

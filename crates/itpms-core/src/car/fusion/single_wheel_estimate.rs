@@ -1,4 +1,4 @@
-//! What a corner finds by itself, from its own road's spectrum, and how far that counts where front and rear hardly share a
+//! A corner's own estimate from its road's spectrum, and how far that counts where front and rear hardly share a
 //! road (docs/math/shared-road.md, section 6). Knows nothing of frames and hypotheses.
 
 use super::FusedEstimate;

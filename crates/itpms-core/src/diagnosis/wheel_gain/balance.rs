@@ -32,7 +32,7 @@ const PATIENCE: DebounceTimes = DebounceTimes { set_s: 5.0, clear_s: 10.0 };
 /// sign of one: a tire with little air hops less, too.
 const HOP_AGREES: f64 = 0.15;
 
-/// What the wheels of a car say of each other's gain.
+/// Gains of a car's wheel sensors, compared with each other.
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct WheelGainBalance<T: Real> {

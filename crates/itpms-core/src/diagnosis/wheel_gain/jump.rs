@@ -36,7 +36,7 @@ pub(crate) const LONGEST_S: f64 = 120.0;
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Hop<T> {
-    /// What the strut makes of the wheel's motion, over the body's acceleration.
+    /// Strut's response to the wheel's motion over the body's acceleration.
     pub(crate) strut_over_body: T,
     /// The wheel's acceleration over what the strut makes of its motion: nearly the square of a frequency.
     pub(crate) wheel_over_strut: T,

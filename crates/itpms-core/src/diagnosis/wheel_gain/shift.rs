@@ -33,7 +33,7 @@ const WAIT_S: f64 = 15.0;
 const SLOWER: f64 = 0.14;
 const BY_TIRE: f64 = 2.0;
 
-/// What every wheel does to its body, and whether that has shifted.
+/// Effect of every wheel on its body, and whether it has shifted.
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct WheelGainShift<T> {

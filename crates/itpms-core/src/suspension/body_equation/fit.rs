@@ -50,7 +50,7 @@ impl<T: Real> BodyEquation<T> {
         cholesky::decompose_packed::<T, SIZE>(root.as_mut_slice()).then_some(root)
     }
 
-    /// What the parameters are before anything is seen.
+    /// Prior of the parameters.
     #[inline(never)]
     pub(super) fn first(&self) -> Parameters<T> {
         let mut first = Parameters::zeros();
@@ -62,7 +62,7 @@ impl<T: Real> BodyEquation<T> {
         first
     }
 
-    /// What is known beforehand; what does not exist is held.
+    /// Prior; parameters that do not exist are held.
     #[inline(never)]
     fn prior_information(&self) -> Parameters<T> {
         let mut information = prior_information(&self.body);
@@ -134,7 +134,7 @@ pub(super) fn slip_first<T: Real>(corner: &CornerConfig<T>) -> [T; 2] {
     [first / T::lit(ELEMENTS as f64), whole].map(|force| force / T::lit(FORCE_N))
 }
 
-/// What is known beforehand of all but friction.
+/// Prior of all parameters but friction.
 #[inline(never)]
 fn prior_information<T: Real>(body: &RigidBody<T>) -> Parameters<T> {
     let of = |sd: f64| T::lit(1.0 / (sd * sd));

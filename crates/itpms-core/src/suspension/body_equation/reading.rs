@@ -1,4 +1,4 @@
-//! What the fit has found of the struts, for whoever writes it down (docs/math/learn.md, section 3). Called between
+//! Result of the fit of the struts (docs/math/learn.md, section 3). Called between
 //! samples, not with each.
 
 use super::{BodyEquation, DAMPER, ELEMENTS, FORCE_N, INERTIA, Parameters, SPRING, slip};
@@ -7,7 +7,7 @@ use crate::model::{Corner, StrutReading};
 use crate::real::Real;
 
 impl<T: Real> BodyEquation<T> {
-    /// What a corner's strut seems to be; `None` as long as too little was seen, and for a corner that is not there.
+    /// Identified strut of a corner; `None` as long as too little was seen, and for a corner that is not there.
     pub(crate) fn reading(&self, corner: Corner) -> Option<StrutReading<T>> {
         if !(self.known && self.body.has(corner)) {
             return None;

@@ -1,4 +1,4 @@
-//! What the radii say of losses: while the car drives, since the calibration, and over days (`docs/math/wheel-speed.md`, sections 4 and 5).
+//! Losses by the radii: while the car drives, since the calibration, and over days (`docs/math/wheel-speed.md`, sections 4 and 5).
 
 use super::RadiusMonitor;
 use crate::memory::Blank;
@@ -46,13 +46,13 @@ impl<T: Real> RadiusMonitor<T> {
         usual
     }
 
-    /// What the days since the calibration have shown, with this one.
+    /// Results of the days since the calibration, with this one.
     #[must_use]
     pub(crate) fn days(&self) -> &RadiusDays<T> {
         &self.days
     }
 
-    /// What they say of a slow leak.
+    /// Their evidence of a slow leak.
     #[must_use]
     pub(crate) fn slow_leak(&self) -> &SlowLeak<T> {
         &self.slow_leak

@@ -334,7 +334,7 @@ fn too_quiet<'a>(rows: impl Iterator<Item = &'a LogRow> + Clone, all: &[Pair]) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::log::{LogCorner, LogMotion};
+    use crate::log::LogCorner;
 
     /// Body and wheel as sums of incommensurate sines of the given rms, about the given mean: what counts here are
     /// mean and rms, and both are known without a simulation.
@@ -345,18 +345,8 @@ mod tests {
                 let wave = |f: f64| {
                     (std::f64::consts::TAU * f * t).sin() + (std::f64::consts::TAU * 1.37 * f * t).cos()
                 };
-                let corner = LogCorner {
-                    body_accel_m_s2: mean + body_rms * wave(1.5),
-                    wheel_accel_m_s2: mean + wheel_rms * wave(11.0),
-                    pressure_kpa: f64::NAN,
-                    road_m: f64::NAN,
-                };
-                LogRow {
-                    time_s: t,
-                    speed_m_s: speed,
-                    corners: [Some(corner), None, None, None],
-                    motion: LogMotion::UNKNOWN,
-                }
+                let corner = LogCorner::measured(mean + body_rms * wave(1.5), mean + wheel_rms * wave(11.0));
+                LogRow::without_motion(t, speed, [Some(corner), None, None, None])
             })
             .collect()
     }

@@ -35,7 +35,7 @@ pub(super) fn check<'a>(rows: impl Iterator<Item = &'a LogRow> + Clone) -> Resul
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::log::{LogCorner, LogMotion};
+    use crate::log::LogCorner;
 
     #[test]
     fn true_pressures_in_bar_and_pa_are_refused_and_flat_tires_are_not() {
@@ -48,12 +48,7 @@ mod tests {
                     pressure_kpa: pressure(i),
                     road_m: f64::NAN,
                 };
-                LogRow {
-                    time_s: 0.01 * i as f64,
-                    speed_m_s: 20.0,
-                    corners: [None, Some(corner), None, None],
-                    motion: LogMotion::UNKNOWN,
-                }
+                LogRow::without_motion(0.01 * i as f64, 20.0, [None, Some(corner), None, None])
             };
             let rows: Vec<LogRow> = (0..100).map(row).collect();
             check(rows.iter()).err().map(|problem| problem.to_string())

@@ -111,7 +111,7 @@ impl Aligner {
         }
     }
 
-    /// What was found and done so far; `None` until the rates are known.
+    /// Report of the alignment so far; `None` until the rates are known.
     pub fn report(&self) -> Option<AlignmentReport> {
         match &self.stage {
             Stage::Surveying(_) => None,

@@ -1,4 +1,4 @@
-//! What the alignment found and did, in numbers and in words.
+//! Report of the alignment, as numbers and as text.
 
 use crate::log::Slot;
 
@@ -46,7 +46,7 @@ pub struct AlignmentReport {
 }
 
 impl AlignmentReport {
-    /// What was done beyond taking every reading as it is: one sentence each.
+    /// Corrections of the readings, one sentence each.
     pub fn remarks(&self) -> Vec<String> {
         self.signals.iter().filter_map(|signal| self.remark(signal)).collect()
     }

@@ -1,4 +1,4 @@
-//! What is in a log, whatever its format: every signal with its rate and range, read once from beginning to end.
+//! The contents of a log of any format: every signal with its rate and range, read once from beginning to end.
 //!
 //! Called by `itpms signals`, a stretch at a time so that it can show progress and be interrupted. Memory grows with the number of signals,
 //! not with the length of the log. Knows nothing of columns; [`resolve`](super::resolve) says which signal is which.
@@ -48,18 +48,18 @@ enum Source {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Listing {
     pub groups: Vec<ListedGroup>,
-    /// What the groups are: `message`, `group`, `topic` or `table`.
+    /// Kind of the groups: `message`, `group`, `topic` or `table`.
     pub kind: &'static str,
     /// First and last time in s, if there is any.
     pub span_s: Option<(f64, f64)>,
     pub samples: u64,
     /// The column of a table that is taken for its clock.
     pub clock: Option<String>,
-    /// What was repaired or left out, and what is wrong with the description of the bus.
+    /// Repairs, omissions, and problems of the bus description.
     pub notes: Vec<String>,
     /// Signals that the description has but this log has not, in candidates' order after those of `groups`.
     pub absent: Vec<Candidate>,
-    /// What else there is and cannot be read, with the reason.
+    /// Other contents that cannot be read, with the reason.
     pub unread: Vec<Unread>,
 }
 

@@ -1,4 +1,4 @@
-//! What a list says of a clock and of a signal, from a stream of any length. Called by the lists of each format.
+//! Statistics of a clock and of a signal, from a stream of any length. Called by the lists of each format.
 
 /// So many steps say what is a gap.
 const FIRST_STEPS: usize = 2048;
@@ -26,7 +26,7 @@ struct Regular {
 }
 
 impl Regular {
-    /// What is regular among the first steps; `None` without any.
+    /// The regular step among the first ones; `None` without any.
     fn of(steps: &[f64]) -> Option<Self> {
         let mut sorted = steps.to_vec();
         sorted.sort_by(f64::total_cmp);

@@ -1,4 +1,4 @@
-//! What cars of a class have in common (docs/vehicle.md, table 1). A row per class; knows no particular car.
+//! Typical values of a class of cars (docs/vehicle.md, table 1). A row per class; knows no particular car.
 
 itpms_core::labelled! {
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]

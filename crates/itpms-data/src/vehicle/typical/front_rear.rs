@@ -1,4 +1,4 @@
-//! What an axle has, front and rear: one value for both, or one for each.
+//! Values of an axle, front and rear: one value for both, or one for each.
 
 use std::fmt;
 use std::str::FromStr;

@@ -42,7 +42,7 @@ const TIRE_DAMPING_N_S_PER_M: [f64; 2] = [50.0, 30.0];
 /// Of an axle's unsprung masses, how much more the front has than the rear: brakes, steering, mostly the drive shafts.
 const FRONT_HEAVIER: f64 = 0.04;
 
-/// What an owner knows of a car.
+/// Input for a typical car.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TypicalCar {
     /// Its name; made up of the rest unless given.
@@ -57,11 +57,11 @@ pub struct TypicalCar {
     pub placard_kpa: FrontRear<f64>,
     /// Distance between the axles in m; the class's unless given.
     pub wheelbase_m: Option<f64>,
-    /// What wheel speeds need besides; they are not used unless given.
+    /// Further input for wheel speeds; they are not used unless given.
     pub wheels: Option<AxleWheels>,
 }
 
-/// What wheel speeds need of the axles.
+/// Input for wheel speeds about the axles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxleWheels {
     /// Distances in m between the front and between the rear wheels; typical unless given.
@@ -125,7 +125,7 @@ fn rounded(value: f64, multiple: f64) -> f64 {
     (value / multiple).round() * multiple
 }
 
-/// What a pressure of another unit may be, after what was expected.
+/// The pressure in another unit, after the expected range.
 fn guess(value: f64) -> String {
     let unit = pressure_in_other_unit(value);
     if unit.is_empty() { unit } else { format!(" (another unit?{unit})") }

@@ -12,7 +12,7 @@ use crate::vehicle::Vehicle;
 /// Distance in m between the wheels of an axle, where it is not given: cars have 1.45 to 1.65 m.
 const TRACK_M: f64 = 1.55;
 
-/// What an owner knows of a car whose wheel speeds are read.
+/// Input for a car with wheel speeds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WheelsOfACar {
     /// Its name; made up of the rest unless given.

@@ -15,15 +15,15 @@ const REQUESTS: usize = 64;
 const LOOK_EVERY: Duration = Duration::from_millis(100);
 
 /// Runs until the outbox is closed and empty, or out of time.
-pub(super) fn run(address: &BrokerAddress, shared: &Shared, say: &NoteSink) {
+pub(super) fn run(address: &BrokerAddress, shared: &Shared, notes: &NoteSink) {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
     match runtime {
-        Ok(runtime) => runtime.block_on(converse(address, shared, say)),
-        Err(error) => say(Note::Warning(format!("MQTT: cannot start: {error}"))),
+        Ok(runtime) => runtime.block_on(converse(address, shared, notes)),
+        Err(error) => notes(Note::Warning(format!("MQTT: cannot start: {error}"))),
     }
 }
 
-async fn converse(address: &BrokerAddress, shared: &Shared, say: &NoteSink) {
+async fn converse(address: &BrokerAddress, shared: &Shared, notes: &NoteSink) {
     let (mut options, network) = address.options("out");
     let will = status(&address.topic, "offline");
     options.set_last_will(LastWill::new(will.topic, will.payload, QoS::AtLeastOnce, true));
@@ -31,7 +31,7 @@ async fn converse(address: &BrokerAddress, shared: &Shared, say: &NoteSink) {
     events.set_network_options(network);
     // Whichever ends first ends the other: the sender does when everything has arrived.
     tokio::select! {
-        () = listen(&mut events, address, shared, say) => {}
+        () = listen(&mut events, address, shared, notes) => {}
         () = send(&client, address, shared) => {}
     }
     // A word of farewell, so that the broker does not publish the last will.
@@ -41,7 +41,7 @@ async fn converse(address: &BrokerAddress, shared: &Shared, say: &NoteSink) {
 }
 
 /// Keeps the connection and takes acknowledgements; never ends.
-async fn listen(events: &mut EventLoop, address: &BrokerAddress, shared: &Shared, say: &NoteSink) {
+async fn listen(events: &mut EventLoop, address: &BrokerAddress, shared: &Shared, notes: &NoteSink) {
     let place = address.place();
     let mut backoff = Backoff::default();
     let mut gone: Option<Instant> = None;
@@ -58,7 +58,7 @@ async fn listen(events: &mut EventLoop, address: &BrokerAddress, shared: &Shared
                     let after_s = gone.elapsed().as_secs_f64();
                     let text =
                         format!("{place}: connected after {after_s:.1} s, {waiting} messages are sent now");
-                    say(Note::Remark(text));
+                    notes(Note::Remark(text));
                 }
             }
             Ok(Event::Outgoing(Outgoing::Publish(number))) if number != 0 => shared.lock().numbered(number),
@@ -77,7 +77,7 @@ async fn listen(events: &mut EventLoop, address: &BrokerAddress, shared: &Shared
                     gone = Some(Instant::now());
                     let text =
                         format!("{place}: {error}; trying again, {again} messages were not acknowledged");
-                    say(Note::Warning(text));
+                    notes(Note::Warning(text));
                 }
                 tokio::time::sleep(backoff.next()).await;
             }

@@ -30,14 +30,14 @@ const LAST_PATIENCE: Duration = Duration::from_secs(3);
 pub struct Mqtt {
     shared: Arc<Shared>,
     prefix: String,
-    say: NoteSink,
+    notes: NoteSink,
     link: JoinHandle<()>,
 }
 
 impl Mqtt {
     /// Starts to connect; a broker that is not there yet is waited for.
     /// Errors: the prefix has a wildcard, which a broker answers by hanging up; or the system gives no thread.
-    pub fn open(address: BrokerAddress, say: &NoteSink) -> Result<Self, LiveError> {
+    pub fn open(address: BrokerAddress, notes: &NoteSink) -> Result<Self, LiveError> {
         if address.topic.contains(['#', '+']) {
             return Err(LiveError::BrokerAddress { found: address.topic });
         }
@@ -45,10 +45,10 @@ impl Mqtt {
         let shared = Arc::new(Shared::new(Outbox::new(&prefix)));
         let failed = |error| LiveError::Output { target: "MQTT".to_owned(), error };
         let link = thread::Builder::new().name("mqtt-out".to_owned()).spawn({
-            let (shared, say) = (Arc::clone(&shared), Arc::clone(say));
-            move || link::run(&address, &shared, &say)
+            let (shared, notes) = (Arc::clone(&shared), Arc::clone(notes));
+            move || link::run(&address, &shared, &notes)
         });
-        Ok(Self { shared, prefix, say: Arc::clone(say), link: link.map_err(failed)? })
+        Ok(Self { shared, prefix, notes: Arc::clone(notes), link: link.map_err(failed)? })
     }
 
     pub fn start(self) -> Output {
@@ -89,7 +89,7 @@ impl Mqtt {
         let left = outbox.left();
         if left > 0 || outbox.lost > 0 {
             let text = format!("MQTT: {left} messages were never acknowledged, {} had no room", outbox.lost);
-            (self.say)(Note::Warning(text));
+            (self.notes)(Note::Warning(text));
         }
         Ok(())
     }

@@ -185,7 +185,7 @@ fn check_names(args: &EstimateArgs) -> Result<(), Failure> {
     names::check(&inputs, &outputs.map(|path| path.as_deref()))
 }
 
-/// What was repaired, and what a person should know before believing the result.
+/// Repairs, and reservations about the result.
 fn remarks(screen: &Screen, log: &LogReader, concerns: &[String]) {
     let path = log.path().display();
     for remark in log.mapping().iter().chain(&log.remarks()) {

@@ -1,4 +1,4 @@
-//! What is reported at the end: a line for the drive, one per corner and one per alert, or the same as JSON.
+//! Summary at the end: a line for the drive, one per corner and one per alert, or the same as JSON.
 
 use itpms_console::Screen;
 use itpms_drive::{summary_json, torsion_line, wheel_speed_lines};

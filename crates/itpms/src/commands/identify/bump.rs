@@ -40,7 +40,7 @@ pub(super) fn run(args: &BumpArgs, screen: &Screen) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What body and wheel measured.
+/// Measurements of body and wheel.
 type Pair<'a> = (&'a [f64], &'a [f64]);
 
 /// The corners that the record has, heights before accelerations.

@@ -55,7 +55,7 @@ pub(crate) fn run(args: &MonitorArgs, screen: &Screen, interrupt: &Interrupt) ->
     check_names(args)?;
     let mut vehicle = Vehicle::read(vehicle)?;
     let options = options(args, &mut vehicle)?;
-    let say = notes(*screen);
+    let notes = notes(*screen);
     let hub = Hub::new();
     let stop = Arc::new(AtomicBool::new(false));
     let inputs = Arc::new(Queue::new(WAITING));
@@ -69,13 +69,13 @@ pub(crate) fn run(args: &MonitorArgs, screen: &Screen, interrupt: &Interrupt) ->
         _lock = NameLock::take(state)?;
     }
     let saved = saved(args, &vehicle, &options, screen)?;
-    let outputs = outputs::open(args, source.can_wait(), &say, screen)?;
+    let outputs = outputs::open(args, source.can_wait(), &notes, screen)?;
     let server = outputs::serve(args, &hub, screen)?;
 
-    let engine = Engine::new(vehicle, options, source.name(), saved, Arc::clone(&say))
+    let engine = Engine::new(vehicle, options, source.name(), saved, Arc::clone(&notes))
         .knowing(feed.as_ref().map_or_else(|| source.mapping().to_vec(), Feed::doubts));
-    source.start(&inputs, &stop, &say);
-    let mut monitor = Monitor::new(engine, hub, outputs, args.state.clone(), say);
+    source.start(&inputs, &stop, &notes);
+    let mut monitor = Monitor::new(engine, hub, outputs, args.state.clone(), notes);
     if let Some(feed) = feed {
         monitor = monitor.with_feed(feed);
     }

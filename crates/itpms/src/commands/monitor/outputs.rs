@@ -20,7 +20,7 @@ use crate::args::MonitorArgs;
 pub(super) fn open(
     args: &MonitorArgs,
     source_waits: bool,
-    say: &NoteSink,
+    notes: &NoteSink,
     screen: &Screen,
 ) -> Result<Vec<Output>, Failure> {
     let mut outputs = Vec::new();
@@ -41,11 +41,11 @@ pub(super) fn open(
         outputs.push(JsonLines::open(path).map_err(failure)?.start(when_slow));
     }
     if let Some(target) = &args.can_out {
-        outputs.push(CanOut::open(target, say).map_err(failure)?.start());
+        outputs.push(CanOut::open(target, notes).map_err(failure)?.start());
     }
     if let Some(address) = &args.mqtt {
         let address = access::broker(args, address, screen)?;
-        outputs.push(Mqtt::open(address, say).map_err(failure)?.start());
+        outputs.push(Mqtt::open(address, notes).map_err(failure)?.start());
     }
     Ok(outputs)
 }

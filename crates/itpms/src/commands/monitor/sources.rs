@@ -136,15 +136,15 @@ impl Source {
         }
     }
 
-    pub(super) fn start(self, inputs: &Arc<Queue<Input>>, stop: &Arc<AtomicBool>, say: &NoteSink) {
-        let (inputs, stop, say) = (Arc::clone(inputs), Arc::clone(stop), Arc::clone(say));
+    pub(super) fn start(self, inputs: &Arc<Queue<Input>>, stop: &Arc<AtomicBool>, notes: &NoteSink) {
+        let (inputs, stop, notes) = (Arc::clone(inputs), Arc::clone(stop), Arc::clone(notes));
         match self.kind {
-            Kind::Rows(log, speed) => drop(replay::start(*log, self.pulses, speed, inputs, stop, say)),
+            Kind::Rows(log, speed) => drop(replay::start(*log, self.pulses, speed, inputs, stop, notes)),
             Kind::Frames(log, speed) => {
-                drop(replay::start_frames(*log, self.pulses, speed, inputs, stop, say))
+                drop(replay::start_frames(*log, self.pulses, speed, inputs, stop, notes))
             }
-            Kind::Lines => stdin::start(inputs, say),
-            Kind::Broker(address) => broker::start(address, inputs, stop, say),
+            Kind::Lines => stdin::start(inputs, notes),
+            Kind::Broker(address) => broker::start(address, inputs, stop, notes),
             #[cfg(target_os = "linux")]
             Kind::Bus(interface, _) => interface.start(inputs, stop),
         }

@@ -71,7 +71,7 @@ pub(super) fn print(
     }
 }
 
-/// What is there and cannot be read, by the reason.
+/// Contents that cannot be read, by the reason.
 fn print_unread(listing: &Listing, screen: &Screen) {
     let mut reasons: Vec<(&str, Vec<String>)> = Vec::new();
     for unread in &listing.unread {

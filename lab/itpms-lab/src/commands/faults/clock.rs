@@ -50,9 +50,9 @@ pub(super) fn jumps(campaign: &mut Campaign<'_>) -> Result<Outcome, Failure> {
                 let time_s = after.map_or(row.time_s, |rows_after| jump(row.time_s, rows_after));
                 let jumped = LogRow { time_s, ..*row };
                 let mut take = |published| match (published, after) {
-                    (Published::Estimate(told), Some(rows_after)) => {
+                    (Published::Estimate(reported), Some(rows_after)) => {
                         let since_s = rows_after as f64 / RATE_HZ;
-                        let valid = told.wheels.iter().all(|wheel| wheel.valid);
+                        let valid = reported.wheels.iter().all(|wheel| wheel.valid);
                         resumed_s = if valid { resumed_s.min(since_s) } else { resumed_s };
                         soon += u32::from(since_s < SOON_S);
                     }

@@ -25,7 +25,7 @@ struct Outcome {
     tried: u64,
     /// Of those, how many took something that was to stay.
     lost: u64,
-    /// What else was seen, in words.
+    /// Further observations, as text.
     found: String,
 }
 

@@ -164,9 +164,9 @@ pub(super) fn silence(campaign: &mut Campaign<'_>) -> Result<Outcome, Failure> {
             // The newest estimate may be of a tenth of a second before the last row.
             let estimated = is(SourceState::Live, pushed - (RATE_HZ / 10.0) as u64);
             let silent_since = Instant::now();
-            let said = is(SourceState::Stale, pushed);
+            let reported = is(SourceState::Stale, pushed);
             longest_s = longest_s.max(silent_since.elapsed().as_secs_f64());
-            lost += u64::from(!estimated) + u64::from(!said);
+            lost += u64::from(!estimated) + u64::from(!reported);
         }
         stop.store(true, Relaxed);
         match running.join() {

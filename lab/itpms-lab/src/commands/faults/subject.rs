@@ -63,9 +63,9 @@ impl Subject {
         Ok(subject)
     }
 
-    pub(super) fn engine(&self, saved: Option<SavedDrive>, say: NoteSink) -> Engine {
+    pub(super) fn engine(&self, saved: Option<SavedDrive>, notes: NoteSink) -> Engine {
         let source = SourceName { name: "faults".to_owned(), kind: "replay" };
-        let mut engine = Engine::new(self.vehicle.clone(), options(), source, saved, say);
+        let mut engine = Engine::new(self.vehicle.clone(), options(), source, saved, notes);
         // Fails only for a car without these corners; the first row says so, too.
         let _ = engine.open(RATE_HZ, &Corner::ALL, false);
         engine

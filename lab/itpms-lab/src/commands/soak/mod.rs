@@ -19,7 +19,7 @@ use super::{failure, json};
 use crate::args::SoakArgs;
 
 /// Seconds between two lines about the progress where there is no terminal for a bar.
-const WORD_S: u64 = 60;
+const PROGRESS_S: u64 = 60;
 /// A hundred years of hours, which no one waits for; the seeds of a run are kept in memory.
 const MOST_DRIVES: f64 = 1e6;
 
@@ -115,7 +115,7 @@ fn finish(args: &SoakArgs, summary: &Summary, hours: &Path, screen: &Screen) -> 
     Ok(())
 }
 
-/// What is reported about the progress.
+/// Progress message.
 struct Word {
     begun: Instant,
     said: Instant,
@@ -137,7 +137,7 @@ impl Word {
 
     /// Now and then: how far it is, and how long it will take.
     fn line(&mut self, hours: &BTreeMap<u64, Hour>) -> Option<String> {
-        if self.said.elapsed() < Duration::from_secs(WORD_S) && self.done < self.todo {
+        if self.said.elapsed() < Duration::from_secs(PROGRESS_S) && self.done < self.todo {
             return None;
         }
         self.said = Instant::now();

@@ -81,9 +81,9 @@ impl Record {
     pub(super) fn adopt(&mut self, again: &[Hour]) -> Result<(), Failure> {
         for hour in again {
             // As a line tells it, for that is what it is compared with.
-            let told = Hour::from_line(&hour.to_line()).map(|hour| Hour { wall_s: 0.0, ..hour });
+            let reported = Hour::from_line(&hour.to_line()).map(|hour| Hour { wall_s: 0.0, ..hour });
             let kept = self.hours.get(&hour.seed).map(|hour| Hour { wall_s: 0.0, ..hour.clone() });
-            if told.is_none() || told != kept {
+            if reported.is_none() || reported != kept {
                 return Err(Failure::Usage(format!(
                     "{}: another program drove these hours, and this one drives that of seed {} otherwise; use another folder",
                     self.path.display(),

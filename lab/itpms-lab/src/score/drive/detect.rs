@@ -11,8 +11,7 @@ use rand_pcg::Pcg64;
 use super::super::row::{Column, Goal, Row};
 use super::super::stats::percentile;
 use super::{Drive, Plant, Setup};
-use crate::runner::StudyError;
-use crate::runner::{Runner, Turn};
+use crate::runner::{Runner, StudyError, Turn};
 use itpms_sim::simulation::Simulation;
 
 /// Pressures in kPa, before and after.

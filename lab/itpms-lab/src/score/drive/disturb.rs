@@ -1,4 +1,4 @@
-//! What a real car and its sensors do that the estimator is not given: each alone, then all together.
+//! Deviations of a real car and its sensors from the estimator's model: each alone, then all together.
 //!
 //! Called by the plan of the four-wheel parts. Every row is the puncture on the front wheels' track with one thing
 //! changed; sizes are those that come with cars and sensors one can buy, or worse.

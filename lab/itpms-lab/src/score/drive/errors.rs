@@ -5,11 +5,10 @@
 use itpms_core::model::Corner;
 
 use super::super::row::{Cell, Column, Goal, Row};
-use super::super::stats::{ErrorSum, Mean, Spread};
+use super::super::stats::{Mean, Spread, WindowErrors};
 use super::super::track;
 use super::{Drive, limit};
-use crate::runner::StudyError;
-use crate::runner::{Runner, Turn};
+use crate::runner::{Runner, StudyError, Turn};
 
 /// Share of time within the 95 % interval.
 const COVERAGE: Goal = Goal::Between(0.93, 0.98);
@@ -34,32 +33,15 @@ const COVERED: Column = Column::new("coverage", "cover", 3);
 const COVERED_CHANGE: Column = Column::new("coverage_in_change", "drop", 3);
 const COVERED_HOLDING: Column = Column::new("holding_coverage_in_change", "drop*", 3);
 
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Wheel {
-    judged: ErrorSum,
-    before: ErrorSum,
-    after: ErrorSum,
-    change: ErrorSum,
-}
+type Wheel = WindowErrors;
 
-type Errors = Vec<[Wheel; 4]>;
-
-fn errors(drive: &Drive, turn: Turn) -> Result<Errors, StudyError> {
+fn errors(drive: &Drive, turn: Turn) -> Result<Vec<[Wheel; 4]>, StudyError> {
     let mut errors = vec![[Wheel::default(); 4]; drive.setups.len()];
+    let windows = [drive.judged, drive.before, drive.after, drive.change];
     drive.drive(turn.seed, |setup, row, estimate| {
         for (i, wheel) in errors[setup].iter_mut().enumerate() {
             let (Some(truth), Some(estimate)) = (&row.corners[i], &estimate.corners[i]) else { continue };
-            let (error, sd) = (estimate.pressure_kpa - truth.pressure_kpa, estimate.pressure_sd_kpa);
-            for (window, sum) in [
-                (drive.judged, &mut wheel.judged),
-                (drive.before, &mut wheel.before),
-                (drive.after, &mut wheel.after),
-                (drive.change, &mut wheel.change),
-            ] {
-                if window.contains(row.time_s) {
-                    sum.push(error, sd);
-                }
-            }
+            wheel.push(windows, row.time_s, truth.pressure_kpa, estimate);
         }
     })?;
     Ok(errors)
@@ -161,7 +143,7 @@ mod tests {
     use super::*;
 
     fn off_by(error: f64, sd: f64) -> Wheel {
-        let mut sum = ErrorSum::default();
+        let mut sum = crate::score::stats::ErrorSum::default();
         sum.push(error, sd);
         Wheel { judged: sum, before: sum, after: sum, change: sum }
     }
@@ -189,7 +171,7 @@ mod tests {
         let drive = Drive::puncture(Plant::Car, 20.0).unwrap();
         let drive = drive.with_rear_offset_m(0.02).with_setups(&[Setup::RESET]);
         let drives = Runner::new(1, 5, &|_, _| ControlFlow::Continue(())).run(&[(drive, 5)], errors).unwrap();
-        let worst = |found: &Errors| (1..4).map(|i| found[0][i].judged.rmse()).fold(0.0, f64::max);
+        let worst = |found: &Vec<[Wheel; 4]>| (1..4).map(|i| found[0][i].judged.rmse()).fold(0.0, f64::max);
         let worst: Vec<f64> = drives[0].iter().map(worst).collect();
         assert!(Spread::of(worst.clone()).median < 4.5, "{worst:?}");
     }

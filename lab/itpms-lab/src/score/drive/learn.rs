@@ -10,8 +10,7 @@ use itpms_sim::time_profile::Pressure;
 use super::super::row::{Cell, Column, Goal, Row};
 use super::super::stats::{ErrorSum, percentile};
 use super::learned_car::{DrawnCar, PLACARD_KPA, Subject, estimator};
-use crate::runner::StudyError;
-use crate::runner::{Runner, Turn};
+use crate::runner::{Runner, StudyError, Turn};
 use itpms_analysis::learn::{LearnedCorner, Parameter};
 
 /// Cars per seed asked for: 200 of forty.
@@ -45,7 +44,7 @@ struct Learnt {
     parameter: Parameter,
 }
 
-/// What a later drive showed by one estimator.
+/// Outcome of a later drive by one estimator.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Later {
     errors: ErrorSum,
@@ -207,7 +206,7 @@ fn parameter_row(subject: &Subject, name: &str, all: &[Learnt], cars: usize) -> 
     const WITHIN: Column = Column::new("within", "within", 3);
     const BEFORE: Column = Column::new("file_rms", "file rms", 1);
     const AFTER: Column = Column::new("learned_rms", "rms", 1);
-    const SAID: Column = Column::new("learned_sd", "sd stated", 1);
+    const STATED: Column = Column::new("learned_sd", "sd stated", 1);
     let unit = |value: f64| if name == "friction" { 1.0 } else { 0.01 * value };
     let count = all.len() as f64;
     let rms =
@@ -217,7 +216,7 @@ fn parameter_row(subject: &Subject, name: &str, all: &[Learnt], cars: usize) -> 
         WITHIN.judged(all.iter().filter(within).count() as f64 / count, HONEST),
         BEFORE.plain(rms(&|one| (one.parameter.before - one.truth) / unit(one.truth))),
         AFTER.plain(rms(&|one| (one.parameter.after - one.truth) / unit(one.truth))),
-        SAID.plain(rms(&|one| one.parameter.after_sd / unit(one.parameter.after))),
+        STATED.plain(rms(&|one| one.parameter.after_sd / unit(one.parameter.after))),
     ];
     Row::of_default("learn", format!("{}, {name}", subject.name), cars, cells)
 }

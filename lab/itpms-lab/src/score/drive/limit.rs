@@ -1,16 +1,15 @@
-//! What cannot be done better: the Cramer-Rao bound of both sides of a car, for drives it holds for.
+//! The Cramer-Rao bound of both sides of a car, for drives it holds for.
 //!
 //! Called where the cells of a row are made. It is that of four quarter cars on one spectrum which are what the estimator is given.
 
 use itpms_core::model::Corner;
 use itpms_sim::plant::Deviations;
-use itpms_sim::road::{Iso8608, Surface};
+use itpms_sim::road::{Iso8608, Surface, coherence};
 
 use super::super::case::{bound_setting, bound_times_s, invalid};
 use super::{Drive, Setup};
 use crate::runner::StudyError;
 use itpms_analysis::bound::SideBound;
-use itpms_sim::road::coherence;
 
 /// Sd in kPa of each pressure at the start: that of the estimator of a car.
 const START_SD_KPA: f64 = 36.0;
@@ -45,10 +44,10 @@ fn road(drive: &Drive) -> Option<&Iso8608> {
     let as_stated = scenario.corner.iter().all(|(_, corner)| {
         corner.truth == Deviations::default() && corner.body_sensor.is_none() && corner.wheel_sensor.is_none()
     });
-    let told = drive.speed_factor == 1.0 && drive.wheelbase_m == scenario.wheelbase_m;
+    let configured = drive.speed_factor == 1.0 && drive.wheelbase_m == scenario.wheelbase_m;
     match &scenario.road.surface {
         Surface::Iso8608(iso)
-            if scenario.car.is_none() && as_stated && told && scenario.road.contact_length_m == 0.0 =>
+            if scenario.car.is_none() && as_stated && configured && scenario.road.contact_length_m == 0.0 =>
         {
             Some(iso)
         }

@@ -37,8 +37,7 @@ use itpms_sim::time_profile::Speed;
 use super::Part;
 use super::row::Row;
 use super::stats::Window;
-use crate::runner::Runner;
-use crate::runner::StudyError;
+use crate::runner::{Runner, StudyError};
 use crate::sensors::{equipped, wheel_speeds_beside};
 
 /// Length in s of the reset that a row's `reset` stands for.
@@ -320,7 +319,7 @@ mod tests {
     }
 
     #[test]
-    fn the_estimator_is_told_of_no_disturbance() {
+    fn no_disturbance_is_known_to_the_estimator() {
         let drive = Drive::puncture(Plant::Quarters, 20.0).unwrap();
         let other = drive.clone().with_rear_offset_m(0.02).each_corner(|_, spec| {
             spec.truth.unsprung_mass_factor = 1.03;

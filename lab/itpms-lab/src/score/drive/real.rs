@@ -14,8 +14,7 @@ use super::super::row::{Cell, Column, Row};
 use super::super::stats::{ErrorSum, percentile};
 use super::real_list::{Deviation, LIST};
 use super::{Drive, Plant, Setup};
-use crate::runner::StudyError;
-use crate::runner::{Runner, Turn};
+use crate::runner::{Runner, StudyError, Turn};
 
 const KM_H: f64 = 80.0;
 const RATE_HZ: f64 = 200.0;
@@ -49,7 +48,7 @@ struct Level {
     sensors: u32,
 }
 
-/// What a drive with a loss showed.
+/// Outcome of a drive with a loss.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Found {
     struck: Corner,
@@ -274,7 +273,7 @@ mod tests {
     }
 
     #[test]
-    fn cars_can_be_driven_differ_and_are_told_as_their_file() {
+    fn cars_can_be_driven_differ_and_are_configured_by_their_file() {
         let turn = Turn { index: 0, seed: 2 };
         let file = composed(&subject("as its file"), turn, &[UNKNOWN]).unwrap();
         for deviation in LIST {

@@ -12,8 +12,7 @@ use itpms_sim::time_profile::{Pressure, Speed};
 use super::super::row::{Column, Goal, Row};
 use super::super::stats::{ErrorSum, percentile};
 use super::learned_car::estimator;
-use crate::runner::StudyError;
-use crate::runner::{Runner, Turn};
+use crate::runner::{Runner, StudyError, Turn};
 
 /// A fifth is lost from here on, in so many s; a quarter is missing from the start.
 const BEGINS_S: f64 = 300.0;
@@ -48,7 +47,7 @@ enum Loss {
     OneOnMotorway,
 }
 
-/// What is known of the car besides its file.
+/// Knowledge of the car besides its file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Known {
     File,

@@ -128,7 +128,7 @@ impl OwnCar {
     }
 }
 
-/// What both corners of an axle have in common.
+/// Common parameters of an axle's corners.
 struct Axle {
     quarter: QuarterCar<f64>,
     friction_n: f64,
@@ -174,7 +174,7 @@ mod tests {
     fn cars_are_within_what_they_are_drawn_from() {
         for seed in 0..200 {
             let car = OwnCar::draw(seed as usize, seed).unwrap();
-            let told = car.file.car_config(&Corner::ALL);
+            let configured = car.file.car_config(&Corner::ALL);
             let mut unsprung = 0.0;
             let mut whole = 0.0;
             for corner in Corner::ALL {
@@ -191,7 +191,7 @@ mod tests {
                 // 8 % of the make and 1.5 of its own about what the size says, which is what the file says.
                 let tire = spec.tire.map().unwrap().stiffness_n_per_m(car.placard_kpa)
                     * spec.truth.tire_stiffness_factor;
-                let file = &told.corners[corner.index()].as_ref().unwrap().tire;
+                let file = &configured.corners[corner.index()].as_ref().unwrap().tire;
                 let off = tire / file.stiffness_n_per_m(car.placard_kpa);
                 assert!((0.92 * 0.985 - 1e-3..=1.08 * 1.015 + 1e-3).contains(&off), "{off}");
             }

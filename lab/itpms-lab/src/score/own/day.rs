@@ -118,7 +118,7 @@ impl Day {
     }
 }
 
-/// What a car has changed since its calibration.
+/// Changes of a car since its calibration.
 #[derive(Debug)]
 pub(super) struct Change {
     pub(super) name: &'static str,

@@ -21,8 +21,7 @@ use self::path::{Owned, Way};
 use self::seen::{Seen, Wheel};
 use super::row::{Cell, Column, Goal, Row};
 use super::stats::percentile;
-use crate::runner::StudyError;
-use crate::runner::{Runner, Turn};
+use crate::runner::{Runner, StudyError, Turn};
 
 /// Share of a true 95 % interval, over a hundred cars.
 const HONEST: Goal = Goal::Between(0.92, 0.98);

@@ -1,4 +1,4 @@
-//! What a later day showed by one estimator: levels, warnings, and how far another tire rose.
+//! Outcome of a later day by one estimator: levels, warnings, and how far another tire rose.
 //!
 //! Filled row by row by the path, read by the rows of the score.
 
