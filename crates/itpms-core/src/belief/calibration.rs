@@ -18,9 +18,9 @@ const CALIBRATION_SD: f64 = 0.004;
 /// Seconds of shared road learned from in a calibration after which tires may change all the same.
 const CALIBRATING_ENOUGH_S: f64 = 6.0;
 
-/// Least sd that is loaded: unsprung mass (another rim), damping (warm oil; a damper that is not straight is another one on another road), spring, bar, coupling, gain, wheelbase over speed
+/// Least sd that is loaded: unsprung mass (another rim), damping (warm oil; a damper that is not straight is another one on another road), spring, bar and coupling, gain, wheelbase over speed
 /// (other tires), skew in s, the spectrum's bias as a share of the placard pressure, and the inter-axle residual's.
-const LEAST_SD: [f64; 10] = [0.003, 0.2, 0.02, 0.01, 0.005, 0.003, 0.003, 5e-4, 0.02, 0.01];
+const LEAST_SD: [f64; 9] = [0.003, 0.2, 0.02, 0.01, 0.003, 0.003, 5e-4, 0.02, 0.01];
 
 /// Where the car is with its calibration.
 #[derive(Debug, Clone, PartialEq, Blank)]
@@ -157,8 +157,7 @@ impl<T: Real> Belief<T> {
         &mut self,
         calibration: &VehicleCalibration<T>,
     ) -> Result<(), CalibrationError> {
-        let [mass, damping, spring, bar, coupling, gain, wheelbase, skew, bias, road_bias] =
-            LEAST_SD.map(T::lit);
+        let [mass, damping, spring, bar, gain, wheelbase, skew, bias, road_bias] = LEAST_SD.map(T::lit);
         // A tenth of a kPa is more than any file loses.
         let is_its = |(i, learned): (usize, &Option<CornerCalibration<T>>)| match learned {
             Some(learned) => {
@@ -186,7 +185,7 @@ impl<T: Real> Belief<T> {
             bank.set_quantity(GAIN + i, &calibration.gain[i], gain, T::one());
             bank.set_quantity(SKEW + i, &calibration.skew_s[i], skew, T::lit(SKEW_UNIT_S));
         }
-        bank.set_quantity(COUPLING, &calibration.rear_axle_coupling, coupling, T::one());
+        bank.set_quantity(COUPLING, &calibration.rear_axle_coupling, bar, T::one());
         bank.set_quantity(WHEELBASE, &calibration.wheelbase, wheelbase, T::one());
         // On another day, roads are others.
         bank.free_common_bias();

@@ -133,6 +133,7 @@ impl<T: Real> CarEstimator<T> {
         let trusted = self.sources != Sources::Spectrum && fusion.is_trusted();
         let mut fused = trusted.then(|| fusion.estimate());
         let level = fusion.level();
+        self.considered.coupling = fusion.axle_coupling();
         let mut considered = fused.as_ref().map(|fused| match level {
             Level::Calibration => self.considered.calibrated(&fused.stiffness_n_per_m),
             Level::StoredCalibration => self.considered.stored(&fused.stiffness_n_per_m),

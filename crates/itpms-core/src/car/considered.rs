@@ -29,6 +29,9 @@ fn covariance_of_shapes<T: Real>(sds: &[f64; 4], i: usize, j: usize) -> T {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Considered<T: Real> {
     pub(super) relative: SMatrix<T, 4, 4>,
+    /// By how much a rear axle couples its wheels. Where its struts stand and how its mass is spread is in no file: of all tires' stiffness
+    /// that leaves open as much again.
+    pub(super) coupling: T,
     pub(super) placard_n_per_m: SVector<T, 4>,
     /// Stiffness per pressure in N/m per kPa, and the placard pressures in kPa; zero for corners that are not there.
     pub(super) per_kpa: SVector<T, 4>,
@@ -57,6 +60,7 @@ impl<T: Real> Considered<T> {
         let of = |value: &dyn Fn(&CornerConfig<T>) -> T| {
             SVector::from_fn(|i, _| corner(i).map_or(T::zero(), value))
         };
+        self.coupling = T::zero();
         self.placard_n_per_m = SVector::from_fn(|i, _| placard(i));
         self.per_kpa = of(&|c| c.tire.stiffness_per_kpa());
         self.placard_kpa = of(&|c| c.placard_kpa);
@@ -84,13 +88,14 @@ impl<T: Real> Considered<T> {
     /// Covariance in (N/m)² of stiffnesses of which only the vehicle file is known.
     pub(super) fn uncalibrated(&self, stiffness_n_per_m: &SVector<T, 4>) -> SMatrix<T, 4, 4> {
         let k = stiffness_n_per_m;
-        SMatrix::from_fn(|i, j| self.relative[(i, j)] * k[i] * k[j])
+        let coupling = self.coupling * self.coupling;
+        SMatrix::from_fn(|i, j| (self.relative[(i, j)] + coupling) * k[i] * k[j])
     }
 
     /// Effect of another road on a pair of tires after a calibration, as shares of their stiffnesses.
     pub(super) fn between_roads(&self, i: usize, j: usize) -> T {
         let count = T::lit(self.per_kpa.iter().filter(|&&there| there > T::zero()).count().max(1) as f64);
-        let mean = self.relative.sum() / (count * count);
+        let mean = self.relative.sum() / (count * count) + self.coupling * self.coupling;
         covariance_of_shapes::<T>(&CALIBRATED_SDS, i, j) + T::lit(ROAD_DEPENDENT * ROAD_DEPENDENT) * mean
     }
 
@@ -197,6 +202,20 @@ mod tests {
         let stored = considered.stored(&stiffness);
         assert!(stored.trace() <= considered.uncalibrated(&stiffness).trace());
         assert!(stored.cholesky().is_some());
+    }
+
+    /// A live axle's fifth of 326.6 kPa beside what the file leaves open, the same for all four; a fifth of it on another road than the calibration's.
+    #[test]
+    fn an_axle_that_couples_its_wheels_leaves_the_level_open() {
+        let stiffness = SVector::repeat(713.91 * 241.3 + 60_880.0);
+        let coupled = Considered { coupling: 0.2, ..typical() };
+        let more = |of: &dyn Fn(&Considered<f64>) -> SMatrix<f64, 4, 4>| of(&coupled) - of(&typical());
+        let by_file = more(&|considered| considered.uncalibrated(&stiffness));
+        let calibrated = more(&|considered| considered.calibrated(&stiffness));
+        for i in 0..16 {
+            assert!((by_file[i].sqrt() / 713.91 - 0.2 * 326.6).abs() < 0.01);
+            assert!((calibrated[i].sqrt() / 713.91 - 0.04 * 326.6).abs() < 0.01);
+        }
     }
 
     #[test]

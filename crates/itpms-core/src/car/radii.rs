@@ -257,6 +257,7 @@ mod tests {
     fn what_was_lost_before_a_stop_is_no_loss_after_it() {
         const PLACARD_N_PER_M: f64 = PER_KPA * PRESSURE_KPA + 60_880.0;
         let considered = Considered {
+            coupling: 0.0,
             relative: SMatrix::zeros(),
             placard_n_per_m: SVector::repeat(PLACARD_N_PER_M),
             per_kpa: SVector::repeat(PER_KPA),

@@ -91,10 +91,10 @@ impl core::fmt::Display for CalibrationError {
 
 impl core::error::Error for CalibrationError {}
 
-/// Largest plausible values: relative unsprung mass, damping, spring, anti-roll bar, coupling, gain, wheelbase; the spectrum's bias as a share
+/// Largest plausible values: relative unsprung mass (and what of it is coupled), damping, spring, anti-roll bar, gain, wheelbase; the spectrum's bias as a share
 /// of the placard pressure; skew in s; the shared road's bias. A file of typical values knows a car's unsprung masses to 15 %, its dampers
 /// to 30 % and its springs to 25 %: a car three standard deviations off is a car.
-const FURTHEST: [f64; 10] = [0.5, 1.0, 1.0, 2.0, 0.5, 0.1, 0.05, 0.25, 0.02, 0.25];
+const FURTHEST: [f64; 9] = [0.5, 1.0, 1.0, 2.0, 0.1, 0.05, 0.25, 0.02, 0.25];
 
 impl<T: Real> VehicleCalibration<T> {
     /// What is believed of [`rear_axle_coupling`](Self::rear_axle_coupling) before any calibration has taught it.
@@ -107,8 +107,7 @@ impl<T: Real> VehicleCalibration<T> {
     /// # Errors
     /// The first quantity that fails.
     pub fn check(&self) -> Result<(), CalibrationError> {
-        let [mass, damping, spring, bar, coupling, gain, wheelbase, bias, skew, road_bias] =
-            FURTHEST.map(T::lit);
+        let [mass, damping, spring, bar, gain, wheelbase, bias, skew, road_bias] = FURTHEST.map(T::lit);
         for corner in self.corners.iter().flatten() {
             if !(corner.placard_kpa > T::zero() && corner.placard_kpa.is_finite()) {
                 return Err(CalibrationError::NotANumber("placard_kpa"));
@@ -120,7 +119,7 @@ impl<T: Real> VehicleCalibration<T> {
             plausible("shared_road_bias", &corner.shared_road_bias, road_bias)?;
         }
         self.bar.iter().try_for_each(|learned| plausible("bar", learned, bar))?;
-        plausible("rear_axle_coupling", &self.rear_axle_coupling, coupling)?;
+        plausible("rear_axle_coupling", &self.rear_axle_coupling, mass)?;
         self.gain.iter().try_for_each(|learned| plausible("gain", learned, gain))?;
         plausible("wheelbase", &self.wheelbase, wheelbase)?;
         self.skew_s.iter().try_for_each(|learned| plausible("skew_s", learned, skew))?;

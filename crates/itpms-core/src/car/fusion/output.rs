@@ -4,6 +4,7 @@ use nalgebra::{SMatrix, SVector};
 
 use super::Fusion;
 use crate::belief::LEAST_COMPLIANCE;
+use crate::belief::state::COUPLING;
 use crate::model::Corner;
 use crate::real::Real;
 
@@ -33,6 +34,11 @@ pub(in crate::car) struct FusedLosses<T: Real> {
 }
 
 impl<T: Real> Fusion<T> {
+    /// Share of a rear wheel's unsprung mass that moves with the other one.
+    pub(in crate::car) fn axle_coupling(&self) -> T {
+        self.belief.most_likely().mean[COUPLING]
+    }
+
     /// Present belief; in the middle of a frame, the one before it.
     pub(in crate::car) fn estimate(&mut self) -> FusedEstimate<T> {
         if self.is_at_rest() {

@@ -18,7 +18,7 @@ use crate::inter_axle::residual::correction::FrfCorrection;
 use crate::inter_axle::residual::expected_products::ExpectedProducts;
 use crate::inter_axle::residual::hop_excess::HopExcess;
 use crate::inter_axle::residual::imbalance::Imbalance;
-use crate::inter_axle::residual::instrument::{Instrument, Mode, by_both_roads};
+use crate::inter_axle::residual::instrument::{Instrument, Mode, of_both_wheels};
 use crate::inter_axle::residual::model::{Axle, AxleFrame, Wheel};
 use crate::inter_axle::residual::noise::{Coherence, MOST_LASTING};
 use crate::inter_axle::{HOP_S, SIGNALS};
@@ -242,10 +242,11 @@ impl<T: Real> AxlePair<T> {
         signals[..BOTH].copy_from_slice(&both);
         let [front, rear_modes @ ..] = self.instruments.each_mut().map(|instrument| instrument.push(common));
         self.rear_modes = rear_modes;
-        // The other side's jerk as its road makes it, and not as measured: that moves with what of the rear's road is this side's own.
-        let [rear, beside] = by_both_roads([&self.rear_modes, &other.rear_modes]);
+        let [rear, beside] = of_both_wheels(&self.rear_modes);
+        // The other side's jerk as the roads make it, and not as measured: that moves with what of the rear's road is this side's own.
+        let [other_rear, _] = of_both_wheels(&other.rear_modes);
         let front = with_other(front, others[0].map(|other| ratio * other), None);
-        let rear = with_other(rear, others[1], jerk_beside.map(|_| beside[JERK]));
+        let rear = with_other(rear, others[1], jerk_beside.map(|_| beside[JERK] + other_rear[JERK]));
         signals[BOTH..].copy_from_slice(&of_both(&front, &rear));
         if let Some(frame) = self.clock.push_if(!(entry.unloaded || read.unloaded), &signals) {
             self.tune(road);

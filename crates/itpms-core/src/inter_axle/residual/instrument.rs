@@ -78,12 +78,9 @@ impl<T: Real> Instrument<T> {
     }
 }
 
-/// Signals of a rear wheel and of the other one, given how the axle answers the road of each side in both modes: half of each mode, and the
+/// Signals of the wheel on whose side a road is, and of the other one, given how the axle answers that road in both modes: half of each, the
 /// other wheel's with the opposite sign where they move against each other.
-pub(crate) fn by_both_roads<T: Real>([own, other]: [&[[T; KEPT]; 2]; 2]) -> [[T; KEPT]; 2] {
+pub(crate) fn of_both_wheels<T: Real>([together, against]: &[[T; KEPT]; 2]) -> [[T; KEPT]; 2] {
     let half = T::lit(0.5);
-    let of = |[together, against]: &[[T; KEPT]; 2], [by_together, by_against]: &[[T; KEPT]; 2]| {
-        core::array::from_fn(|i| half * (together[i] + against[i] + by_together[i] - by_against[i]))
-    };
-    [of(own, other), of(other, own)]
+    [T::one(), -T::one()].map(|sign| core::array::from_fn(|i| half * (together[i] + sign * against[i])))
 }

@@ -144,13 +144,17 @@ impl<T: Real> Axle<T> {
         [wheel, jerk * wheel, s * relative * wheel, relative * wheel, relative * wheel, -jerk * wheel]
     }
 
-    /// Road and its derivatives by tire, mass, damping, spring, bar, coupling, from wheel velocity and the force signals.
-    fn road(&self, signals: [Complex<T>; SEEN]) -> (Complex<T>, [Complex<T>; OWN]) {
-        let mut force = Complex::new(T::zero(), T::zero());
+    /// Road and its derivatives by tire, mass, damping, spring, bar, coupling, from wheel velocity and the force signals: those measured, or else
+    /// instruments', whose force is that of this side's road alone. What another road is misread by would be taken for tires.
+    fn road(&self, signals: [Complex<T>; SEEN], measured: bool) -> (Complex<T>, [Complex<T>; OWN]) {
+        let [.., coupled_kg] = self.factors;
+        let mut force = if measured { signals[SEEN - 1] } else { -signals[1] } * coupled_kg;
         let mut slope = [force; OWN];
         for i in 0..OWN - 1 {
-            force += signals[i + 1] * self.factors[i];
             slope[i + 1] = signals[i + 1] * (self.theta * self.nominal[i]);
+        }
+        for i in 0..OWN - 2 {
+            force += signals[i + 1] * self.factors[i];
         }
         slope[0] = force * self.placard;
         (signals[0] + force * self.theta, slope)
@@ -226,7 +230,8 @@ impl<T: Real> AxleResidual<T> {
                 }
             })
         };
-        let seen = [axles[0].road(of(0)), axles[1].road(of(1))];
+        let measured = matches!(signals, Signals::Measured);
+        let seen = [axles[0].road(of(0), measured), axles[1].road(of(1), measured)];
         let slope = slopes(&seen, gain, bin_hz(bin));
         let (ahead, behind) = (seen[0].0 * gain, seen[1].0);
         let common = (ahead + behind) * T::lit(0.5);
@@ -276,10 +281,11 @@ impl<'a, T: Real> UnitRoad<'a, T> {
                 let foretold =
                     self.axles[axle].over_unit_road(self.wheels[axle].body.sprung_mass_kg, frequency);
                 let ratios = &self.frf_ratios[bin.min(BINS - 1)];
-                self.axles[axle].road(core::array::from_fn(|i| match place(axle, i) {
+                let signals = core::array::from_fn(|i| match place(axle, i) {
                     Some(at) => foretold[i] * ratio(ratios, at),
                     None => Complex::new(T::zero(), T::zero()),
-                }))
+                });
+                self.axles[axle].road(signals, false)
             };
             // As a frame sees it: its turns are those of the middle of a bin.
             let slope = slopes(&[seen(0), seen(1)], self.gain, bin_hz(bin));

@@ -8,7 +8,7 @@ use crate::belief::state::{BAR, COUPLING, DAMPING, MASS, State};
 use crate::inter_axle::alignment::channel::Entry;
 use crate::inter_axle::alignment::delay_line::{DelayLine, Read};
 use crate::inter_axle::alignment::way::Way;
-use crate::inter_axle::residual::instrument::{Instrument, Mode, by_both_roads};
+use crate::inter_axle::residual::instrument::{Instrument, Mode, of_both_wheels};
 use crate::inter_axle::residual::model::{Axle, Wheel};
 use crate::inter_axle::tests::{C, Moved, PERIOD_S, SETTLED, STILL, deviating, signals, wheels};
 use crate::memory::{Blank, configured};
@@ -190,7 +190,7 @@ fn both_wheels_of_an_axle_answer_the_road_under_one() {
         for step in -4 * SETTLED..100 {
             let turn = C::new(0.0, TAU * frequency_hz * f64::from(step) * PERIOD_S).exp();
             let there = instruments.each_mut().map(|instrument| instrument.push(turn.re));
-            let found = by_both_roads([&there, &[[0.0; 4]; 2]]);
+            let found = of_both_wheels(&there);
             for (found, expected) in found.iter().zip([&own, &other]).filter(|_| step >= 0) {
                 for (found, expected) in found.iter().zip(expected) {
                     worst = worst.max((found - (expected * turn).re).abs() / own[1].modulus().max(1.0));
