@@ -226,7 +226,7 @@ impl<T: Real> AxleResidual<T> {
                 (None, _) => Complex::new(T::zero(), T::zero()),
                 (Some(at), Signals::Measured) => taken.frame.at(bin, at),
                 (Some(at), Signals::Common(frf_ratios)) => {
-                    taken.frame.at(bin, BOTH + at) * ratio(&frf_ratios[bin], at)
+                    taken.frame.at(bin, BOTH + at) * ratio(frf_ratios, bin, at)
                 }
             })
         };
@@ -280,9 +280,8 @@ impl<'a, T: Real> UnitRoad<'a, T> {
             let seen = |axle: usize| {
                 let foretold =
                     self.axles[axle].over_unit_road(self.wheels[axle].body.sprung_mass_kg, frequency);
-                let ratios = &self.frf_ratios[bin.min(BINS - 1)];
                 let signals = core::array::from_fn(|i| match place(axle, i) {
-                    Some(at) => foretold[i] * ratio(ratios, at),
+                    Some(at) => foretold[i] * ratio(self.frf_ratios, bin, at),
                     None => Complex::new(T::zero(), T::zero()),
                 });
                 self.axles[axle].road(signals, false)
@@ -314,8 +313,9 @@ impl<'a, T: Real> UnitRoad<'a, T> {
 }
 
 /// How a signal of an axle is on the common road, over what the instruments make of it.
-fn ratio<T: Real>(ratios: &[Complex<T>; BOTH], at: usize) -> Complex<T> {
-    ratios.get(at).copied().unwrap_or(Complex::new(T::zero(), T::zero()))
+fn ratio<T: Real>(frf_ratios: &FrfRatios<T>, bin: usize, at: usize) -> Complex<T> {
+    let ratios = frf_ratios.get(bin).and_then(|ratios| ratios.get(at));
+    ratios.copied().unwrap_or(Complex::new(T::zero(), T::zero()))
 }
 
 /// Derivatives of a residual, from each axle's road and its derivatives.
