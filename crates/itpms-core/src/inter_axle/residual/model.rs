@@ -91,13 +91,14 @@ impl<T: Real> Axle<T> {
         // Of a front axle that is one body nothing is known here.
         let coupled = if corner.axle() == 0 { T::zero() } else { body.unsprung_mass_kg };
         let nominal = [body.unsprung_mass_kg, body.damping_n_s_per_m, spring, spring, coupled];
-        let coupling = state[COUPLING].clamp(T::lit(-MOST_COUPLING), T::lit(MOST_COUPLING));
+        let mass = nominal[0] * at(MASS);
+        let most = T::lit(MOST_COUPLING) * mass;
         let factors = [
-            nominal[0] * at(MASS),
+            mass,
             nominal[1] * at(DAMPING),
             spring * at(SPRING),
             spring * state[BAR + corner.axle()],
-            coupled * coupling,
+            (coupled * state[COUPLING]).min(most).max(-most),
         ];
         let least = T::lit(LEAST_DAMPING) * nominal[1];
         let whole_damping = (factors[1] + wheel.friction_n_s_per_m).max(least);
