@@ -145,11 +145,11 @@ fn a_newer_format_is_distinguished_from_damage() {
 
 #[test]
 fn whole_files_with_impossible_contents_are_refused_too() {
-    assert_eq!(StoredReference::parse(sealed("2", &body()).as_bytes()).unwrap(), old());
+    assert_eq!(StoredReference::parse(sealed("9", &body()).as_bytes()).unwrap(), old());
     let edited = |from: &str, to: &str| {
         let body = body();
         assert!(body.contains(from), "{from}");
-        refusal(sealed("2", &body.replacen(from, to, 1)).as_bytes())
+        refusal(sealed("9", &body.replacen(from, to, 1)).as_bytes())
     };
     assert!(
         edited("unsprung_mass = 0.01", "unsprung_mass = 0.6").contains("not plausible: unsprung_mass lies")
@@ -224,11 +224,11 @@ proptest! {
 #[test]
 fn a_bar_that_pushes_is_in_no_car() {
     let line = body().lines().find(|line| line.starts_with("front_bar = ")).unwrap().to_owned();
-    let text = refusal(sealed("2", &body().replace(&line, "front_bar = -1.0")).as_bytes());
+    let text = refusal(sealed("9", &body().replace(&line, "front_bar = -1.0")).as_bytes());
     assert!(text.contains("not plausible: bar"), "{text}");
     // Noise about no bar at all is none.
     assert!(
-        StoredReference::parse(sealed("2", &body().replace(&line, "front_bar = -0.05")).as_bytes()).is_ok()
+        StoredReference::parse(sealed("9", &body().replace(&line, "front_bar = -0.05")).as_bytes()).is_ok()
     );
 }
 

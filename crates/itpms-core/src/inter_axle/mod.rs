@@ -97,7 +97,12 @@ impl<T: Real> InterAxle<T> {
         let wheel = |corner: Corner| {
             config.corners[corner].as_ref().map(|c| {
                 let theta = T::one() / c.tire.stiffness_n_per_m(c.placard_kpa);
-                Wheel { body: Body::from(&c.quarter_car), friction_n_s_per_m: T::zero(), theta, corner }
+                let body = Body::from(&c.quarter_car);
+                let axle = [Corner::RearLeft, Corner::RearRight];
+                let may_be_coupled =
+                    axle.contains(&corner) && axle.iter().all(|&corner| config.corners[corner].is_some());
+                let coupled_kg = if may_be_coupled { body.unsprung_mass_kg } else { T::zero() };
+                Wheel { body, friction_n_s_per_m: T::zero(), theta, coupled_kg, corner }
             })
         };
         self.wheelbase_m = wheelbase_m;

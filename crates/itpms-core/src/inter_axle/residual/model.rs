@@ -37,6 +37,8 @@ pub(crate) struct Wheel<T> {
     pub(crate) friction_n_s_per_m: T,
     /// Compliance of the tire at placard pressure in m/N.
     pub(crate) theta: T,
+    /// Unsprung mass in kg that an axle may couple to the other wheel's: none of a front wheel, or where the other one has no sensors.
+    pub(crate) coupled_kg: T,
     pub(crate) corner: Corner,
 }
 
@@ -88,9 +90,7 @@ impl<T: Real> Axle<T> {
         let at = |kind: usize| T::one() + state[kind + corner.index()];
         let body = &wheel.body;
         let spring = body.spring_n_per_m;
-        // Of a front axle that is one body nothing is known here.
-        let coupled = if corner.axle() == 0 { T::zero() } else { body.unsprung_mass_kg };
-        let nominal = [body.unsprung_mass_kg, body.damping_n_s_per_m, spring, spring, coupled];
+        let nominal = [body.unsprung_mass_kg, body.damping_n_s_per_m, spring, spring, wheel.coupled_kg];
         let mass = nominal[0] * at(MASS);
         let most = T::lit(MOST_COUPLING) * mass;
         let factors = [
@@ -98,7 +98,7 @@ impl<T: Real> Axle<T> {
             nominal[1] * at(DAMPING),
             spring * at(SPRING),
             spring * state[BAR + corner.axle()],
-            (coupled * state[COUPLING]).min(most).max(-most),
+            (wheel.coupled_kg * state[COUPLING]).min(most).max(-most),
         ];
         let least = T::lit(LEAST_DAMPING) * nominal[1];
         let whole_damping = (factors[1] + wheel.friction_n_s_per_m).max(least);

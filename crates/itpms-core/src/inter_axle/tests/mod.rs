@@ -32,11 +32,17 @@ const SETTLED: i32 = 1500;
 
 /// The unlike axles of a family car, on the left; friction damps a fifth of what the dampers do.
 fn wheels() -> [Wheel<f64>; 2] {
-    let wheel =
-        |corner, sprung_mass_kg, unsprung_mass_kg, damping_n_s_per_m, spring_n_per_m, stiffness: f64| {
-            let body = Body { sprung_mass_kg, unsprung_mass_kg, damping_n_s_per_m, spring_n_per_m };
-            Wheel { body, friction_n_s_per_m: 0.2 * damping_n_s_per_m, theta: 1.0 / stiffness, corner }
-        };
+    let wheel = |corner: Corner,
+                 sprung_mass_kg,
+                 unsprung_mass_kg,
+                 damping_n_s_per_m,
+                 spring_n_per_m,
+                 stiffness: f64| {
+        let body = Body { sprung_mass_kg, unsprung_mass_kg, damping_n_s_per_m, spring_n_per_m };
+        let coupled_kg = [0.0, unsprung_mass_kg][corner.axle()];
+        let friction_n_s_per_m = 0.2 * damping_n_s_per_m;
+        Wheel { body, friction_n_s_per_m, theta: 1.0 / stiffness, coupled_kg, corner }
+    };
     [
         wheel(Corner::FrontLeft, 240.8, 56.9, 925.8, 29_114.0, 233_000.0),
         wheel(Corner::RearLeft, 216.0, 50.0, 870.0, 26_000.0, 220_000.0),
