@@ -125,6 +125,13 @@ impl<T: Real> Covariance<T> {
         }
     }
 
+    /// Quantities that follow one another have so much more in common, as a variance that is in each one's already.
+    pub(crate) fn add_in_common(&mut self, quantities: Range<usize>, variance: T) {
+        for i in quantities.clone() {
+            (quantities.start..i).for_each(|j| self[(i, j)] += variance);
+        }
+    }
+
     /// One quantity becomes this share of itself.
     pub(crate) fn shrink_one(&mut self, at: usize, share: T) {
         (0..SIZE).for_each(|other| self[(at, other)] *= share);

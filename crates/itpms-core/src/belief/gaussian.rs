@@ -3,8 +3,8 @@
 
 use super::covariance::Covariance;
 use super::state::{
-    BAR, DAMPING, IN_COMMON, LEVEL, RATE, SIZE, SPECTRUM_BIAS, SPRING, State, TIRE, add_to_common_bias,
-    end_sd, prior_sd, rear_bar_variance, return_rate, wander_sd,
+    BAR, DAMPING, IN_COMMON, LEVEL, RATE, SIZE, SPECTRUM_BIAS, SPECTRUM_BIASES, SPRING, State, TIRE, end_sd,
+    prior_sd, rear_bar_variance, return_rate, wander_sd,
 };
 use crate::memory::Blank;
 use crate::model::Corner;
@@ -148,7 +148,7 @@ impl<T: Real> Hypothesis<T> {
         let [rear, both] = rear_bar_variance(self.covariance[(BAR, BAR)]);
         (self.covariance[(BAR + 1, BAR + 1)], self.covariance[(BAR, BAR + 1)]) = (rear, both);
         let common = T::lit(IN_COMMON) * self.covariance[(SPECTRUM_BIAS, SPECTRUM_BIAS)];
-        add_to_common_bias(&mut self.covariance, common);
+        self.covariance.add_in_common(SPECTRUM_BIASES, common);
         self.mean.fill(T::zero());
         self.mean.fixed_rows_mut::<4>(TIRE).copy_from_slice(tires);
         self.weight = T::one();
@@ -192,7 +192,7 @@ impl<T: Real> Hypothesis<T> {
         self.mean.component_mul_assign(stays);
         self.covariance.shrink(stays);
         self.covariance.set_variances(&(self.covariance.variances() + variance));
-        add_to_common_bias(&mut self.covariance, T::lit(IN_COMMON) * variance[SPECTRUM_BIAS]);
+        self.covariance.add_in_common(SPECTRUM_BIASES, T::lit(IN_COMMON) * variance[SPECTRUM_BIAS]);
         self.change_alike(&[*in_common_sd; 4]);
     }
 

@@ -9,9 +9,7 @@ use super::hypotheses::{
 };
 use super::instruments::Instruments;
 use super::measurement::{AxleResidual, SideMeasurement, UpdateRecord};
-use super::state::{
-    IN_COMMON, MASS, RATE, SIZE, SPECTRUM_BIAS, SPECTRUM_BIAS_SD, State, TIRE, add_to_common_bias,
-};
+use super::state::{IN_COMMON, MASS, RATE, SIZE, SPECTRUM_BIAS_SD, SPECTRUM_BIASES, State, TIRE};
 use super::tires::Tires;
 use super::transition::{NOTICED, Transition};
 use super::update::{Lesson, Likelihood, own_covariance, score};
@@ -299,8 +297,8 @@ impl<T: Real> HypothesisBank<T> {
     pub(super) fn free_common_bias(&mut self) {
         let common = T::lit(IN_COMMON * SPECTRUM_BIAS_SD * SPECTRUM_BIAS_SD);
         for hypothesis in &mut self.hypotheses {
-            (0..4).for_each(|i| hypothesis.covariance[(SPECTRUM_BIAS + i, SPECTRUM_BIAS + i)] += common);
-            add_to_common_bias(&mut hypothesis.covariance, common);
+            SPECTRUM_BIASES.for_each(|i| hypothesis.covariance[(i, i)] += common);
+            hypothesis.covariance.add_in_common(SPECTRUM_BIASES, common);
         }
     }
 

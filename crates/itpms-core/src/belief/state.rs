@@ -1,9 +1,10 @@
 //! What is unknown of the car, as one vector: where each quantity stands, how far it may be from the vehicle file, and
 //! how fast it may change (docs/math/shared-road.md, section 3).
 
+use core::ops::Range;
+
 use nalgebra::SVector;
 
-use super::covariance::Covariance;
 use crate::memory::Blank;
 use crate::model::{Corner, Side, UNCALIBRATED_BIAS_SD, UNKNOWN_COUPLING_SD};
 use crate::real::Real;
@@ -27,6 +28,7 @@ pub(crate) const WHEELBASE: usize = 21;
 pub(crate) const SKEW: usize = 22;
 /// What the road's spectrum reads too much of each tire, as a share of the placard pressure: in part the same of all ([`IN_COMMON`]).
 pub(crate) const SPECTRUM_BIAS: usize = 24;
+pub(crate) const SPECTRUM_BIASES: Range<usize> = SPECTRUM_BIAS..SPECTRUM_BIAS + 4;
 /// What the shared road reads too much of each tire's compliance, as a share of that at placard pressure.
 pub(crate) const ROAD_BIAS: usize = 28;
 /// Level of each tire: its compliance, as [`TIRE`] is one, when its loss of this drive began to be counted. It is constant, and what it is
@@ -172,13 +174,6 @@ pub(crate) fn side_indices(side: Side) -> [usize; SIDE_SIZE] {
 /// A tire's compliance as the shared road reads it, over that at placard pressure.
 pub(crate) fn read_compliance<T: Real>(state: &State<T>, corner: Corner) -> T {
     T::one() + state[TIRE + corner.index()] + state[ROAD_BIAS + corner.index()]
-}
-
-/// Corners' spectra read so much more too much alike, as a variance that is in each one's already.
-pub(crate) fn add_to_common_bias<T: Real>(covariance: &mut Covariance<T>, common: T) {
-    for i in SPECTRUM_BIAS..SPECTRUM_BIAS + 4 {
-        (SPECTRUM_BIAS..i).for_each(|j| covariance[(i, j)] += common);
-    }
 }
 
 /// One value per kind of quantity, in the order above.

@@ -5,20 +5,12 @@
 use nalgebra::{SMatrix, SVector};
 
 use crate::inter_axle::alignment::channel::KEPT;
-use crate::inter_axle::residual::model::Axle;
+use crate::inter_axle::residual::model::{Axle, Mode};
 use crate::memory::Blank;
 use crate::real::Real;
 
 /// Wheel velocity, body velocity, deflection of the spring, force of the tire.
 const STATES: usize = 4;
-
-/// How the wheels of an axle move: as one, or against each other, where an axle that couples them has less mass. A wheel by itself moves by
-/// half of each.
-#[derive(Debug, Clone, Copy)]
-pub(crate) enum Mode {
-    Together,
-    Against,
-}
 
 /// A quarter car on a road of given velocity, by the bilinear rule.
 #[derive(Debug, Clone, PartialEq, Blank)]

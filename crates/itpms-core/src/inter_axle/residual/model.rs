@@ -13,7 +13,6 @@ use crate::belief::state::{
 use crate::cholesky::packed;
 use crate::inter_axle::alignment::channel::{BOTH, SEEN, place};
 use crate::inter_axle::residual::correction::FrfRatios;
-use crate::inter_axle::residual::instrument::Mode;
 use crate::inter_axle::{BIN_SPACING_HZ, Frame, bin_hz};
 use crate::memory::Blank;
 use crate::model::{Corner, Side};
@@ -68,6 +67,14 @@ pub(crate) enum Signals<'a, T: Real> {
     Measured,
     /// On the road that both axles agree on, as the instruments have them, times how the axles answer it.
     Common(&'a FrfRatios<T>),
+}
+
+/// How the wheels of an axle move: as one, or against each other, where an axle that couples them has less mass. A wheel by itself moves by
+/// half of each.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Mode {
+    Together,
+    Against,
 }
 
 /// One axle's parameters as a state has them.

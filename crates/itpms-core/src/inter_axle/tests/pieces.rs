@@ -8,8 +8,8 @@ use crate::belief::state::{BAR, COUPLING, DAMPING, MASS, State};
 use crate::inter_axle::alignment::channel::Entry;
 use crate::inter_axle::alignment::delay_line::{DelayLine, Read};
 use crate::inter_axle::alignment::way::Way;
-use crate::inter_axle::residual::instrument::{Instrument, Mode, of_both_wheels};
-use crate::inter_axle::residual::model::{Axle, Wheel};
+use crate::inter_axle::residual::instrument::{Instrument, of_both_wheels};
+use crate::inter_axle::residual::model::{Axle, Mode, Wheel};
 use crate::inter_axle::tests::{C, Moved, PERIOD_S, SETTLED, STILL, deviating, signals, wheels};
 use crate::memory::{Blank, configured};
 
@@ -119,10 +119,10 @@ fn the_instrument_is_the_quarter_car() {
         (Wheel { friction_n_s_per_m: 1.1 * wheel.body.damping_n_s_per_m, ..wheel }, state, state, mode)
     });
     let against = [(rear, coupled, lighter, Mode::Against)];
-    for (wheel, told, state, mode) in plain.into_iter().chain(sticking).chain(against) {
+    for (wheel, configured, state, mode) in plain.into_iter().chain(sticking).chain(against) {
         for frequency_hz in [1.0, 5.0, 9.7, 12.0, 25.0] {
             let mut instrument = Instrument::new();
-            instrument.tune(&Axle::new(&wheel, &told), mode, wheel.body.sprung_mass_kg, PERIOD_S);
+            instrument.tune(&Axle::new(&wheel, &configured), mode, wheel.body.sprung_mass_kg, PERIOD_S);
             // The bilinear rule is exact at another frequency: s = 2/dt i tan(pi f dt).
             let s = C::new(0.0, 2.0 / PERIOD_S * (0.5 * TAU * frequency_hz * PERIOD_S).tan());
             let unit = signals(&wheel, &state, s, Moved::by_road(C::new(1.0, 0.0)));
