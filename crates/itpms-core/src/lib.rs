@@ -126,7 +126,7 @@ pub mod car;
 mod cholesky;
 mod cold_pressure;
 pub mod conditioning;
-mod decision;
+pub mod decision;
 pub mod diagnosis;
 pub mod estimator;
 mod inter_axle;
@@ -141,6 +141,7 @@ mod single_wheel;
 pub mod spectrum;
 mod suspension;
 pub mod torsion;
+mod tuning;
 pub mod warning;
 pub mod wheel_speed;
 

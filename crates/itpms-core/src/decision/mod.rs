@@ -5,8 +5,10 @@
 //! covariance; nothing of where they come from, and of no moment but this one.
 
 mod shares;
+mod tuning;
 
 pub(crate) use self::shares::{Shares, Since};
+pub use self::tuning::Tuning;
 use crate::memory::Blank;
 use crate::model::{Corner, Wheels};
 use crate::real::Real;
@@ -15,42 +17,8 @@ use crate::real::Real;
 pub(crate) const SETS: usize = 16;
 /// Share of its pressure that a tire has to be warned of which has lost it, by every regulation.
 pub(crate) const LOSS: f64 = 0.2;
-/// What a low tire lacks, and its sd, in the losses that have to be warned of; the same of one that is nearly flat, and its prior over that of one that is not.
-pub(crate) const LOW: [f64; 2] = [1.25, 0.42];
-pub(crate) const FLAT: [f64; 2] = [3.0, 1.5];
-pub(crate) const NEARLY_FLAT: f64 = 0.5;
-/// No one inflates a tire by so much of its reference more than that, or than the other one of its axle: what reads so is no pressure.
-pub(crate) const NOBODY_INFLATES: f64 = 0.5;
-/// Prior of one tire that loses its air in a drive, and of one that was low before: of the cars on the road one in ten has one that lacks a quarter.
-pub(crate) const ONE_LOSES: f64 = 1e-3;
-pub(crate) const ONE_IS_LOW: f64 = 0.025;
-/// And of two tires of an axle or a side, of all four, and of any others, over that of one.
-const PAIR_LOW: f64 = 0.3;
-const ALL_LOW: f64 = 0.5;
-const OTHERS_LOW: f64 = 0.05;
-const AXLES_AND_SIDES: [usize; 4] = [0b0011, 0b1100, 0b0101, 0b1010];
 /// Of a loss that has to be warned of, the share that a low tire lacks at the least.
 pub(crate) const DECISIVE: f64 = 0.6;
-/// Probability from which a tire is called low, below which it no longer is, and below which it may be called fine.
-pub(crate) const SURELY_LOW: f64 = 0.99;
-pub(crate) const HARDLY_LOW: f64 = 0.5;
-pub(crate) const SURELY_NOT_LOW: f64 = 0.05;
-/// Probability of the contrary below which a low tire is reported sooner: a tenth of that of one that is only surely low.
-pub(crate) const BEYOND_DOUBT: f64 = 1e-3;
-
-/// Log of how probable it is before anything is seen that these tires are low, against none, if it is `one` of one tire.
-pub(crate) fn log_prior<T: Real>(set: usize, one: f64) -> T {
-    let is_pair = AXLES_AND_SIDES.contains(&set);
-    let share = match set.count_ones() {
-        0 => return T::zero(),
-        1 => 1.0,
-        2 if is_pair => PAIR_LOW,
-        4 => ALL_LOW,
-        _ => OTHERS_LOW,
-    };
-    T::lit(share * one).ln_fast()
-}
-
 /// How probable each set is, and what its tires lack.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -67,9 +35,9 @@ pub(crate) struct Probabilities<T> {
 
 impl<T: Real> Probabilities<T> {
     /// Before anything is seen.
-    pub(crate) fn of_nothing() -> Self {
+    pub(crate) fn of_nothing(tuning: &Tuning) -> Self {
         let none = T::lit(f64::NEG_INFINITY);
-        Self::of(&core::array::from_fn(|set| log_prior(set, ONE_IS_LOW)), none, &[none; 4]).0
+        Self::of(&core::array::from_fn(|set| tuning.log_prior(set, tuning.one_is_low)), none, &[none; 4]).0
     }
 
     /// Of sets of these probabilities, whatever their tires lack.

@@ -2,25 +2,10 @@
 
 use nalgebra::{Matrix4, Vector4};
 
-use super::{
-    DECISIVE, FLAT, LOW, NEARLY_FLAT, NOBODY_INFLATES, ONE_IS_LOW, ONE_LOSES, Probabilities, SETS, log_prior,
-};
+use super::{DECISIVE, Probabilities, SETS, Tuning};
 use crate::model::Corner;
 use crate::real::Real;
 
-/// The unexplained hypothesis: sd of each tire's share, and its prior over that of one low tire.
-const UNEXPLAINED_SD: f64 = 0.3;
-const UNEXPLAINED: f64 = 0.01;
-/// What a tire on its rim lacks by its stiffness, and the sd of that: it reads 1.6 to 2.3 times its pressure; and what others lack beside it.
-const RIM: [f64; 3] = [-0.95, 0.35, 0.1];
-/// Sd of the deficit of a tire that is not low, as a share: gauges, and a little warmth of its own.
-const FINE_SD: f64 = 0.013;
-/// Sd of all tires' deficit by being colder than their references: 5 K are 1.8 %.
-const WARMTH_SD: f64 = 0.018;
-/// What a car that has changed since a calibration makes all tires lack, and an axle's more than the other's, as sds; its prior.
-const CHANGED_SD: f64 = 0.2;
-const CHANGED_AXLE_SD: f64 = 0.1;
-const CHANGED: f64 = 0.1;
 /// Variance of a share of which nothing is known.
 const UNKNOWN: f64 = 1e4;
 
@@ -36,8 +21,8 @@ pub(crate) enum Since {
 }
 
 impl Since {
-    fn prior_of_one(self) -> f64 {
-        if self == Self::Beginning { ONE_LOSES } else { ONE_IS_LOW }
+    fn prior_of_one(self, tuning: &Tuning) -> f64 {
+        if self == Self::Beginning { tuning.one_loses } else { tuning.one_is_low }
     }
 }
 
@@ -62,28 +47,29 @@ impl<T: Real> Shares<T> {
     }
 
     /// How probable each set is; `loss`: the share of its pressure that a low tire has to be warned of.
-    pub(crate) fn probabilities(&self, loss: T, since: Since) -> Option<Probabilities<T>> {
+    pub(crate) fn probabilities(&self, loss: T, since: Since, tuning: &Tuning) -> Option<Probabilities<T>> {
+        let square = |sd: f64| T::lit(sd * sd);
         let mut weighed = Weighed::new();
         // What is lost since the drive began knows of the tires' warmth.
-        let warmth = if since == Since::Beginning { T::zero() } else { T::lit(WARMTH_SD * WARMTH_SD) };
+        let warmth = if since == Since::Beginning { T::zero() } else { square(tuning.warmth_sd) };
         let plain = self.covariance.map(|covariance| covariance + warmth);
-        self.weigh(&plain, loss, since, T::zero(), &mut weighed)?;
+        self.weigh(&plain, loss, since, T::zero(), tuning, &mut weighed)?;
         let mut another = Weighed::new();
         if since == Since::EarlierDay {
-            let (common, axle) = (T::lit(CHANGED_SD * CHANGED_SD), T::lit(CHANGED_AXLE_SD * CHANGED_AXLE_SD));
+            let (common, axle) = (square(tuning.changed_sd), square(tuning.changed_axle_sd));
             let covariance = Matrix4::from_fn(|i, j| {
                 let same = Corner::ALL[i].axle() == Corner::ALL[j].axle();
                 plain[(i, j)] + common + if same { axle } else { -axle }
             });
-            self.weigh(&covariance, loss, since, T::lit(CHANGED).ln_fast(), &mut another)?;
+            self.weigh(&covariance, loss, since, T::lit(tuning.changed).ln_fast(), tuning, &mut another)?;
         }
         let none = T::lit(f64::NEG_INFINITY);
-        let unexplained = self.odd(&plain, since, None)?;
+        let unexplained = self.odd(&plain, since, tuning, None)?;
         let mut rims = [none; 4];
         for (tire, log) in rims.iter_mut().enumerate() {
             // Against the other tire of the axle: a level that is not known well is common to both.
-            if self.lacking[tire] - self.lacking[tire ^ 1] < T::lit(-NOBODY_INFLATES) {
-                *log = self.odd(&plain, since, Some(tire))?;
+            if self.lacking[tire] - self.lacking[tire ^ 1] < T::lit(-tuning.nobody_inflates) {
+                *log = self.odd(&plain, since, tuning, Some(tire))?;
             }
         }
         weighed.add_all(&another);
@@ -92,10 +78,11 @@ impl<T: Real> Shares<T> {
         let sum = |logs: &[T]| logs.iter().fold(T::zero(), |sum, &log| sum + (log - all).exp_fast());
         let changed = if since == Since::EarlierDay { sum(&another.log) } else { T::zero() };
         let odd = found.on_rim.iter().fold(sum(&[unexplained]), |sum, &rim| sum + rim);
-        let square = |x: T| x * x;
         let doubt = Vector4::from_fn(|i, _| {
             let off = self.lacking[i] - another.lacking[i];
-            (changed * square(off) + odd * square(self.lacking[i])).sqrt().copysign(self.lacking[i])
+            (changed * (off * off) + odd * (self.lacking[i] * self.lacking[i]))
+                .sqrt()
+                .copysign(self.lacking[i])
         });
         let least = T::lit(DECISIVE) * loss;
         let lacks = weighed.lacking.data.0[0].map(|lacking| lacking > least);
@@ -109,33 +96,38 @@ impl<T: Real> Shares<T> {
         loss: T,
         since: Since,
         log: T,
+        tuning: &Tuning,
         weighed: &mut Weighed<T>,
     ) -> Option<()> {
-        let flat = log + T::lit(NEARLY_FLAT).ln_fast();
-        for (kind, log) in [(LOW, log), (FLAT, flat)] {
+        let flat = log + T::lit(tuning.nearly_flat).ln_fast();
+        for (kind, log) in [(tuning.low, log), (tuning.flat, flat)] {
             let [mean, sd] = kind.map(|losses| T::lit(losses) * loss);
-            self.likelihoods(covariance, mean, sd * sd, |set, likelihood, lacking| {
+            let fine = T::lit(tuning.fine_sd * tuning.fine_sd);
+            self.likelihoods(covariance, mean, [sd * sd, fine], |set, likelihood, lacking| {
                 // What is not low is not nearly flat either, and what is has lost and not gained air.
                 let has_lost = |i: usize| set & (1 << i) == 0 || lacking[i] > T::zero();
-                if (set > 0 || kind == LOW) && (0..4).all(has_lost) {
-                    weighed.add(set, log + likelihood + log_prior(set, since.prior_of_one()), lacking);
+                if (set > 0 || kind == tuning.low) && (0..4).all(has_lost) {
+                    weighed.add(
+                        set,
+                        log + likelihood + tuning.log_prior(set, since.prior_of_one(tuning)),
+                        lacking,
+                    );
                 }
             })?;
         }
         Some(())
     }
 
-    /// Log-likelihood of every set, without constants, and what its tires lack, if low tires lack `mean` with this variance. A low tire has that
+    /// Log-likelihood of every set, without constants, and what its tires lack, if low tires lack `mean` with this variance and fine ones nothing with theirs. A low tire has that
     /// variance in place of a fine one's: one number on the diagonal, so each set's inverse is that of the set without its first tire,
     /// less a product.
     fn likelihoods(
         &self,
         covariance: &Matrix4<T>,
         mean: T,
-        variance: T,
+        [variance, fine]: [T; 2],
         mut each: impl FnMut(usize, T, Vector4<T>),
     ) -> Option<()> {
-        let fine = T::lit(FINE_SD * FINE_SD);
         let plain = (covariance + Matrix4::from_diagonal_element(fine)).cholesky()?;
         let diagonal = plain.l_dirty().diagonal();
         let mut inverse = [Matrix4::<T>::zeros(); SETS];
@@ -166,22 +158,22 @@ impl<T: Real> Shares<T> {
     }
 
     /// Log-likelihood, with its prior, of pressures that no set explains, or beside a tire on its rim.
-    fn odd(&self, covariance: &Matrix4<T>, since: Since, rim: Option<usize>) -> Option<T> {
-        let [mean, sd, beside] = RIM.map(T::lit);
+    fn odd(&self, covariance: &Matrix4<T>, since: Since, tuning: &Tuning, rim: Option<usize>) -> Option<T> {
+        let [mean, sd, beside] = tuning.rim.map(T::lit);
         let by_itself = |i: usize| match rim {
             Some(tire) if tire == i => sd,
             Some(_) => beside,
-            None => T::lit(UNEXPLAINED_SD),
+            None => T::lit(tuning.unexplained_sd),
         };
         let own = Vector4::from_fn(|i, _| by_itself(i) * by_itself(i));
         let root = (covariance + Matrix4::from_diagonal(&own)).cholesky()?;
         let half_log_determinant =
             root.l_dirty().diagonal().iter().fold(T::zero(), |sum, x| sum + x.ln_fast());
         let off = Vector4::from_fn(|i, _| self.lacking[i] - if rim == Some(i) { mean } else { T::zero() });
-        let prior = if rim.is_some() { NEARLY_FLAT } else { UNEXPLAINED };
+        let prior = if rim.is_some() { tuning.nearly_flat } else { tuning.unexplained };
         Some(
             T::lit(-0.5) * off.dot(&root.solve(&off)) - half_log_determinant
-                + T::lit(prior * since.prior_of_one()).ln_fast(),
+                + T::lit(prior * since.prior_of_one(tuning)).ln_fast(),
         )
     }
 }
@@ -248,7 +240,9 @@ mod tests {
         let shares = shares([0.1, 0.22, -0.04, 0.3], 0.06, 0.7);
         let mut log = [0.0; SETS];
         shares
-            .likelihoods(&shares.covariance, 0.25, 0.084 * 0.084, |set, found, _| log[set] = found)
+            .likelihoods(&shares.covariance, 0.25, [0.084 * 0.084, 0.013 * 0.013], |set, found, _| {
+                log[set] = found
+            })
             .unwrap();
         for (set, log) in log.into_iter().enumerate() {
             let is_low = |i: usize| set & (1 << i) != 0;
@@ -268,7 +262,8 @@ mod tests {
     fn every_set_is_named_that_is_known_well() {
         for set in 0..SETS {
             let lacking = core::array::from_fn(|i| if set & (1 << i) == 0 { 0.0 } else { 0.22 });
-            let found = shares(lacking, 0.02, 0.3).probabilities(0.2, Since::Beginning).unwrap();
+            let found =
+                shares(lacking, 0.02, 0.3).probabilities(0.2, Since::Beginning, &Tuning::DEFAULT).unwrap();
             for tire in Corner::ALL {
                 let low = set & (1 << tire.index()) != 0;
                 assert_eq!(found.low(tire) > 0.99, low, "{set:04b} {tire:?}");
@@ -280,16 +275,21 @@ mod tests {
     /// A level that is not known to a fifth says nothing of all four, and of one against the others what their differences say.
     #[test]
     fn what_all_are_wrong_by_alike_cancels_between_tires() {
-        let all = shares([0.22; 4], 0.1, 0.95).probabilities(0.2, Since::Beginning).unwrap();
+        let all =
+            shares([0.22; 4], 0.1, 0.95).probabilities(0.2, Since::Beginning, &Tuning::DEFAULT).unwrap();
         assert!(all.any_low() < 0.5, "{all:?}");
-        let one = shares([0.02, 0.02, 0.3, 0.02], 0.1, 0.95).probabilities(0.2, Since::Beginning).unwrap();
+        let one = shares([0.02, 0.02, 0.3, 0.02], 0.1, 0.95)
+            .probabilities(0.2, Since::Beginning, &Tuning::DEFAULT)
+            .unwrap();
         assert!(one.low(Corner::RearLeft) > 0.99 && one.low(Corner::FrontLeft) < 0.01, "{one:?}");
     }
 
     /// After a night all four reading low is more likely another car; one of them against the others is still that one.
     #[test]
     fn a_car_that_has_changed_hides_no_single_tire() {
-        let found = |lacking| shares(lacking, 0.03, 0.3).probabilities(0.2, Since::EarlierDay).unwrap();
+        let found = |lacking| {
+            shares(lacking, 0.03, 0.3).probabilities(0.2, Since::EarlierDay, &Tuning::DEFAULT).unwrap()
+        };
         assert!(found([0.18; 4]).all_low() < 0.5);
         assert!(found([0.15, 0.15, 0.0, 0.0]).any_low() < 0.5);
         let one = found([0.15, 0.4, 0.15, 0.15]);
@@ -313,8 +313,10 @@ mod tests {
             (-0.5 * square).exp() / covariance.determinant().sqrt()
         };
         for lacking in [-0.28, -0.16, -0.12, -0.06, 0.02] {
-            let found = shares([lacking; 4], 0.04, 0.9).probabilities(0.2, Since::EarlierDay).unwrap();
-            let (same, another) = (density(lacking, false), CHANGED * density(lacking, true));
+            let found = shares([lacking; 4], 0.04, 0.9)
+                .probabilities(0.2, Since::EarlierDay, &Tuning::DEFAULT)
+                .unwrap();
+            let (same, another) = (density(lacking, false), Tuning::DEFAULT.changed * density(lacking, true));
             let expected = (another / (same + another)).sqrt() * lacking;
             for tire in Corner::ALL {
                 let doubt = found.doubt(tire);
@@ -323,7 +325,8 @@ mod tests {
                     "{lacking}: {doubt} {expected}"
                 );
             }
-            let today = shares([lacking; 4], 0.04, 0.9).probabilities(0.2, Since::Ever).unwrap();
+            let today =
+                shares([lacking; 4], 0.04, 0.9).probabilities(0.2, Since::Ever, &Tuning::DEFAULT).unwrap();
             assert!(lacking < -0.1 || today.doubt(Corner::FrontLeft).abs() < 0.002);
         }
     }
@@ -332,7 +335,7 @@ mod tests {
     #[test]
     fn a_rim_reads_hard_and_hides_what_is_beside_it() {
         let on_rim = |lacking, sd| {
-            let found = shares(lacking, sd, 0.3).probabilities(0.2, Since::Ever).unwrap();
+            let found = shares(lacking, sd, 0.3).probabilities(0.2, Since::Ever, &Tuning::DEFAULT).unwrap();
             assert!(Corner::ALL.iter().all(|tire| found.low(*tire) < 0.02), "{found:?}");
             Corner::ALL.map(|tire| found.on_rim(tire))
         };
@@ -345,7 +348,8 @@ mod tests {
     #[test]
     fn a_tire_of_which_nothing_is_known_is_as_likely_low_as_ever() {
         let known = [Some([0.0, 0.02]), None, Some([0.25, 0.02]), Some([f64::NAN, 0.02])];
-        let found = Shares::new(&known, &NONE).probabilities(0.2, Since::Beginning).unwrap();
+        let found =
+            Shares::new(&known, &NONE).probabilities(0.2, Since::Beginning, &Tuning::DEFAULT).unwrap();
         assert!(found.low(Corner::RearLeft) > 0.99 && found.low(Corner::FrontLeft) < 0.01);
         assert!(found.low(Corner::FrontRight) < 0.3 && found.low(Corner::RearRight) < 0.3, "{found:?}");
     }

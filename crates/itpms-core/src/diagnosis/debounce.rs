@@ -2,12 +2,22 @@
 
 use crate::conditioning::pauses::ROUNDING_S;
 use crate::memory::Blank;
+use crate::tuning::Tunable;
 
 /// How long a condition has to hold, in s.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct DebounceTimes {
-    pub(crate) set_s: f64,
-    pub(crate) clear_s: f64,
+#[derive(Debug, Clone, Copy, PartialEq, Blank)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct DebounceTimes {
+    /// For the report to be set.
+    pub set_s: f64,
+    /// And against it, to be cleared.
+    pub clear_s: f64,
+}
+
+impl Tunable for DebounceTimes {
+    fn implausible(self, default: Self) -> Option<f64> {
+        [self.set_s, self.clear_s].implausible([default.set_s, default.clear_s])
+    }
 }
 
 /// Set at the first sign, and cleared after a second without one.

@@ -30,6 +30,7 @@ mod single_sensor;
 pub(crate) mod standstill;
 mod wheel_gain;
 
+pub use self::debounce::DebounceTimes;
 pub use self::malfunction::{Malfunction, Place, Sensor};
 use crate::conditioning::pauses::PAUSE_S;
 use crate::diagnosis::cross_sensor::CrossSensorPlausibility;

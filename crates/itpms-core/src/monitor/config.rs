@@ -1,10 +1,11 @@
 //! How a monitored car is configured: the car, how its estimator is used, and the limits of its warnings.
 
 use crate::car::EstimatorOptions;
+use crate::decision;
 use crate::memory::Blank;
 use crate::model::{CarConfig, ParameterError, SEA_LEVEL_KPA, positive};
 use crate::real::Real;
-use crate::warning::{Limits, Regulation};
+use crate::warning::{self, Limits, Regulation, Rules};
 use crate::wheel_speed::WheelSpeedConfig;
 
 /// The configuration of a monitor.
@@ -23,6 +24,22 @@ pub struct MonitorConfig<T> {
     pub home_kpa: T,
     /// How the car's estimator is used.
     pub options: EstimatorOptions,
+    /// Numbers of the monitor that are usually left as they are.
+    pub tuning: Tuning,
+}
+
+/// The tables of numbers by which a monitor works; wheel speeds have their own, which cannot be set.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Blank)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
+pub struct Tuning {
+    /// Which tires are low.
+    pub decision: decision::Tuning,
+    /// For how long evidence has to last.
+    pub warning: warning::Tuning,
 }
 
 impl<T: Real> Blank for MonitorConfig<T> {
@@ -34,6 +51,7 @@ impl<T: Real> Blank for MonitorConfig<T> {
         reference_kpa: [None; 4],
         home_kpa: T::ZERO,
         options: EstimatorOptions::BLANK,
+        tuning: Tuning::BLANK,
     };
 }
 
@@ -47,12 +65,20 @@ impl<T: Real> MonitorConfig<T> {
             reference_kpa: [None; 4],
             home_kpa: T::lit(SEA_LEVEL_KPA),
             options: EstimatorOptions::default(),
+            tuning: Tuning::default(),
         }
+    }
+
+    /// By what its warnings are decided.
+    pub(super) fn rules(&self) -> Rules<'_, T> {
+        Rules { limits: &self.limits, decision: &self.tuning.decision, tuning: &self.tuning.warning }
     }
 
     /// Whether a monitor can go by it.
     pub(super) fn check(&self) -> Result<(), ParameterError> {
         self.limits.check()?;
+        self.tuning.decision.check()?;
+        self.tuning.warning.check()?;
         positive("home_kpa", self.home_kpa)?;
         for reference in self.reference_kpa.into_iter().flatten() {
             positive("reference_kpa", reference)?;

@@ -17,14 +17,14 @@ mod config;
 mod monitored;
 mod wheels;
 
-pub use self::config::MonitorConfig;
+pub use self::config::{MonitorConfig, Tuning};
 pub use self::monitored::MonitoredCar;
 pub use self::wheels::MonitoredWheels;
 use crate::cold_pressure::ColdTires;
 use crate::conditioning::Moment;
 use crate::conditioning::clock::stamp_s;
 use crate::conditioning::pauses::{DECIDE_S, MISSING_S};
-use crate::decision::{NOBODY_INFLATES, Probabilities};
+use crate::decision::Probabilities;
 use crate::diagnosis::debounce::Debouncer;
 use crate::diagnosis::decorrelation::DecorrelationDetector;
 use crate::diagnosis::standstill::Standstill;
@@ -117,7 +117,7 @@ impl<T: Real> Monitor<T> {
         self.decorrelation = [DecorrelationDetector::new(); 2];
         self.leaks = LeakWatch::new();
         self.all_low = AllLow::new();
-        self.low = Probabilities::of_nothing();
+        self.low = Probabilities::of_nothing(&config.tuning.decision);
         self.standstill = Standstill::new();
         self.speed_m_s = T::lit(f64::NAN);
         (self.decided_s, self.ahead_s) = (f64::NEG_INFINITY, 0.0);
@@ -203,7 +203,7 @@ impl<T: Real> Monitor<T> {
             let wheels = fault.malfunction.wheels();
             for wheel in wheels.iter().filter(|wheel| !self.faulted.contains(*wheel)).map(Corner::same_side) {
                 if !wheels.contains(wheel) {
-                    self.wheels[wheel].retract_beside(fault.since_s);
+                    self.wheels[wheel].retract_beside(fault.since_s, &self.config.tuning.warning);
                     self.leaks.forget(wheel);
                 }
             }
@@ -250,7 +250,7 @@ impl<T: Real> Monitor<T> {
         }
         self.doubt(estimate);
         // Without a valid time the age of an estimate is unknown.
-        let latest_s = at.latest_s;
+        let (latest_s, tuning) = (at.latest_s, &self.config.tuning);
         for i in Corner::ALL {
             let of_both = (&mut estimate.corners[i], &mut self.report.wheels[i]);
             let (Some(estimate), Some(wheel)) = of_both else { continue };
@@ -258,10 +258,10 @@ impl<T: Real> Monitor<T> {
             estimate.cold = self.cold.cold(estimate.pressure_kpa, estimate.pressure_sd_kpa);
             let watch = &self.wheels[i];
             // A rim has no pressure, and no tire has so much.
-            let most_kpa = T::lit(1.0 + NOBODY_INFLATES) * self.reference_kpa[i];
+            let most_kpa = T::lit(1.0 + tuning.decision.nobody_inflates) * self.reference_kpa[i];
             let rim = watch.flat.is_active() || estimate.pressure_kpa > most_kpa;
             let (validity, doubt) = if watch.is_forgotten(latest_s) {
-                (Validity::NoInformation, watch.forgotten())
+                (Validity::NoInformation, watch.forgotten(&tuning.warning))
             } else if rim {
                 (Validity::Misfit, Doubt::Misfit)
             } else {
@@ -270,7 +270,7 @@ impl<T: Real> Monitor<T> {
                     wheel.validity = estimate.validity;
                     let low = self.low.low(i);
                     wheel.state =
-                        watch.quiet_state(estimate, self.reference_kpa[i], low, &self.config.limits);
+                        watch.quiet_state(estimate, self.reference_kpa[i], low, &self.config.rules());
                 }
                 continue;
             };
@@ -291,13 +291,14 @@ impl<T: Real> Monitor<T> {
     /// Weighs the pressures of the last `step_s` seconds and writes the report. Its frame is not to lie under the estimator's.
     #[inline(never)]
     fn decide(&mut self, mut estimate: CarEstimate<T>, step_s: f64) {
-        let limits = self.config.limits;
+        let rules = self.config.rules();
         self.reference_kpa = self.reference.update(
             &estimate,
             self.speed_m_s,
             self.configured_kpa,
-            limits.reference_span,
+            rules.limits.reference_span,
             &self.cold,
+            rules.tuning,
         );
         let pending_fault = self.diagnosis.pending_fault();
         let doubted = Side::ALL.map(|side| {
@@ -306,14 +307,14 @@ impl<T: Real> Monitor<T> {
         });
         // In a calibration no tire is held against the pressure that is stated.
         self.low = match self.reference.is_calibrating() {
-            true => Probabilities::of_nothing(),
-            false => low_tires(&estimate, self.reference_kpa, &limits),
+            true => Probabilities::of_nothing(rules.decision),
+            false => low_tires(&estimate, self.reference_kpa, &rules),
         };
         let around = Corner::ALL.map(|corner| self.around(&estimate, corner, doubted[corner.side()]));
         for i in Corner::ALL {
             if let Some(corner) = &estimate.corners[i] {
-                self.wheels[i].update(step_s, corner, self.reference_kpa[i], &around[i], &limits);
-                if self.wheels[i].is_unfit(corner) {
+                self.wheels[i].update(step_s, corner, self.reference_kpa[i], &around[i], &rules);
+                if self.wheels[i].is_unfit(corner, rules.tuning) {
                     self.leaks.retract(i);
                 }
             }
@@ -322,10 +323,10 @@ impl<T: Real> Monitor<T> {
             let learned = estimate.corners[i].as_ref().filter(|corner| is_learning(corner));
             learned.and_then(|corner| corner.loss).map(|loss| loss.lost_kpa)
         });
-        let leaking = leaking_tires(&estimate, self.reference_kpa, &limits);
-        let (doubted, least) = (around.map(|around| around.doubted), limits.fast_leak_kpa_per_min);
-        self.leaks.update(estimate.time_s, step_s, &lost_kpa, &leaking, doubted, least);
-        self.all_low.update(step_s, &estimate, self.reference_kpa, &self.low, &limits);
+        let leaking = leaking_tires(&estimate, self.reference_kpa, &rules);
+        let doubted = around.map(|around| around.doubted);
+        self.leaks.update(estimate.time_s, step_s, &lost_kpa, &leaking, doubted, &rules);
+        self.all_low.update(step_s, &estimate, self.reference_kpa, &self.low, &rules);
         self.doubt(&mut estimate);
         self.write(&estimate);
     }
@@ -425,7 +426,7 @@ impl<T: Real> Monitor<T> {
     fn wheel_report(&self, corner: Corner, estimate: &CornerEstimate<T>) -> WheelReport<T> {
         let (reference, watch) = (self.reference_kpa[corner], &self.wheels[corner]);
         let low = self.low.low(corner);
-        let mut state = watch.quiet_state(estimate, reference, low, &self.config.limits);
+        let mut state = watch.quiet_state(estimate, reference, low, &self.config.rules());
         // The gravest is looked at last.
         for alert in self.report.alerts_of(corner) {
             state = match (&alert.cause, state) {

@@ -5,7 +5,7 @@
 mod tests;
 
 use crate::conditioning::pauses::{PAUSE_S, ROUNDING_S};
-use crate::decision::{BEYOND_DOUBT, SURELY_LOW, SURELY_NOT_LOW};
+use crate::decision::Tuning;
 use crate::diagnosis::{Malfunction, Place, Sensor};
 use crate::memory::{Blank, Placed};
 use crate::model::{Corner, ParameterError, RadiusDifferences, Validity, Warning, Wheels};
@@ -17,6 +17,8 @@ use crate::wheel_speed::{
     WheelRadius, WheelSpeedConfig, WheelSpeedSample,
 };
 
+/// As of every [decision](crate::decision).
+const DECISION: Tuning = Tuning::DEFAULT;
 /// Usable driving in s after which what is more probable than .99 is reported, and after which a report that does not hold any more
 /// is taken back. After as much unusable driving no tire is known to be fine any more: a loss in it would not have shown.
 const LASTING_S: f64 = 60.0;
@@ -278,7 +280,7 @@ impl<T: Real> MonitoredWheels<T> {
         };
         let same = |alert: &Alert<T>| alert.wheels == wheels && knows(alert) == is_known && !is_slow(alert);
         let doubt = T::one() - probability;
-        if self.alert.as_ref().is_some_and(same) || !(lasts || doubt < T::lit(BEYOND_DOUBT)) {
+        if self.alert.as_ref().is_some_and(same) || !(lasts || doubt < T::lit(DECISION.beyond_doubt)) {
             return;
         }
         let lost =
@@ -300,7 +302,7 @@ impl<T: Real> MonitoredWheels<T> {
         let (wheel, probability) = leak.likeliest();
         let named = |alert: &Alert<T>| is_slow(alert) && alert.wheels == wheel.into();
         let stands = self.alert.as_ref().is_some_and(named);
-        if !(probability > T::lit(if stands { SLOW_LEAK_HOLDS } else { SURELY_LOW })) {
+        if !(probability > T::lit(if stands { SLOW_LEAK_HOLDS } else { DECISION.surely_low })) {
             return None;
         }
         let (beta, beta_sd) = self.radii.radius_per_ln_pressure();
@@ -377,7 +379,7 @@ impl<T: Real> MonitoredWheels<T> {
         }
         let is_known = radii.unseen_s.get(corner.axle()).is_some_and(|s| *s < T::lit(LASTING_S));
         match radii.wheels.get(corner.index()).filter(|wheel| is_known && wheel.informed()) {
-            Some(wheel) if wheel.low_probability < T::lit(SURELY_NOT_LOW) && !reads_low(wheel) => {
+            Some(wheel) if wheel.low_probability < T::lit(DECISION.surely_not_low) && !reads_low(wheel) => {
                 WheelState::Fine
             }
             Some(_) => WheelState::Unknown(Doubt::Uncertain),

@@ -2,13 +2,13 @@
 //! of the sixteen sets of low tires.
 
 use super::SCALE_SD;
-use crate::decision::{LOSS, LOW};
+use crate::decision::{LOSS, Tuning};
 use crate::memory::Blank;
 use crate::real::Real;
 
 /// Loss of a low tire with its sd, as shares of its pressure, and by how much one that is not differs by itself.
-const LOW_SHARE: f64 = -LOW[0] * LOSS;
-const LOW_SD: f64 = LOW[1] * LOSS;
+const LOW_SHARE: f64 = -Tuning::DEFAULT.low[0] * LOSS;
+const LOW_SD: f64 = Tuning::DEFAULT.low[1] * LOSS;
 const FINE_SD: f64 = 0.0286;
 /// Lasting uncertainty of a wheel in kPa, however much is driven: by itself, and what all four have in common (load, slip stiffness, road).
 const OWN_SD_KPA: f64 = 4.4;

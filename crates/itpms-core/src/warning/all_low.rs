@@ -1,21 +1,14 @@
 //! All wheels together: a slow loss of all four is more certain in their mean than in any one of them. Against a calibration of an earlier
 //! day it may as well be the car that has changed, as a whole or by axle, which is reported as what it is.
 
-use crate::decision::{Probabilities, SURELY_LOW};
-use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
+use crate::decision::Probabilities;
+use crate::diagnosis::debounce::{Debouncer, Evidence};
 use crate::memory::Blank;
 use crate::model::{CarEstimate, Corner, Level, ONE_SIDED_95, Wheels};
 use crate::real::Real;
 use crate::warning::all_tires::weighted_share;
 use crate::warning::low::is_learning;
-use crate::warning::{Cause, Limits};
-
-/// The mean is fine again this much above its limit.
-const FINE_ABOVE: f64 = 0.03;
-/// Seconds in which something was learned of all, for and against.
-const ALL_LOW: DebounceTimes = DebounceTimes { set_s: 2.0, clear_s: 20.0 };
-
-const SHIFTED: DebounceTimes = DebounceTimes { set_s: 60.0, clear_s: 20.0 };
+use crate::warning::{Cause, Rules};
 
 /// Remembers since when all wheels are low.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
@@ -65,25 +58,25 @@ impl<T: Real> AllLow<T> {
         estimate: &CarEstimate<T>,
         reference_kpa: [T; 4],
         low: &Probabilities<T>,
-        limits: &Limits<T>,
+        &Rules { limits, decision, tuning }: &Rules<'_, T>,
     ) {
         let Some(shares) = Shares::of(estimate, reference_kpa, Wheels::ALL) else { return };
-        let fine = shares.mean > limits.all_low_share + T::lit(FINE_ABOVE);
+        let fine = shares.mean > limits.all_low_share + T::lit(tuning.all_fine_above);
         if !shares.complete {
             if fine {
-                self.debouncer.update(estimate.time_s, step_s, Evidence::Prepassed, ALL_LOW);
+                self.debouncer.update(estimate.time_s, step_s, Evidence::Prepassed, tuning.all_low);
             }
             return;
         }
         (self.mean_share, self.sd_share, self.probability) = (shares.mean, shares.sd, low.all_low());
-        let evidence = if self.probability > T::lit(SURELY_LOW) {
+        let evidence = if self.probability > T::lit(decision.surely_low) {
             Evidence::Prefailed
         } else if fine {
             Evidence::Prepassed
         } else {
             Evidence::Undecided
         };
-        self.debouncer.update(estimate.time_s, step_s, evidence, ALL_LOW);
+        self.debouncer.update(estimate.time_s, step_s, evidence, tuning.all_low);
         // What would be fine for one tire is fine for all; and a loss of one tire moves their mean, but not the other tires.
         let far = |shares: &Shares<T>| {
             let fine = T::one() - limits.low_clears_share;
@@ -105,7 +98,7 @@ impl<T: Real> AllLow<T> {
             self.shifted = before | wheels;
             self.shifted_share = of(self.shifted).map_or(self.shifted_share, |named| [named.mean, named.sd]);
         }
-        self.shift.update(estimate.time_s, step_s, evidence, SHIFTED);
+        self.shift.update(estimate.time_s, step_s, evidence, tuning.shifted);
     }
 }
 

@@ -3,15 +3,14 @@
 use crate::decision::{DECISIVE, Probabilities, Shares, Since};
 use crate::model::{CarEstimate, Corner, CornerEstimate, Level};
 use crate::real::Real;
-use crate::warning::Limits;
-use crate::warning::leak::OF_A_LOSS;
+use crate::warning::Rules;
 
 /// Which tires are low, by their levels and by their losses in this drive, whichever gives any low tire the larger probability: an error of the
 /// level cancels in a loss, and a tire low from the start loses nothing.
 pub(crate) fn low_tires<T: Real>(
     estimate: &CarEstimate<T>,
     reference_kpa: [T; 4],
-    limits: &Limits<T>,
+    rules: &Rules<'_, T>,
 ) -> Probabilities<T> {
     let is_stored = |i: Corner| valid(estimate, i).is_some_and(|tire| tire.level == Level::StoredCalibration);
     let since = if Corner::ALL.into_iter().any(is_stored) { Since::EarlierDay } else { Since::Ever };
@@ -25,13 +24,19 @@ pub(crate) fn low_tires<T: Real>(
     let [levels, losses] = evidence.map(|(lacking, correlation, since)| {
         let is_known = lacking.iter().any(Option::is_some);
         is_known
-            .then(|| Shares::new(&lacking, correlation).probabilities(limits.loss_share(), since))
+            .then(|| {
+                Shares::new(&lacking, correlation).probabilities(
+                    rules.limits.loss_share(),
+                    since,
+                    rules.decision,
+                )
+            })
             .flatten()
     });
     match (levels, losses) {
         (Some(levels), Some(losses)) if losses.any_low() > levels.any_low() => losses.with_doubt_of(&levels),
         (Some(levels), _) => levels,
-        (None, losses) => losses.unwrap_or(Probabilities::of_nothing()),
+        (None, losses) => losses.unwrap_or(Probabilities::of_nothing(rules.decision)),
     }
 }
 
@@ -39,15 +44,18 @@ pub(crate) fn low_tires<T: Real>(
 pub(crate) fn leaking_tires<T: Real>(
     estimate: &CarEstimate<T>,
     reference_kpa: [T; 4],
-    limits: &Limits<T>,
+    rules: &Rules<'_, T>,
 ) -> Probabilities<T> {
     let losses = losses(estimate, reference_kpa);
-    let (loss, nothing) = (T::lit(OF_A_LOSS) * limits.loss_share(), Probabilities::of_nothing());
+    let loss = T::lit(rules.tuning.leak_of_a_loss) * rules.limits.loss_share();
+    let nothing = Probabilities::of_nothing(rules.decision);
     // Most of the time no tire has lost so much, which needs no weighing.
     if !losses.iter().flatten().any(|[lost, _]| *lost > T::lit(DECISIVE) * loss) {
         return nothing;
     }
-    Shares::new(&losses, &estimate.loss_correlation).probabilities(loss, Since::Beginning).unwrap_or(nothing)
+    Shares::new(&losses, &estimate.loss_correlation)
+        .probabilities(loss, Since::Beginning, rules.decision)
+        .unwrap_or(nothing)
 }
 
 fn valid<T: Real>(estimate: &CarEstimate<T>, i: Corner) -> Option<&CornerEstimate<T>> {

@@ -1,22 +1,18 @@
 //! How fast a tire loses pressure: one that has surely lost a part of its pressure in this drive leaks fast while its loss grows against
 //! the others'. Whether it is lost is for the [decision](crate::decision) to tell.
 
-use crate::decision::{Probabilities, SURELY_LOW};
-use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
+use crate::decision::Probabilities;
+use crate::diagnosis::debounce::{Debouncer, Evidence};
 use crate::memory::Blank;
 use crate::model::Corner;
 use crate::real::Real;
-
-/// Share of the loss that must be warned of which makes a leak if it was fast.
-pub(crate) const OF_A_LOSS: f64 = 0.5;
-const GROWTH_S: f64 = 30.0;
-const LEAK: DebounceTimes = DebounceTimes { set_s: 10.0, clear_s: 60.0 };
+use crate::warning::Rules;
 
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct LeakWatch<T> {
     leaks: [Debouncer; 4],
-    /// The loss in kPa behind by [`GROWTH_S`], a low pass of first order; NaN: nothing is known of it.
+    /// The loss in kPa behind by [`growth_s`](super::Tuning::growth_s), a low pass of first order; NaN: nothing is known of it.
     behind_kpa: [T; 4],
     /// When that was.
     behind_s: [f64; 4],
@@ -53,7 +49,7 @@ impl<T: Real> LeakWatch<T> {
     }
 
     /// Takes what each tire has lost in this drive, in kPa, where that is being learned; how probable it is that it has lost
-    /// [`OF_A_LOSS`]; and whether it may only seem so.
+    /// that [makes a leak](super::Tuning::leak_of_a_loss); and whether it may only seem so.
     pub(crate) fn update(
         &mut self,
         time_s: f64,
@@ -61,9 +57,9 @@ impl<T: Real> LeakWatch<T> {
         lost_kpa: &[Option<T>; 4],
         lost: &Probabilities<T>,
         is_doubted: [bool; 4],
-        least_kpa_per_min: T,
+        &Rules { limits, decision, tuning }: &Rules<'_, T>,
     ) {
-        let growth = Corner::ALL.map(|wheel| self.growth(time_s, wheel, lost_kpa[wheel]?));
+        let growth = Corner::ALL.map(|wheel| self.growth(time_s, wheel, lost_kpa[wheel]?, tuning.growth_s));
         for wheel in Corner::ALL {
             let Some(own) = growth[wheel] else { continue };
             // If the others lose, too, only what this one loses more counts; if they gain, that is no loss.
@@ -73,7 +69,8 @@ impl<T: Real> LeakWatch<T> {
             }
             let rate = own - (others / count.at_least(T::one())).at_least(T::zero());
             self.probability[wheel] = lost.low(wheel);
-            let leaks = rate >= least_kpa_per_min && self.probability[wheel] > T::lit(SURELY_LOW);
+            let leaks =
+                rate >= limits.fast_leak_kpa_per_min && self.probability[wheel] > T::lit(decision.surely_low);
             if leaks {
                 let before =
                     if self.leaks[wheel].is_suspected() { self.rate_kpa_per_min[wheel] } else { rate };
@@ -84,28 +81,29 @@ impl<T: Real> LeakWatch<T> {
                 (true, false) => Evidence::Prefailed,
                 (false, _) => Evidence::Prepassed,
             };
-            self.leaks[wheel].update(time_s, step_s, evidence, LEAK);
+            self.leaks[wheel].update(time_s, step_s, evidence, tuning.leak);
         }
     }
 
-    /// How fast a loss grows, in kPa per minute: a ramp is behind by its rate times [`GROWTH_S`]. After a pause that long, or a clock that
+    /// How fast a loss grows, in kPa per minute: a ramp is behind by its rate times `growth_s`. After a pause that long, or a clock that
     /// was set back, it is counted anew.
-    fn growth(&mut self, time_s: f64, wheel: Corner, lost_kpa: T) -> Option<T> {
+    fn growth(&mut self, time_s: f64, wheel: Corner, lost_kpa: T, growth_s: f64) -> Option<T> {
         let passed_s = time_s - core::mem::replace(&mut self.behind_s[wheel], time_s);
         let behind_kpa = &mut self.behind_kpa[wheel];
-        if !((0.0..GROWTH_S).contains(&passed_s) && behind_kpa.is_finite()) {
+        if !((0.0..growth_s).contains(&passed_s) && behind_kpa.is_finite()) {
             *behind_kpa = lost_kpa;
         }
         let behind = lost_kpa - *behind_kpa;
-        *behind_kpa += behind * T::lit(passed_s.clamp(0.0, GROWTH_S) / GROWTH_S);
-        behind.is_finite().then(|| behind * T::lit(60.0 / GROWTH_S))
+        *behind_kpa += behind * T::lit(passed_s.clamp(0.0, growth_s) / growth_s);
+        behind.is_finite().then(|| behind * T::lit(60.0 / growth_s))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::decision::{Shares, Since};
+    use crate::decision::{self, Shares, Since};
+    use crate::warning::{Regulation, Tuning};
 
     /// A tenth of a second after another: wheel 0 has lost this much of 240 kPa, the others that, each with this sd.
     fn take(watch: &mut LeakWatch<f64>, time_s: f64, lost_kpa: [f64; 2], sd_kpa: f64, is_doubted: bool) {
@@ -114,8 +112,11 @@ mod tests {
         let correlation = core::array::from_fn(|i| core::array::from_fn(|j| if i == j { 1.0 } else { 0.0 }));
         let lacking = lost_kpa.map(|kpa| Some([kpa, sd_kpa].map(|kpa| kpa / 240.0)));
         let shares = Shares::new(&lacking, &correlation);
-        let lost = shares.probabilities(0.2 * OF_A_LOSS, Since::Beginning).unwrap();
-        watch.update(time_s, 0.1, &lost_kpa.map(Some), &lost, [is_doubted; 4], 3.0);
+        let (limits, decision, tuning) =
+            (Regulation::UnR141.into(), &decision::Tuning::DEFAULT, &Tuning::DEFAULT);
+        let rules = Rules { limits: &limits, decision, tuning };
+        let lost = shares.probabilities(0.2 * tuning.leak_of_a_loss, Since::Beginning, decision).unwrap();
+        watch.update(time_s, 0.1, &lost_kpa.map(Some), &lost, [is_doubted; 4], &rules);
     }
 
     /// Seconds until wheel 0 is reported to leak and the rate reported, while it falls at `kpa_per_min` and the others at `all`.

@@ -1,30 +1,15 @@
 //! One wheel's pressure against its limits, and how long ago something was learned of it.
 
 use crate::conditioning::pauses::ENOUGH_S;
-use crate::decision::{BEYOND_DOUBT, HARDLY_LOW, SURELY_LOW, SURELY_NOT_LOW};
-use crate::diagnosis::debounce::{AT_ONCE, DebounceTimes, Debouncer, Evidence};
+use crate::diagnosis::debounce::{AT_ONCE, Debouncer, Evidence};
 use crate::memory::Blank;
 use crate::model::{CornerEstimate, Level, ONE_SIDED_95, OUTLIER_SD, Validity};
 use crate::real::Real;
 use crate::warning::report::{Doubt, WheelState};
-use crate::warning::{Basis, Limits, Reading};
+use crate::warning::{Basis, Reading, Rules, Tuning};
 
-/// Seconds in which something was learned, for and against.
-const LOW: DebounceTimes = DebounceTimes { set_s: 2.0, clear_s: 10.0 };
-const OVER: DebounceTimes = DebounceTimes { set_s: 60.0, clear_s: 10.0 };
-/// By how much less a second counts of a tire that nothing is held against as the other one of its side is silent.
-const TOGETHER: f64 = 75.0;
 /// Information gate above which something is being learned.
 const LEARNING: f64 = 0.1;
-/// Speed in m/s above which a car should learn something: 20 km/h.
-const SHOULD_LEARN_M_S: f64 = 5.5;
-/// Seconds of standing after which the pressure at the stop is no longer taken for the present one.
-const STANDING_S: f64 = 30.0;
-/// Seconds by which valid fit has to outlast misfit before a warning stands, the memory of a misfit; and the cap of that sum.
-const FITTED_S: f64 = 20.0;
-const MOST_FITTED_S: f64 = 2.0 * FITTED_S;
-/// Evidence for a low tire that began so many seconds before that of a sensor's fault on its side, or since, is the fault's.
-const BESIDE_A_FAULT_S: f64 = 30.0;
 
 /// Further information about a wheel.
 #[derive(Debug, Clone, Copy)]
@@ -82,34 +67,34 @@ impl WheelWatch {
         estimate: &CornerEstimate<T>,
         reference_kpa: T,
         around: &Around<T>,
-        limits: &Limits<T>,
+        &Rules { limits, decision, tuning }: &Rules<'_, T>,
     ) {
         let time_s = estimate.time_s;
         let learning = is_learning(estimate);
         if learning {
             let forgotten = self.is_forgotten(time_s);
             (self.driven_s, self.stood_s) = (0.0, 0.0);
-            self.fitted_s = (self.fitted_s + step_s).min(MOST_FITTED_S);
+            self.fitted_s = (self.fitted_s + step_s).min(2.0 * tuning.fitted_s);
             self.anew_s = if forgotten { self.anew_s + step_s } else { 0.0 };
             if !forgotten || self.anew_s >= ENOUGH_S {
                 self.informed_s = time_s;
             }
-        } else if around.speed_m_s > T::lit(SHOULD_LEARN_M_S) {
+        } else if around.speed_m_s > T::lit(tuning.should_learn_m_s) {
             self.driven_s += step_s;
-        } else if around.speed_m_s < T::lit(SHOULD_LEARN_M_S) {
+        } else if around.speed_m_s < T::lit(tuning.should_learn_m_s) {
             self.stood_s += step_s;
         }
-        let shown_s = if self.stood_s < STANDING_S { limits.no_information_s } else { 0.0 };
+        let shown_s = if self.stood_s < tuning.standing_s { limits.no_information_s } else { 0.0 };
         self.known_until_s = self.informed_s + shown_s;
         let silent = self.driven_s >= limits.no_information_s;
         let uninformed = if silent { Evidence::Prefailed } else { Evidence::Prepassed };
         self.uninformed.update(time_s, step_s, uninformed, AT_ONCE);
         // What was seen of a corner that has never fitted for long, or no longer does, was no tire.
         if estimate.validity == Validity::Misfit {
-            if around.speed_m_s > T::lit(SHOULD_LEARN_M_S) {
+            if around.speed_m_s > T::lit(tuning.should_learn_m_s) {
                 self.fitted_s = (self.fitted_s - step_s).max(0.0);
             }
-            if self.is_unfit(estimate) {
+            if self.is_unfit(estimate, tuning) {
                 (self.low, self.over) = (Debouncer::new(), Debouncer::new());
             }
         }
@@ -118,9 +103,9 @@ impl WheelWatch {
         }
         let (p, sd) = (estimate.pressure_kpa, estimate.pressure_sd_kpa);
         let probable = |probability: T, doubted: bool| {
-            if probability > T::lit(SURELY_LOW) {
+            if probability > T::lit(decision.surely_low) {
                 if doubted { Evidence::NoData } else { Evidence::Prefailed }
-            } else if probability < T::lit(HARDLY_LOW) {
+            } else if probability < T::lit(decision.hardly_low) {
                 Evidence::Prepassed
             } else {
                 Evidence::Undecided
@@ -128,11 +113,11 @@ impl WheelWatch {
         };
         let low = probable(around.low, around.doubted);
         let weight = match low {
-            Evidence::Prefailed if around.other_is_silent => 1.0 / TOGETHER,
-            Evidence::Prefailed if around.low > T::lit(1.0 - BEYOND_DOUBT) => 2.0,
+            Evidence::Prefailed if around.other_is_silent => 1.0 / tuning.alone,
+            Evidence::Prefailed if around.low > T::lit(1.0 - decision.beyond_doubt) => 2.0,
             _ => 1.0,
         };
-        self.low.update(time_s, weight * step_s, low, LOW);
+        self.low.update(time_s, weight * step_s, low, tuning.low);
         let over = if p - T::lit(ONE_SIDED_95) * sd > limits.over_share * reference_kpa {
             Evidence::Prefailed
         } else if p < limits.over_clears_share * reference_kpa {
@@ -140,19 +125,19 @@ impl WheelWatch {
         } else {
             Evidence::Undecided
         };
-        self.over.update(time_s, step_s, over, OVER);
-        self.flat.update(time_s, step_s, probable(around.on_rim, false), LOW);
+        self.over.update(time_s, step_s, over, tuning.over);
+        self.flat.update(time_s, step_s, probable(around.on_rim, false), tuning.low);
     }
 
     /// Whether the corner does not fit, and has not for longer than before: nothing that was seen of it was a tire.
-    pub(crate) fn is_unfit<T: Real>(&self, estimate: &CornerEstimate<T>) -> bool {
-        estimate.validity == Validity::Misfit && self.fitted_s < FITTED_S
+    pub(crate) fn is_unfit<T: Real>(&self, estimate: &CornerEstimate<T>, tuning: &Tuning) -> bool {
+        estimate.validity == Validity::Misfit && self.fitted_s < tuning.fitted_s
     }
 
     /// A sensor of the side's other wheel is wrong, and seems to have been since then: what was held against it says nothing.
-    pub(crate) fn retract_beside(&mut self, fault_since_s: f64) {
+    pub(crate) fn retract_beside(&mut self, fault_since_s: f64, tuning: &Tuning) {
         for verdict in [&mut self.low, &mut self.over] {
-            if verdict.is_suspected() && verdict.since_s() > fault_since_s - BESIDE_A_FAULT_S {
+            if verdict.is_suspected() && verdict.since_s() > fault_since_s - tuning.beside_a_fault_s {
                 *verdict = Debouncer::new();
             }
         }
@@ -164,8 +149,8 @@ impl WheelWatch {
     }
 
     /// Why nothing is known of it then.
-    pub(crate) fn forgotten(&self) -> Doubt {
-        if self.stood_s < STANDING_S { Doubt::NoInformation } else { Doubt::Standing }
+    pub(crate) fn forgotten(&self, tuning: &Tuning) -> Doubt {
+        if self.stood_s < tuning.standing_s { Doubt::NoInformation } else { Doubt::Standing }
     }
 
     /// The wheel's state if nothing is to be reported of it: fine, or why that is not known; `low`: the probability that it has too little air.
@@ -174,7 +159,7 @@ impl WheelWatch {
         estimate: &CornerEstimate<T>,
         reference_kpa: T,
         low: T,
-        limits: &Limits<T>,
+        rules: &Rules<'_, T>,
     ) -> WheelState {
         let reaches = estimate.pressure_kpa - T::lit(ONE_SIDED_95) * estimate.pressure_sd_kpa;
         match estimate.validity {
@@ -183,12 +168,13 @@ impl WheelWatch {
             Validity::BadSignal | Validity::Diverged => WheelState::Unknown(Doubt::Suspicion),
             Validity::Misfit => WheelState::Unknown(Doubt::Misfit),
             Validity::Valid if !(estimate.time_s < self.known_until_s) => {
-                WheelState::Unknown(self.forgotten())
+                WheelState::Unknown(self.forgotten(rules.tuning))
             }
-            Validity::Valid if reaches > limits.low_share * reference_kpa && low < T::lit(SURELY_NOT_LOW) => {
-                WheelState::Fine
+            Validity::Valid => {
+                let is_fine = reaches > rules.limits.low_share * reference_kpa
+                    && low < T::lit(rules.decision.surely_not_low);
+                if is_fine { WheelState::Fine } else { WheelState::Unknown(Doubt::Uncertain) }
             }
-            Validity::Valid => WheelState::Unknown(Doubt::Uncertain),
         }
     }
 }

@@ -11,19 +11,8 @@ use crate::conditioning::pauses::PAUSE_S;
 use crate::memory::Blank;
 use crate::model::{CarEstimate, ParameterError, positive};
 use crate::real::Real;
+use crate::warning::Tuning;
 use crate::warning::low::is_learning;
-
-/// Time constants in s with which a driven tire is taken to warm up and a standing one to cool down. Tires warm up in
-/// some 8 to 10 minutes and cool down in more than half an hour.
-const WARMS_IN_S: f64 = 600.0;
-const COOLS_IN_S: f64 = 900.0;
-/// Speed in m/s from which a tire is taken to become as warm as it can; proportionally less below it.
-const WARM_M_S: f64 = 20.0;
-/// Share of a calibration at its end from which pressures are taken, how long that is at the most, and how many s of it must
-/// have been learned from, all in s.
-const TAKEN_SHARE: f64 = 0.25;
-const TAKEN_S: f64 = 300.0;
-const LEAST_S: f64 = 30.0;
 
 /// Pressure of one tire at the end of a calibration.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
@@ -93,16 +82,17 @@ impl<T: Real> ReferencePressure<T> {
         configured_kpa: [T; 4],
         span: [T; 2],
         tires: &ColdTires<T>,
+        tuning: &Tuning,
     ) -> [T; 4] {
         let time_s = estimate.time_s;
         let step_s = time_s - self.time_s;
         self.time_s = time_s;
         if step_s > 0.0 {
-            self.update_warmth(step_s, speed_m_s);
+            self.update_warmth(step_s, speed_m_s, tuning);
         }
         if let Some(seconds) = self.calibration_s.take() {
             self.ends_s = time_s + seconds;
-            self.takes_from_s = self.ends_s - (TAKEN_SHARE * seconds).min(TAKEN_S);
+            self.takes_from_s = self.ends_s - (tuning.taken_share * seconds).min(tuning.taken_s);
         }
         if time_s < self.ends_s {
             if time_s >= self.takes_from_s && step_s > 0.0 {
@@ -114,16 +104,18 @@ impl<T: Real> ReferencePressure<T> {
         core::array::from_fn(|i| {
             let taken = &self.taken[i];
             let by_temperature =
-                follows.then(|| tires.expected_kpa(taken.cold_reference(configured_kpa[i], span)));
-            by_temperature.flatten().unwrap_or_else(|| taken.reference(configured_kpa[i], self.warmth, span))
+                follows.then(|| tires.expected_kpa(taken.cold_reference(configured_kpa[i], span, tuning)));
+            by_temperature
+                .flatten()
+                .unwrap_or_else(|| taken.reference(configured_kpa[i], self.warmth, span, tuning))
         })
     }
 
     /// The tires warm up or cool down for a while. To first order in the step, which errs towards cold in a long one.
-    fn update_warmth(&mut self, step_s: f64, speed_m_s: T) {
+    fn update_warmth(&mut self, step_s: f64, speed_m_s: T, tuning: &Tuning) {
         let driven = speed_m_s > T::zero() && step_s <= PAUSE_S;
-        let goal = if driven { (speed_m_s / T::lit(WARM_M_S)).min(T::one()) } else { T::zero() };
-        let in_s = if goal > self.warmth { WARMS_IN_S } else { COOLS_IN_S };
+        let goal = if driven { (speed_m_s / T::lit(tuning.warm_m_s)).min(T::one()) } else { T::zero() };
+        let in_s = if goal > self.warmth { tuning.warms_in_s } else { tuning.cools_in_s };
         self.warmth += T::lit((step_s / in_s).min(1.0)) * (goal - self.warmth);
     }
 
@@ -161,10 +153,10 @@ impl<T: Real> Taken<T> {
     }
 
     /// Cold reference of the tire: no more than was given.
-    fn cold_reference(&self, configured_kpa: T, span: [T; 2]) -> T {
-        let taken_kpa = if self.cold_seconds >= LEAST_S {
+    fn cold_reference(&self, configured_kpa: T, span: [T; 2], tuning: &Tuning) -> T {
+        let taken_kpa = if self.cold_seconds >= tuning.taken_least_s {
             self.cold_kpa
-        } else if self.seconds >= LEAST_S {
+        } else if self.seconds >= tuning.taken_least_s {
             self.pressure_kpa
         } else {
             configured_kpa
@@ -174,8 +166,8 @@ impl<T: Real> Taken<T> {
 
     /// Reference of the tire at a warmth. What it had more at the calibration is scaled down while it is colder than then
     /// and not scaled up when it is warmer; what it had less is no matter of warmth.
-    fn reference(&self, configured_kpa: T, warmth: T, span: [T; 2]) -> T {
-        if !(self.seconds >= LEAST_S) {
+    fn reference(&self, configured_kpa: T, warmth: T, span: [T; 2], tuning: &Tuning) -> T {
+        if !(self.seconds >= tuning.taken_least_s) {
             return configured_kpa;
         }
         let rise = self.pressure_kpa - configured_kpa;

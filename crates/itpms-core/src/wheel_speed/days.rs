@@ -6,7 +6,7 @@ mod tests;
 
 use super::filter::normal_distribution;
 use super::hypotheses::{Triangle, UNEXPLAINED, add_radii, add_square, dot, inverse, times};
-use crate::decision::ONE_LOSES;
+use crate::decision::Tuning;
 use crate::memory::Blank;
 use crate::model::{Corner, SEEN};
 use crate::real::Real;
@@ -184,8 +184,8 @@ impl<T: Real> RadiusDays<T> {
         };
         let half = T::lit(0.5);
         let square = dot(&rates, &times(&inner, &rates)) - dot(&rates, &times(&outer, &rates));
-        let unexplained =
-            half * (square + (inner_size / outer_size).ln_fast()) + T::lit(UNEXPLAINED * ONE_LOSES).ln_fast();
+        let unexplained = half * (square + (inner_size / outer_size).ln_fast())
+            + T::lit(UNEXPLAINED * Tuning::DEFAULT.one_loses).ln_fast();
         let leaks = SEEN.map(|seen| Leak::of(&inner, &rates, &seen.map(T::lit)));
         let best = leaks.iter().map(|leak| leak.log).fold(unexplained.at_least(T::zero()), T::at_least);
         let total = leaks
@@ -219,8 +219,8 @@ impl<T: Real> Leak<T> {
         // A leak takes air away: only the part of prior and posterior below zero counts.
         let loses = normal_distribution(-mean / sd).at_least(T::lit(1e-30)) * T::lit(1.0 / LOSES);
         let square = mean * mean / variance - T::lit(RATE * RATE) * before;
-        let log =
-            T::lit(0.5) * (square + (variance * before).ln_fast()) + (loses * T::lit(ONE_LOSES)).ln_fast();
+        let log = T::lit(0.5) * (square + (variance * before).ln_fast())
+            + (loses * T::lit(Tuning::DEFAULT.one_loses)).ln_fast();
         Self { log, rate: (mean, sd) }
     }
 }

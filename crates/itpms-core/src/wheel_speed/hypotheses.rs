@@ -1,19 +1,21 @@
 //! Which tires are low: sixteen hypotheses against what is believed of the radii (`docs/math/wheel-speed.md`, eq. 9-11, 20).
 
 use super::config::LoadUncertainty;
-use crate::decision::{FLAT, LOSS, LOW, NEARLY_FLAT, ONE_LOSES, Probabilities, SETS, log_prior};
+use crate::decision::{LOSS, Probabilities, SETS, Tuning};
 use crate::memory::Blank;
 use crate::model::SEEN;
 use crate::real::Real;
 use crate::torsion::TorsionEvidence;
 
+/// Priors and low tires are the [decision](crate::decision)'s.
+const DECISION: Tuning = Tuning::DEFAULT;
 /// How far radii of tires that are not low move by themselves, in thousandths: from one drive to another, and while the car is driven.
 pub(super) const FINE_SD: f64 = 0.2;
 pub(super) const FINE_DRIVING_SD: f64 = 0.1;
 /// A loss of a fifth of the pressure, as `-ln 0.8`.
 pub(super) const FIFTH: f64 = 0.223_143_55;
 /// Sd of a low tire's loss as `ln` of its pressure, in losses of a fifth: the sd of its share over the share left.
-const LOW_LN_SD: f64 = LOW[1] * LOSS / (1.0 - LOW[0] * LOSS) / FIFTH;
+const LOW_LN_SD: f64 = DECISION.low[1] * LOSS / (1.0 - DECISION.low[0] * LOSS) / FIFTH;
 /// Loss of an empty tire (always a single one) as `ln` in losses of a fifth, and its sd: half to all but a thirtieth of its pressure.
 const EMPTY: [f64; 2] = [9.0, 3.0];
 /// The sets of low tires, each of some nearly flat, and one that is empty.
@@ -22,7 +24,7 @@ const HYPOTHESES: usize = 2 * SETS - 1 + 4;
 /// one over that of one wheel.
 const UNEXPLAINED_SD: [f64; 3] = [4.0, 4.0, 10.0];
 pub(super) const UNEXPLAINED: f64 = 0.005;
-/// `ln (1 / ONE_LOSES) + ln 99`: log-likelihood ratio that gives a wheel the probability 0.99.
+/// `ln (1 / DECISION.one_loses) + ln 99`: log-likelihood ratio that gives a wheel the probability 0.99.
 const TO_BE_FOUND: f64 = 11.5;
 /// The loss that pulses are tested for, as `-ln` of the share left.
 const PULSES_LN: f64 = 0.278;
@@ -63,9 +65,9 @@ impl<T: Real> Decision<T> {
             let (set, hypothesis) = Hypothesis::numbered(number, fine_sd, fifth);
             let likelihood;
             (likelihood, *mean, *variance) = hypothesis.against(change, covariance);
-            *log = likelihood + torsion.log_likelihood(set) + log_prior(set, ONE_LOSES);
+            *log = likelihood + torsion.log_likelihood(set) + DECISION.log_prior(set, DECISION.one_loses);
             if number != set {
-                *log += T::lit(NEARLY_FLAT).ln_fast();
+                *log += T::lit(DECISION.nearly_flat).ln_fast();
             }
             best = best.at_least(*log);
         }
@@ -111,8 +113,10 @@ impl<T: Real> Hypothesis<T> {
     /// The sixteen sets of low tires by their bits, then each nearly flat, then each tire empty; with the set that it belongs to.
     fn numbered(number: usize, fine_sd: f64, fifth: T) -> (usize, Self) {
         match number.checked_sub(SETS) {
-            None => (number, Self::of(number, fine_sd, [LOW[0], LOW_LN_SD], fifth)),
-            Some(before) if before + 1 < SETS => (before + 1, Self::of(before + 1, fine_sd, FLAT, fifth)),
+            None => (number, Self::of(number, fine_sd, [DECISION.low[0], LOW_LN_SD], fifth)),
+            Some(before) if before + 1 < SETS => {
+                (before + 1, Self::of(before + 1, fine_sd, DECISION.flat, fifth))
+            }
             Some(before) => {
                 let set = 1 << ((before + 1) % SETS);
                 (set, Self::of(set, fine_sd, EMPTY, fifth))
@@ -164,7 +168,7 @@ fn left_unexplained<T: Real>(change: &[T; 3], covariance: &Triangle<T>, prior: T
     }
     let Some((inverse, determinant)) = inverse(&expected) else { return T::lit(-1e30) };
     let square = dot(change, &times(&inverse, change));
-    T::lit(-0.5) * (square + determinant.ln_fast()) + (T::lit(ONE_LOSES) * prior).ln_fast()
+    T::lit(-0.5) * (square + determinant.ln_fast()) + (T::lit(DECISION.one_loses) * prior).ln_fast()
 }
 
 /// The smallest loss of this wheel alone that would be found, as `-ln` of the share of the pressure that it leaves: its squared distance

@@ -2,13 +2,13 @@
 
 use super::config::WheelSpeedConfig;
 use super::hypotheses::{Decision, Triangle, UNEXPLAINED};
-use crate::decision::SURELY_LOW;
+use crate::decision::Tuning;
 use crate::memory::Blank;
 use crate::model::{Corner, Wheels};
 use crate::real::Real;
 use crate::torsion::TorsionEvidence;
 
-/// Usable driving in s over which a state has to be [sure](SURELY_LOW).
+/// Usable driving in s over which a state has to be [sure](Tuning::surely_low).
 const SURE_FOR_S: f64 = 4.0;
 /// The same for a state that a road different from left to right, a load or a slip would explain, too, since those pass; and while it is open
 /// which tire it is.
@@ -288,9 +288,9 @@ fn combined<T: Real>((a, a_variance): (T, T), (b, b_variance): (T, T)) -> (T, T)
     (mean.at_most(T::zero()), (a_variance * b_variance / sum).at_least(T::zero()).sqrt())
 }
 
-/// What is more probable than [`SURELY_LOW`], whatever was before.
+/// What is more probable than [`Tuning::surely_low`], whatever was before.
 fn probable<T: Real>(decision: &Decision<T>, informed: bool) -> RadiusState {
-    let sure = T::lit(SURELY_LOW);
+    let sure = T::lit(Tuning::DEFAULT.surely_low);
     let low: Wheels = Corner::ALL.into_iter().filter(|corner| decision.sets.low(*corner) > sure).collect();
     if !low.is_empty() {
         return RadiusState::Low(low);

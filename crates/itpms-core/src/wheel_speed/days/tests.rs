@@ -69,7 +69,9 @@ fn by_brute_force(days: &[(f64, [f64; 3], Triangle<f64>)], usual: &Triangle<f64>
     let none = log_density(stacked(&wear), without([0.0; 3]), size);
     let mut any = wear;
     [0, 2, 5].into_iter().for_each(|i| any[i] += UNEXPLAINED_SD * UNEXPLAINED_SD);
-    let other = UNEXPLAINED * ONE_LOSES * (log_density(stacked(&any), without([0.0; 3]), size) - none).exp();
+    let other = UNEXPLAINED
+        * Tuning::DEFAULT.one_loses
+        * (log_density(stacked(&any), without([0.0; 3]), size) - none).exp();
     let covariance = stacked(&wear);
     let leaks = SEEN.map(|seen| {
         let (step, mut sum, mut prior) = (2e-4, 0.0, 0.0);
@@ -79,7 +81,7 @@ fn by_brute_force(days: &[(f64, [f64; 3], Triangle<f64>)], usual: &Triangle<f64>
             prior += weight;
             sum += weight * (log_density(covariance, without(seen.map(|x| x * g)), size) - none).exp();
         }
-        ONE_LOSES * sum / prior
+        Tuning::DEFAULT.one_loses * sum / prior
     });
     let total = 1.0 + other + leaks.iter().sum::<f64>();
     leaks.map(|leak| leak / total)
