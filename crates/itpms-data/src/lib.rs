@@ -16,6 +16,7 @@
 //! | [`out`] | files out: complete under their name or not there at all |
 //! | [`signals`] | what comes signal by signal instead of row by row |
 //! | [`reference`](mod@reference) | what a reset taught of a car, stored: its own car's, complete and plausible, or refused |
+//! | [`tuning`] | numbers of the monitor that are not their defaults (TOML) |
 //! | [`error`] | one message per problem: file, line or column, what was found, what was expected |
 //!
 //! The binary and the live monitor use this crate; it knows the core's types and nothing of simulation.
@@ -41,6 +42,7 @@ pub mod pulses;
 pub mod reference;
 pub mod signals;
 mod toml_table;
+pub mod tuning;
 pub mod vehicle;
 
 pub use error::{DataError, Problem};

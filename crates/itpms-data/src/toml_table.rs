@@ -111,16 +111,18 @@ impl<'a> Table<'a> {
     /// The two numbers of an array under `key`, if there is one.
     pub(crate) fn pair(&self, key: &str) -> Result<Option<[f64; 2]>, Problem> {
         let Some((_, value)) = self.entry(key) else { return Ok(None) };
-        let pair = match value {
-            DeValue::Array(values) => {
-                match values.iter().map(|value| number_of(value.get_ref())).collect::<Vec<_>>()[..] {
-                    [Some(first), Some(second)] => Some([first, second]),
-                    _ => None,
-                }
-            }
-            _ => None,
-        };
+        let pair = numbers_of(value).and_then(|numbers| numbers.try_into().ok());
         pair.map(Some).ok_or_else(|| self.not_a(key, value, "an array of two numbers, front and rear"))
+    }
+
+    /// So many numbers under `key`, if there is something: an array, or one by itself.
+    pub(crate) fn numbers(&self, key: &str, count: usize) -> Result<Option<Vec<f64>>, Problem> {
+        if count == 1 {
+            return Ok(self.number(key)?.map(|number| vec![number]));
+        }
+        let Some((_, value)) = self.entry(key) else { return Ok(None) };
+        let numbers = numbers_of(value).filter(|numbers| numbers.len() == count);
+        numbers.map(Some).ok_or_else(|| self.not_a(key, value, &format!("an array of {count} numbers")))
     }
 
     /// The number under `key`, which has to be there.
@@ -158,7 +160,7 @@ impl<'a> Table<'a> {
         Some((name.span().start, value.get_ref()))
     }
 
-    fn not_a(&self, key: &str, value: &DeValue<'_>, expected: &'static str) -> Problem {
+    fn not_a(&self, key: &str, value: &DeValue<'_>, expected: &str) -> Problem {
         let found = match value {
             DeValue::String(text) => format!("the text {text:?}"),
             other => format!("of type {}", other.type_str()),
@@ -166,7 +168,7 @@ impl<'a> Table<'a> {
         self.wrong(key, &found, expected)
     }
 
-    fn wrong(&self, key: &str, found: &str, expected: &str) -> Problem {
+    pub(crate) fn wrong(&self, key: &str, found: &str, expected: &str) -> Problem {
         let (line, table) = (self.line_of_key(key), &self.path);
         Problem::Refused(format!("line {line}: {table} {key} is {found}, expected {expected}"))
     }
@@ -180,6 +182,11 @@ fn number_of(value: &DeValue<'_>) -> Option<f64> {
         DeValue::Float(float) => float.as_str().parse().ok(),
         _ => None,
     }
+}
+
+fn numbers_of(value: &DeValue<'_>) -> Option<Vec<f64>> {
+    let DeValue::Array(values) = value else { return None };
+    values.iter().map(|value| number_of(value.get_ref())).collect()
 }
 
 /// The inside of a TOML basic string.

@@ -92,7 +92,8 @@ impl Drive {
         }
         let (corners, home_kpa) = (vehicle.car_config(corners), vehicle.home_kpa());
         let limits = settings.regulation.into();
-        let config = MonitorConfig { limits, home_kpa, wheel_speeds, ..MonitorConfig::new(&corners) };
+        let tuning = settings.tuning;
+        let config = MonitorConfig { limits, home_kpa, wheel_speeds, tuning, ..MonitorConfig::new(&corners) };
         if !alone && settings.calibration_kpa.iter().any(Option::is_some) {
             let what = "pressures of the calibration other than the placards' (--pressure-kpa) are of use for wheel speeds alone";
             return Err(DriveError::Mismatch(what.to_owned()));

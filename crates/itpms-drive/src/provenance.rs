@@ -6,6 +6,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use itpms_analysis::report::{Parameter, Provenance};
 use itpms_core::model::Corner;
+use itpms_core::monitor::Tuning;
 use itpms_data::log::{LogOptions, UnitCheck};
 use itpms_data::reference::day;
 use itpms_data::{LogReader, Vehicle};
@@ -77,6 +78,10 @@ fn options(settings: &Settings, reading: &LogOptions) -> Vec<(String, String)> {
     [
         ("Calibration", Some(calibration)),
         ("Warning limits", Some(settings.regulation.name().to_owned())),
+        (
+            "Numbers of the monitor",
+            (settings.tuning != Tuning::default()).then(|| "not their defaults (--tuning)".to_owned()),
+        ),
         ("Signals named by", given(&reading.signals, "--signals")),
         ("Frames explained by", given(&reading.dbc, "--dbc")),
         ("Rows", rows),

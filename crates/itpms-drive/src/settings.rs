@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use itpms_core::model::{Corner, PressureUnit};
+use itpms_core::monitor::Tuning;
 use itpms_core::warning::Regulation;
 use itpms_data::Vehicle;
 use itpms_paper::EstimatorKind;
@@ -18,6 +19,8 @@ pub(crate) const LOG_END_S: f64 = 1.0;
 pub struct Settings {
     pub estimator: EstimatorKind,
     pub regulation: Regulation,
+    /// Numbers of the monitor that are usually left as they are.
+    pub tuning: Tuning,
     pub road_repeats: RoadRepetition,
     /// So many seconds at the start are driven at placard pressure: a calibration drive.
     pub calibrate_s: Option<f64>,
@@ -44,6 +47,7 @@ impl Default for Settings {
         Self {
             estimator: EstimatorKind::default(),
             regulation: Regulation::default(),
+            tuning: Tuning::default(),
             road_repeats: RoadRepetition::default(),
             calibrate_s: None,
             reference: None,

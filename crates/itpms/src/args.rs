@@ -174,6 +174,10 @@ pub(crate) struct EstimateArgs {
     /// fmvss-138 25 % of the placard's.
     #[arg(long, value_name = "NAME", default_value = Regulation::default().label(), value_parser = one_of(Regulation::ALL, Regulation::label))]
     pub(crate) regulation: Regulation,
+    /// Numbers of the monitor that are not to have their defaults: priors, probabilities and times of its warnings (TOML).
+    /// itpms lab tuning prints all of them with what they mean.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) tuning: Option<PathBuf>,
     /// Where warnings and malfunctions go as they come and go: a line of JSON each.
     #[arg(long, value_name = "EVENTS")]
     pub(crate) events: Option<PathBuf>,

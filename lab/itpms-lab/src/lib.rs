@@ -10,6 +10,7 @@
 //! | [`score`] | the accuracy table, recomputed over many simulated drives |
 //! | [`sensors`] | what a study's car has: accelerometers, or wheel speeds alone |
 //! | [`soak`] | false warnings over many simulated hours |
+//! | [`tuning`] | the monitor as a study has it |
 #![forbid(unsafe_code)]
 #![allow(missing_docs, reason = "not published: names say it, and comments what they do not")]
 
@@ -21,6 +22,7 @@ pub mod runner;
 pub mod score;
 pub mod sensors;
 pub mod soak;
+pub mod tuning;
 
 /// Of a tire that is low, for tests.
 #[cfg(test)]

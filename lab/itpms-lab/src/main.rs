@@ -13,11 +13,14 @@ use itpms_console::{Failure, Interrupt, Screen};
 fn main() -> ExitCode {
     let args = Args::parse();
     let screen = Screen::new(args.speaking, std::env::args_os());
-    screen.end(Interrupt::install().and_then(|interrupt| run(&args.study, &screen, &interrupt)))
+    screen.end(Interrupt::install().and_then(|interrupt| run(&args, &screen, &interrupt)))
 }
 
-fn run(study: &Study, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
-    match study {
+fn run(args: &Args, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
+    if let Some(path) = &args.tuning {
+        let _first = itpms_lab::tuning::set(itpms_data::tuning::read(path)?);
+    }
+    match &args.study {
         Study::Score(args) => commands::score::run(args, screen, interrupt),
         Study::Soak(args) => commands::soak::run(args, screen, interrupt),
         Study::Certify(args) => commands::certify::run(args, screen, interrupt),
@@ -25,6 +28,11 @@ fn run(study: &Study, screen: &Screen, interrupt: &Interrupt) -> Result<(), Fail
         Study::Observability(args) => commands::observability::run(args, screen, interrupt),
         Study::Reproduce(args) => commands::reproduce::run(args, screen, interrupt),
         Study::Faults(args) => commands::faults::run(args, screen, interrupt),
+        Study::Tuning(_) => {
+            let used = args.tuning.as_deref().map(itpms_data::tuning::read).transpose()?.unwrap_or_default();
+            screen.write(itpms_data::tuning::text(&used).as_bytes());
+            Ok(())
+        }
         Study::Completions(args) => {
             let mut script = Vec::new();
             clap_complete::generate(args.shell, &mut Args::shown(), "itpms-lab", &mut script);

@@ -6,7 +6,7 @@ use crate::tuning::Tunable;
 
 /// How long a condition has to hold, in s.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct DebounceTimes {
     /// For the report to be set.
     pub set_s: f64,
@@ -15,8 +15,14 @@ pub struct DebounceTimes {
 }
 
 impl Tunable for DebounceTimes {
-    fn implausible(self, default: Self) -> Option<f64> {
-        [self.set_s, self.clear_s].implausible([default.set_s, default.clear_s])
+    type Numbers = [f64; 2];
+
+    fn numbers(self) -> [f64; 2] {
+        [self.set_s, self.clear_s]
+    }
+
+    fn of(numbers: &[f64]) -> Option<Self> {
+        <[f64; 2]>::of(numbers).map(|[set_s, clear_s]| Self { set_s, clear_s })
     }
 }
 

@@ -5,7 +5,7 @@ mod reset;
 
 use itpms_core::conditioning::SampleClock;
 use itpms_core::model::{CarSample, Corner, CornerSample, Level, Validity, Warning};
-use itpms_core::monitor::{Monitor, MonitorConfig};
+use itpms_core::monitor::{Monitor, MonitorConfig, Tuning};
 use itpms_core::warning::{Basis, Cause, Change, Doubt, MonitorReport, Regulation, WheelState};
 
 use reported::{Drive, FINE, RATE_HZ, Reported, car, estimate, lost, low, state};
@@ -363,6 +363,22 @@ fn limits_are_those_of_the_rule_and_overfull_is_reported() {
     let reference_kpa = [None, None, Some(270.0), None];
     let warm = MonitorConfig { reference_kpa, ..MonitorConfig::new(&car()) };
     assert!(Drive::with(warm).on(30.0, &Reported { sd: 3.0, ..low(225.0) }).alerts().next().is_some());
+}
+
+#[test]
+fn its_numbers_can_be_set() {
+    let said = Reported { sd: 2.0, ..low(0.8 * 241.3) };
+    let reported = |set: fn(&mut Tuning)| {
+        let mut config = MonitorConfig::new(&car());
+        set(&mut config.tuning);
+        Drive::with(config).on(4.0, &said).alerts().next().is_some()
+    };
+    assert!(reported(|_| {}));
+    assert!(!reported(|tuning| tuning.warning.low.set_s = 20.0));
+    assert!(!reported(|tuning| tuning.decision.one_is_low = 1e-60));
+    let mut config = MonitorConfig::new(&car());
+    config.tuning.decision.fine_sd = f64::NAN;
+    assert_eq!(Monitor::new(&config, RATE_HZ).unwrap_err().name, "fine_sd");
 }
 
 #[test]

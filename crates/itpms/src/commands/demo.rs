@@ -44,6 +44,7 @@ pub(crate) fn run(args: &DemoArgs, screen: &Screen, interrupt: &Interrupt) -> Re
         #[cfg(feature = "mcap")]
         mcap: None,
         regulation: Regulation::default(),
+        tuning: None,
         road_repeats: RoadRepetition::default(),
     };
     let done = estimate::perform(&estimate_args, screen, interrupt)?;

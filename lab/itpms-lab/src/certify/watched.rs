@@ -16,6 +16,7 @@ use super::procedure::Procedure;
 use super::telltale::{Lamp, lit, lit_by_alerts};
 use crate::runner::StudyError;
 use crate::sensors::{PulsedCar, Pulses, Sensors, wheel_speed_config};
+use crate::tuning::monitor;
 
 /// A car and what was estimated last, where it has accelerometers.
 pub(super) struct Watched {
@@ -42,7 +43,7 @@ impl Watched {
             config.corners[corner.index()] = Some(scenario.corner_config(corner)?);
         }
         let limits = procedure.rule.limits();
-        let config = MonitorConfig { limits, wheel_speeds, ..MonitorConfig::new(&config) };
+        let config = MonitorConfig { limits, wheel_speeds, ..monitor(&config) };
         let mut car = Box::new(PulsedCar::unconfigured_with(None));
         car.configure(&config, scenario.rate_hz)?;
         let reads_pulses = sensors == Sensors::Pulses && wheel_speeds.is_some();

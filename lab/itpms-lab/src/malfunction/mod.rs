@@ -19,12 +19,13 @@ mod table;
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use itpms_core::monitor::{MonitorConfig, MonitoredCar};
+use itpms_core::monitor::MonitoredCar;
 use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::runner::{Progress, StudyError, pool, refused};
 use crate::score::stats::percentile;
+use crate::tuning::monitor;
 pub use clean::Clean;
 use clean::{Watch, sum};
 use drive::Recorded;
@@ -197,7 +198,7 @@ fn over_glass(kind: &Kind, seed: u64) -> Result<Outcome, StudyError> {
 }
 
 fn monitored(drive: &Recorded) -> Result<Box<MonitoredCar<f64>>, StudyError> {
-    Ok(Box::new(MonitoredCar::new(&MonitorConfig::new(&drive.car), drive.rate_hz)?))
+    Ok(Box::new(MonitoredCar::new(&monitor(&drive.car), drive.rate_hz)?))
 }
 
 /// Where a malfunction was not reported, and could not have been because the car hardly drove, that is not held against anybody; what

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 use itpms_core::model::{CarConfig, CarEstimate, Corner};
-use itpms_core::monitor::{MonitorConfig, MonitoredCar};
+use itpms_core::monitor::MonitoredCar;
 use itpms_core::warning::{Alert, Change, Limits, MonitorReport};
 use itpms_sim::scenario::Scenario;
 use itpms_sim::simulation::{SimRow, Simulation};
@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Car, Plan};
 use crate::runner::StudyError;
+use crate::tuning::monitor;
 
 /// The monitor's report where nothing can be known; no false warning.
 pub(super) const NO_INFORMATION: &str = "no-information";
@@ -222,7 +223,7 @@ fn monitored(scenario: &Scenario) -> Result<Box<MonitoredCar<f64>>, StudyError> 
     for (corner, _) in scenario.corner.iter() {
         config.corners[corner.index()] = Some(scenario.corner_config(corner)?);
     }
-    let config = MonitorConfig::new(&config);
+    let config = monitor(&config);
     Ok(Box::new(MonitoredCar::new(&config, scenario.rate_hz)?))
 }
 

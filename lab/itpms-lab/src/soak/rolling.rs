@@ -16,6 +16,7 @@ use super::hour::{ASK_ROWS, HALF_95, Hour, RadiusHour, WheelHour, note, scenario
 use super::{Car, Plan};
 use crate::runner::StudyError;
 use crate::sensors::{PulsedCar, Pulses, Sensors, wheel_speed_config};
+use crate::tuning::monitor;
 
 /// Length in s of the calibration at the beginning of a drive that does not say otherwise.
 const CALIBRATE_S: f64 = 600.0;
@@ -28,7 +29,7 @@ pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) 
     let config = CarConfig { corners: [None; 4], wheelbase_m: None };
     let wheel_speeds = wheel_speed_config(&scenario, LoadUncertainty::unknown());
     let mut car = Box::new(PulsedCar::unconfigured_with(None));
-    car.configure(&MonitorConfig { wheel_speeds, ..MonitorConfig::new(&config) }, scenario.rate_hz)?;
+    car.configure(&MonitorConfig { wheel_speeds, ..monitor(&config) }, scenario.rate_hz)?;
     let mut pulses = match plan.sensors {
         Sensors::Pulses => Some(Pulses::read_by(&mut car, &scenario)?),
         Sensors::Accelerations | Sensors::WheelSpeeds => None,

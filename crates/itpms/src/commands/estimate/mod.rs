@@ -40,7 +40,7 @@ pub(crate) fn perform(
     }
     let reading = args.reading.options();
     let mut log = LogReader::open_with(&args.log, &reading)?;
-    let (corners, mut settings, paths) = (common_corners(&log, &vehicle)?, settings(args), paths(args));
+    let (corners, mut settings, paths) = (common_corners(&log, &vehicle)?, settings(args)?, paths(args));
     if corners.is_empty() {
         ask_sensors(args, &log, &vehicle, &mut settings, screen, interrupt)?;
     }
@@ -75,10 +75,12 @@ pub(crate) fn perform(
     Ok(Estimated { log, done })
 }
 
-fn settings(args: &EstimateArgs) -> Settings {
-    Settings {
+fn settings(args: &EstimateArgs) -> Result<Settings, Failure> {
+    let tuning = args.tuning.as_deref().map(itpms_data::tuning::read).transpose()?;
+    Ok(Settings {
         estimator: args.estimator,
         regulation: args.regulation,
+        tuning: tuning.unwrap_or_default(),
         road_repeats: args.road_repeats,
         calibrate_s: args.calibrate_s,
         reference: args.reference.clone(),
@@ -88,7 +90,7 @@ fn settings(args: &EstimateArgs) -> Settings {
         pressure_unit: args.unit.pressure_unit,
         program: concat!("itpms ", env!("ITPMS_VERSION")).to_owned(),
         command: command(),
-    }
+    })
 }
 
 /// The command as it was given, as a shell takes it.

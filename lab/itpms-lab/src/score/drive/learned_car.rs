@@ -5,7 +5,7 @@
 //! `drive-normal`.
 
 use itpms_core::model::{CarConfig, Confidence, Corner, ParameterUncertainty, VehicleCalibration};
-use itpms_core::monitor::{MonitorConfig, MonitoredCar};
+use itpms_core::monitor::MonitoredCar;
 use itpms_sim::car::PayloadSpec;
 use itpms_sim::road::{RoadClass, RoadSpec};
 use itpms_sim::scenario::{Scenario, ToleranceSpec};
@@ -17,6 +17,7 @@ use rand_pcg::Pcg64;
 
 use super::{Drive, Plant};
 use crate::runner::StudyError;
+use crate::tuning::monitor;
 use itpms_analysis::learn::{DriveReading, Learned, Listener, PASSES, learn};
 
 pub(super) const RATE_HZ: f64 = 200.0;
@@ -234,6 +235,6 @@ fn road(index: usize) -> RoadSpec {
 /// An estimator of this car under its monitor, at [`RATE_HZ`].
 pub(super) fn estimator(config: &CarConfig<f64>) -> Result<Box<MonitoredCar<f64>>, StudyError> {
     let mut car = Box::new(MonitoredCar::unconfigured());
-    car.configure(&MonitorConfig::new(config), RATE_HZ)?;
+    car.configure(&monitor(config), RATE_HZ)?;
     Ok(car)
 }

@@ -39,6 +39,7 @@ use super::row::Row;
 use super::stats::Window;
 use crate::runner::{Runner, StudyError};
 use crate::sensors::{equipped, wheel_speeds_beside};
+use crate::tuning::monitor;
 
 /// Length in s of the reset that a row's `reset` stands for.
 const RESET_S: f64 = 10.0;
@@ -187,7 +188,7 @@ impl Drive {
         let config = self.file_config()?;
         let set_up = |setup: &Setup| {
             let options = EstimatorOptions { sources: setup.sources, ..EstimatorOptions::default() };
-            let config = MonitorConfig { options, ..MonitorConfig::new(&config) };
+            let config = MonitorConfig { options, ..monitor(&config) };
             let mut car = equipped(&config, scenario)?;
             if let Some(seconds) = setup.reset_s {
                 car.begin_calibration(seconds)?;

@@ -3,7 +3,7 @@
 //! Called by the plan. It calls what the commands call: `vehicle init`'s file, `vehicle learn`'s listener, a calibration of ten minutes
 //! whose reference is kept.
 use itpms_core::model::{CarConfig, Corner, VehicleCalibration};
-use itpms_core::monitor::{MonitorConfig, MonitoredCar};
+use itpms_core::monitor::MonitoredCar;
 use itpms_core::wheel_speed::RadiusCalibration;
 use itpms_data::Vehicle;
 use itpms_data::reference::StoredReference;
@@ -16,6 +16,7 @@ use super::day::{Change, Day, RATE_HZ, SAME};
 use super::seen::{LOSS_S, Seen};
 use crate::runner::StudyError;
 use crate::sensors::equipped;
+use crate::tuning::monitor;
 use itpms_analysis::learn::{Listener, PASSES, WheelbaseListener, learn};
 
 /// Ten minutes at placard pressures, and a later day, in s.
@@ -88,7 +89,7 @@ impl Owned {
 
     fn estimator(&self, way: Way, scenario: &Scenario) -> Result<Box<MonitoredCar<f64>>, StudyError> {
         let taught = if way == Way::FileAndReference { &self.file } else { &self.learned };
-        let mut estimator = equipped(&MonitorConfig::new(&taught.config), scenario)?;
+        let mut estimator = equipped(&monitor(&taught.config), scenario)?;
         if let Some(calibration) = taught.calibration.as_ref().filter(|_| way != Way::Learned) {
             estimator.load_calibration(calibration)?;
             if let (Some(wheels), Some(taught)) = (estimator.wheels_mut(), &taught.wheels) {
@@ -166,7 +167,7 @@ impl Taught {
 
     /// By a calibration that lasts as long as the drive, and a reference that is stored and read again; one that is refused is none.
     fn calibrate(&mut self, file: &Vehicle, rows: &[SimRow], scenario: &Scenario) -> Result<(), StudyError> {
-        let mut car = equipped(&MonitorConfig::new(&self.config), scenario)?;
+        let mut car = equipped(&monitor(&self.config), scenario)?;
         car.begin_calibration(DAYS_S[0])?;
         for row in rows {
             car.update(&row.car_sample());
