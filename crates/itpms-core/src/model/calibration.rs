@@ -96,6 +96,10 @@ impl core::error::Error for CalibrationError {}
 /// to 30 % and its springs to 25 %: a car three standard deviations off is a car.
 const FURTHEST: [f64; 9] = [0.5, 1.0, 1.0, 2.0, 0.1, 0.05, 0.25, 0.02, 0.25];
 
+/// Least anti-roll bar over the springs: a rigid axle whose springs stand at a share `r` of the half track resists roll by `r²` of what they
+/// do above the wheels, as with a bar of `r² - 1`, and no car has them further in than half way.
+const LEAST_BAR: f64 = -0.75;
+
 impl<T: Real> VehicleCalibration<T> {
     /// What is believed of [`rear_axle_coupling`](Self::rear_axle_coupling) before any calibration has taught it.
     pub fn unknown_coupling() -> Learned<T> {
@@ -118,7 +122,12 @@ impl<T: Real> VehicleCalibration<T> {
             plausible("spectrum_bias_kpa", &corner.spectrum_bias_kpa, bias * corner.placard_kpa)?;
             plausible("shared_road_bias", &corner.shared_road_bias, road_bias)?;
         }
-        self.bar.iter().try_for_each(|learned| plausible("bar", learned, bar))?;
+        for learned in &self.bar {
+            plausible("bar", learned, bar)?;
+            if learned.value < T::lit(LEAST_BAR) {
+                return Err(CalibrationError::Implausible("bar"));
+            }
+        }
         plausible("rear_axle_coupling", &self.rear_axle_coupling, mass)?;
         self.gain.iter().try_for_each(|learned| plausible("gain", learned, gain))?;
         plausible("wheelbase", &self.wheelbase, wheelbase)?;

@@ -110,7 +110,7 @@ impl StoredReference {
         if wheelbase_m.is_some() {
             reference.wheelbase.value = 0.0;
         }
-        check(&reference).map_err(|error| implausible(error, vehicle, found_m))?;
+        reference.check().map_err(|error| implausible(error, vehicle, found_m))?;
         if reference.corners.iter().all(Option::is_none) {
             return Err(ReferenceProblem::Lacks("a corner").into());
         }
@@ -178,7 +178,7 @@ impl StoredReference {
     /// [`StoredReference::for_vehicle`]. Errors: another file, a damaged one, a newer format, or numbers that no car has.
     pub fn parse(bytes: &[u8]) -> Result<Self, Problem> {
         let stored = text::opened(bytes)?;
-        check(&stored.reference).map_err(ReferenceProblem::Implausible)?;
+        stored.reference.check().map_err(ReferenceProblem::Implausible)?;
         if !stored.wheel_speeds.as_ref().is_none_or(RadiusCalibration::is_sane) {
             return Err(ReferenceProblem::Lacks("wheel speeds that a car has").into());
         }
@@ -236,18 +236,5 @@ fn nothing_of_corners() -> VehicleCalibration<f64> {
         wheelbase: nothing,
         skew_s: [nothing; 2],
         learned_s: 1.0,
-    }
-}
-
-/// An anti-roll bar that pushes the body over, by half of the springs' stiffness, is in no car; a smaller one may be noise.
-const LEAST_BAR: f64 = -0.5;
-
-/// Refuses an impossible car.
-fn check(reference: &VehicleCalibration<f64>) -> Result<(), CalibrationError> {
-    reference.check()?;
-    let pushes = |bar: &Learned<f64>| !(bar.value >= LEAST_BAR);
-    match reference.bar.iter().any(pushes) {
-        true => Err(CalibrationError::Implausible("bar")),
-        false => Ok(()),
     }
 }
