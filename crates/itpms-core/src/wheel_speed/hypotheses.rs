@@ -12,6 +12,9 @@ const DECISION: Tuning = Tuning::DEFAULT;
 /// How far radii of tires that are not low move by themselves, in thousandths: from one drive to another, and while the car is driven.
 pub(super) const FINE_SD: f64 = 0.2;
 pub(super) const FINE_DRIVING_SD: f64 = 0.1;
+/// Prior that both tires of an axle lose their air in one drive over that of both of a side; since a calibration both are as frequent. In a drive it takes
+/// two accidents, while what moves one axle against the other is the slip of another road.
+pub(super) const AXLE_DRIVING: f64 = 0.01;
 /// A loss of a fifth of the pressure, as `-ln 0.8`.
 pub(super) const FIFTH: f64 = 0.223_143_55;
 /// Sd of a low tire's loss as `ln` of its pressure, in losses of a fifth: the sd of its share over the share left.
@@ -48,15 +51,15 @@ pub(super) struct Decision<T> {
 
 impl<T: Real> Decision<T> {
     /// From the changes of the three ratios of radii with their covariance, in thousandths, the drift of radii without a loss, `fifth` (the
-    /// change by a loss of a fifth), the evidence of tooth pulses alone, and the prior of the `unexplained` hypothesis over that of one
-    /// wheel.
+    /// change by a loss of a fifth), the evidence of tooth pulses alone, and the priors of the `unexplained` hypothesis over that of one
+    /// wheel and of an `axle` over that of a side.
     pub(super) fn of(
         change: &[T; 3],
         covariance: &Triangle<T>,
         fine_sd: f64,
         fifth: T,
         torsion: &TorsionEvidence<T>,
-        unexplained: T,
+        [unexplained, axle]: [T; 2],
     ) -> Self {
         let unexplained = left_unexplained(change, covariance, unexplained) + torsion.log_likelihood(0);
         let mut all = [(T::zero(), [T::zero(); 4], [T::zero(); 4]); HYPOTHESES];
@@ -66,6 +69,9 @@ impl<T: Real> Decision<T> {
             let likelihood;
             (likelihood, *mean, *variance) = hypothesis.against(change, covariance);
             *log = likelihood + torsion.log_likelihood(set) + DECISION.log_prior(set, DECISION.one_loses);
+            if set == 0b0011 || set == 0b1100 {
+                *log += axle.ln_fast();
+            }
             if number != set {
                 *log += T::lit(DECISION.nearly_flat).ln_fast();
             }
@@ -270,7 +276,7 @@ mod tests {
     fn every_pattern_is_named_by_its_ratios_but_all_four() {
         for number in 1..15usize {
             let radius = core::array::from_fn(|i| if number & (1 << i) == 0 { 0.0 } else { -2.0 });
-            let decision = Decision::of(&seen(radius), &SHARP, FINE_SD, 1.6, &NO_PULSES, UNEXPLAINED);
+            let decision = Decision::of(&seen(radius), &SHARP, FINE_SD, 1.6, &NO_PULSES, [UNEXPLAINED, 1.0]);
             let most = decision.sets.of_set().iter().copied().fold(0.0, f64::max);
             assert_eq!(decision.sets.of_set()[number], most, "{number:04b}");
             // Three at once are so rare that the unexplained hypothesis is not much less probable.
@@ -286,7 +292,7 @@ mod tests {
                 assert!((decision.change[wheel] - radius).abs() < 3.0 * decision.change_sd[wheel]);
             }
         }
-        let decision = Decision::of(&[0.0; 3], &SHARP, FINE_SD, 1.6, &NO_PULSES, UNEXPLAINED);
+        let decision = Decision::of(&[0.0; 3], &SHARP, FINE_SD, 1.6, &NO_PULSES, [UNEXPLAINED, 1.0]);
         assert!(decision.sets.of_set()[0] > 0.99);
     }
 
@@ -296,11 +302,11 @@ mod tests {
     fn an_empty_tire_is_named_at_once_and_a_slipping_axle_is_none() {
         for wheel in 0..4 {
             let radius = core::array::from_fn(|i| if i == wheel { -20.0 } else { 0.0 });
-            let decision = Decision::of(&seen(radius), &SHARP, FINE_SD, 1.56, &NO_PULSES, 1.0);
+            let decision = Decision::of(&seen(radius), &SHARP, FINE_SD, 1.56, &NO_PULSES, [1.0, 1.0]);
             assert!(decision.sets.low(Corner::ALL[wheel]) > 0.99, "{wheel}: {:?}", decision.sets);
             assert!((decision.change[wheel] + 20.0).abs() < 3.0 * decision.change_sd[wheel]);
         }
-        let slips = Decision::of(&[3.0, 0.0, 8.0], &SHARP, FINE_SD, 1.56, &NO_PULSES, 1.0);
+        let slips = Decision::of(&[3.0, 0.0, 8.0], &SHARP, FINE_SD, 1.56, &NO_PULSES, [1.0, 1.0]);
         assert!(slips.sets.any_low() < 0.5, "{:?}", slips.sets);
     }
 
@@ -315,7 +321,7 @@ mod tests {
         // What is found there has as good as reached the threshold, whatever of its size is expected.
         let at = |loss: f64| {
             let change = seen([-7.0 * loss, 0.0, 0.0, 0.0]);
-            Decision::of(&change, &covariance, FINE_SD, 1.56, &NO_PULSES, UNEXPLAINED)
+            Decision::of(&change, &covariance, FINE_SD, 1.56, &NO_PULSES, [UNEXPLAINED, 1.0])
                 .sets
                 .low(Corner::ALL[0])
         };
@@ -331,7 +337,7 @@ mod tests {
         assert!((covariance[2] - (0.01 + 0.384 * 0.384 + 0.04)).abs() < 1e-12);
         let low = |wheel: usize| {
             let radius = core::array::from_fn(|i| if i == wheel { -2.0 } else { 0.0 });
-            Decision::of(&seen(radius), &covariance, FINE_SD, 1.6, &NO_PULSES, UNEXPLAINED)
+            Decision::of(&seen(radius), &covariance, FINE_SD, 1.6, &NO_PULSES, [UNEXPLAINED, 1.0])
                 .sets
                 .low(Corner::ALL[wheel])
         };
@@ -345,18 +351,25 @@ mod tests {
             information: [1.0 / 50.0; 4],
             reference_kpa: [240.0; 4],
         };
-        let alike = Decision::of(&[0.0; 3], &SHARP, FINE_SD, 1.6, &pulses([-56.0; 4]), UNEXPLAINED);
+        let alike = Decision::of(&[0.0; 3], &SHARP, FINE_SD, 1.6, &pulses([-56.0; 4]), [UNEXPLAINED, 1.0]);
         assert!((0..4).all(|wheel| alike.sets.low(Corner::ALL[wheel]) > 0.99), "{:?}", alike.sets);
         // A tenth of the pressure, as of a cold morning, is nothing.
-        let cold = Decision::of(&[0.0; 3], &SHARP, FINE_SD, 1.6, &pulses([-24.0; 4]), UNEXPLAINED);
+        let cold = Decision::of(&[0.0; 3], &SHARP, FINE_SD, 1.6, &pulses([-24.0; 4]), [UNEXPLAINED, 1.0]);
         assert!(cold.sets.of_set()[0] > 0.99, "{:?}", cold.sets.of_set());
         // With loads of unknown size the radii of an axle say little: a larger load may have done it.
         let mut covariance = SHARP;
         add_load(&mut covariance, &LoadUncertainty::unknown(), 1.0);
         let change = seen([0.0, 0.0, -2.0, -2.0]);
         let (without, with) = (
-            Decision::of(&change, &covariance, FINE_SD, 1.6, &NO_PULSES, UNEXPLAINED),
-            Decision::of(&change, &covariance, FINE_SD, 1.6, &pulses([0.0, 0.0, -58.0, -58.0]), UNEXPLAINED),
+            Decision::of(&change, &covariance, FINE_SD, 1.6, &NO_PULSES, [UNEXPLAINED, 1.0]),
+            Decision::of(
+                &change,
+                &covariance,
+                FINE_SD,
+                1.6,
+                &pulses([0.0, 0.0, -58.0, -58.0]),
+                [UNEXPLAINED, 1.0],
+            ),
         );
         assert!(
             without.sets.low(Corner::ALL[2]) < 0.5

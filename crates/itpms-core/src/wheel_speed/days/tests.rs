@@ -165,7 +165,7 @@ fn first_named(
         }
         let mut alone = core::array::from_fn(|i| own[i] + calibration[i]);
         add_load(&mut alone, &LoadUncertainty::unknown(), 1.0);
-        let day = Decision::of(&change, &alone, FINE_SD, 1.56, &TorsionEvidence::BLANK, UNEXPLAINED);
+        let day = Decision::of(&change, &alone, FINE_SD, 1.56, &TorsionEvidence::BLANK, [UNEXPLAINED, 1.0]);
         if let Some(found) = (0..4).find(|wheel| day.sets.low(Corner::ALL[*wheel]) > 0.99) {
             named[0] = named[0].or(Some((k, found == wheel)));
         }

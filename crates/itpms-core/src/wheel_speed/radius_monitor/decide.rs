@@ -9,8 +9,8 @@ use crate::wheel_speed::block::{BLOCK_S, Block};
 use crate::wheel_speed::calibration::RadiusCalibration;
 use crate::wheel_speed::days::{DAY_S, RadiusDay, RadiusDays, SlowLeak};
 use crate::wheel_speed::hypotheses::{
-    Decision, FIFTH, FINE_DRIVING_SD, FINE_SD, PLACES, Triangle, add_load, add_radii, all_would_be_found,
-    least_found,
+    AXLE_DRIVING, Decision, FIFTH, FINE_DRIVING_SD, FINE_SD, PLACES, Triangle, add_load, add_radii,
+    all_would_be_found, least_found,
 };
 use crate::wheel_speed::report::{RadiusState, Unseen};
 use crate::wheel_speed::state::{CHANGE, OFFSET, SCALE};
@@ -112,11 +112,19 @@ impl<T: Real> RadiusMonitor<T> {
         let nothing = TorsionEvidence::BLANK;
         let torsion = if since.is_some() { &nothing } else { &self.torsion };
         let unexplained = self.report.unexplained();
-        let mut decision = Decision::of(&change, &covariance, FINE_DRIVING_SD, fifth, torsion, unexplained);
+        let mut decision = Decision::of(
+            &change,
+            &covariance,
+            FINE_DRIVING_SD,
+            fifth,
+            torsion,
+            [unexplained, T::lit(AXLE_DRIVING)],
+        );
         let mut differ = (change, covariance);
         let least: [T; 4];
         if let Some((change, covariance)) = since {
-            let across = Decision::of(&change, &covariance, FINE_SD, fifth, &self.torsion, unexplained);
+            let across =
+                Decision::of(&change, &covariance, FINE_SD, fifth, &self.torsion, [unexplained, T::one()]);
             if !(decision.sets.any_low() > across.sets.any_low()) {
                 decision = across;
             }
