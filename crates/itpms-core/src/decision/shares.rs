@@ -21,7 +21,7 @@ pub(crate) enum Since {
 }
 
 impl Since {
-    fn prior_of_one(self, tuning: &Tuning) -> f64 {
+    pub(crate) fn prior_of_one(self, tuning: &Tuning) -> f64 {
         if self == Self::Beginning { tuning.one_loses } else { tuning.one_is_low }
     }
 }

@@ -1,7 +1,7 @@
 //! Which tires are low: sixteen hypotheses against what is believed of the radii (`docs/math/wheel-speed.md`, eq. 9-11, 20).
 
 use super::config::LoadUncertainty;
-use crate::decision::{LOSS, Probabilities, SETS, Tuning};
+use crate::decision::{LOSS, Probabilities, SETS, Since, Tuning};
 use crate::memory::Blank;
 use crate::model::SEEN;
 use crate::real::Real;
@@ -10,11 +10,11 @@ use crate::torsion::TorsionEvidence;
 /// Priors and low tires are the [decision](crate::decision)'s.
 const DECISION: Tuning = Tuning::DEFAULT;
 /// How far radii of tires that are not low move by themselves, in thousandths: from one drive to another, and while the car is driven.
-pub(super) const FINE_SD: f64 = 0.2;
+const FINE_SD: f64 = 0.2;
 pub(super) const FINE_DRIVING_SD: f64 = 0.1;
-/// Prior that both tires of an axle lose their air in one drive over that of both of a side; since a calibration both are as frequent. In a drive it takes
-/// two accidents, while what moves one axle against the other is the slip of another road.
-pub(super) const AXLE_DRIVING: f64 = 0.01;
+/// Prior that both tires of an axle lose their air in one drive over that of both of a side: it takes two accidents, while what moves one axle against the
+/// other is the slip of another road.
+const AXLE_DRIVING: f64 = 0.01;
 /// A loss of a fifth of the pressure, as `-ln 0.8`.
 pub(super) const FIFTH: f64 = 0.223_143_55;
 /// Sd of a low tire's loss as `ln` of its pressure, in losses of a fifth: the sd of its share over the share left.
@@ -27,8 +27,8 @@ const HYPOTHESES: usize = 2 * SETS - 1 + 4;
 /// one over that of one wheel.
 const UNEXPLAINED_SD: [f64; 3] = [4.0, 4.0, 10.0];
 pub(super) const UNEXPLAINED: f64 = 0.005;
-/// `ln (1 / DECISION.one_loses) + ln 99`: log-likelihood ratio that gives a wheel the probability 0.99.
-const TO_BE_FOUND: f64 = 11.5;
+/// Odds of what is reported: .99.
+const SURE: f64 = 99.0;
 /// The loss that pulses are tested for, as `-ln` of the share left.
 const PULSES_LN: f64 = 0.278;
 /// Radius per load, in thousandths: -6.4e-4 of it for a tenth more.
@@ -50,28 +50,25 @@ pub(super) struct Decision<T> {
 }
 
 impl<T: Real> Decision<T> {
-    /// From the changes of the three ratios of radii with their covariance, in thousandths, the drift of radii without a loss, `fifth` (the
-    /// change by a loss of a fifth), the evidence of tooth pulses alone, and the priors of the `unexplained` hypothesis over that of one
-    /// wheel and of an `axle` over that of a side.
+    /// From the changes of the three ratios of radii `since` then with their covariance, in thousandths, `fifth` (the change by a loss of a fifth), the
+    /// evidence of tooth pulses alone, and the prior of the `unexplained` hypothesis over that of one wheel.
     pub(super) fn of(
         change: &[T; 3],
         covariance: &Triangle<T>,
-        fine_sd: f64,
+        since: Since,
         fifth: T,
         torsion: &TorsionEvidence<T>,
-        [unexplained, axle]: [T; 2],
+        unexplained: T,
     ) -> Self {
-        let unexplained = left_unexplained(change, covariance, unexplained) + torsion.log_likelihood(0);
+        let (fine_sd, one) = (fine_sd(since), T::lit(since.prior_of_one(&DECISION)));
+        let unexplained = left_unexplained(change, covariance, unexplained * one) + torsion.log_likelihood(0);
         let mut all = [(T::zero(), [T::zero(); 4], [T::zero(); 4]); HYPOTHESES];
         let mut best = unexplained;
         for (number, (log, mean, variance)) in all.iter_mut().enumerate() {
             let (set, hypothesis) = Hypothesis::numbered(number, fine_sd, fifth);
             let likelihood;
             (likelihood, *mean, *variance) = hypothesis.against(change, covariance);
-            *log = likelihood + torsion.log_likelihood(set) + DECISION.log_prior(set, DECISION.one_loses);
-            if set == 0b0011 || set == 0b1100 {
-                *log += axle.ln_fast();
-            }
+            *log = likelihood + torsion.log_likelihood(set) + log_prior(set, since);
             if number != set {
                 *log += T::lit(DECISION.nearly_flat).ln_fast();
             }
@@ -165,6 +162,23 @@ impl<T: Real> Hypothesis<T> {
     }
 }
 
+/// How far radii of tires that are not low move by themselves since then, in thousandths.
+fn fine_sd(since: Since) -> f64 {
+    if since == Since::Beginning { FINE_DRIVING_SD } else { FINE_SD }
+}
+
+/// Log of the prior of a set against none.
+fn log_prior<T: Real>(set: usize, since: Since) -> T {
+    let is_axle = set == 0b0011 || set == 0b1100;
+    let one = since.prior_of_one(&DECISION);
+    DECISION.log_prior(set, if is_axle && since == Since::Beginning { AXLE_DRIVING * one } else { one })
+}
+
+/// Log-likelihood ratio that gives a wheel the probability .99.
+fn to_be_found<T: Real>(since: Since) -> T {
+    T::lit(SURE / since.prior_of_one(&DECISION)).ln_fast()
+}
+
 /// Log likelihood without constants, and prior, of ratios that no set of losses leaves.
 fn left_unexplained<T: Real>(change: &[T; 3], covariance: &Triangle<T>, prior: T) -> T {
     let [front, rear, axles] = UNEXPLAINED_SD.map(|sd| T::lit(sd * sd));
@@ -174,7 +188,7 @@ fn left_unexplained<T: Real>(change: &[T; 3], covariance: &Triangle<T>, prior: T
     }
     let Some((inverse, determinant)) = inverse(&expected) else { return T::lit(-1e30) };
     let square = dot(change, &times(&inverse, change));
-    T::lit(-0.5) * (square + determinant.ln_fast()) + (T::lit(DECISION.one_loses) * prior).ln_fast()
+    T::lit(-0.5) * (square + determinant.ln_fast()) + prior.ln_fast()
 }
 
 /// The smallest loss of this wheel alone that would be found, as `-ln` of the share of the pressure that it leaves: its squared distance
@@ -182,21 +196,22 @@ fn left_unexplained<T: Real>(change: &[T; 3], covariance: &Triangle<T>, prior: T
 pub(super) fn least_found<T: Real>(
     wheel: usize,
     covariance: &Triangle<T>,
-    fine_sd: f64,
+    since: Since,
     per_ln: T,
     torsion: &TorsionEvidence<T>,
 ) -> T {
     let mut noise = *covariance;
-    add_radii(&mut noise, fine_sd);
+    add_radii(&mut noise, fine_sd(since));
     let step = SEEN.get(wheel).map_or([T::zero(); 3], |seen| seen.map(|x| T::lit(x) * per_ln));
     let radii = inverse(&noise).map_or(T::zero(), |(inverse, _)| dot(&step, &times(&inverse, &step)));
     let pulses = torsion.distance(1 << wheel) * T::lit(1.0 / (PULSES_LN * PULSES_LN));
-    (T::lit(2.0 * TO_BE_FOUND) / (radii + pulses)).sqrt()
+    (T::lit(2.0) * to_be_found(since) / (radii + pulses)).sqrt()
 }
 
 /// Whether a loss of all four alike would be found: radii say nothing of it, and its prior is half of one wheel's.
 pub(super) fn all_would_be_found<T: Real>(torsion: &TorsionEvidence<T>) -> bool {
-    torsion.distance(SETS - 1) > T::lit(2.0 * (TO_BE_FOUND + core::f64::consts::LN_2))
+    torsion.distance(SETS - 1)
+        > T::lit(2.0) * (to_be_found::<T>(Since::Beginning) + T::lit(core::f64::consts::LN_2))
 }
 
 /// Adds what each radius does by itself to the three ratios.
@@ -276,7 +291,7 @@ mod tests {
     fn every_pattern_is_named_by_its_ratios_but_all_four() {
         for number in 1..15usize {
             let radius = core::array::from_fn(|i| if number & (1 << i) == 0 { 0.0 } else { -2.0 });
-            let decision = Decision::of(&seen(radius), &SHARP, FINE_SD, 1.6, &NO_PULSES, [UNEXPLAINED, 1.0]);
+            let decision = Decision::of(&seen(radius), &SHARP, Since::Ever, 1.6, &NO_PULSES, UNEXPLAINED);
             let most = decision.sets.of_set().iter().copied().fold(0.0, f64::max);
             assert_eq!(decision.sets.of_set()[number], most, "{number:04b}");
             // Three at once are so rare that the unexplained hypothesis is not much less probable.
@@ -292,7 +307,7 @@ mod tests {
                 assert!((decision.change[wheel] - radius).abs() < 3.0 * decision.change_sd[wheel]);
             }
         }
-        let decision = Decision::of(&[0.0; 3], &SHARP, FINE_SD, 1.6, &NO_PULSES, [UNEXPLAINED, 1.0]);
+        let decision = Decision::of(&[0.0; 3], &SHARP, Since::Ever, 1.6, &NO_PULSES, UNEXPLAINED);
         assert!(decision.sets.of_set()[0] > 0.99);
     }
 
@@ -302,26 +317,26 @@ mod tests {
     fn an_empty_tire_is_named_at_once_and_a_slipping_axle_is_none() {
         for wheel in 0..4 {
             let radius = core::array::from_fn(|i| if i == wheel { -20.0 } else { 0.0 });
-            let decision = Decision::of(&seen(radius), &SHARP, FINE_SD, 1.56, &NO_PULSES, [1.0, 1.0]);
+            let decision = Decision::of(&seen(radius), &SHARP, Since::Ever, 1.56, &NO_PULSES, 1.0);
             assert!(decision.sets.low(Corner::ALL[wheel]) > 0.99, "{wheel}: {:?}", decision.sets);
             assert!((decision.change[wheel] + 20.0).abs() < 3.0 * decision.change_sd[wheel]);
         }
-        let slips = Decision::of(&[3.0, 0.0, 8.0], &SHARP, FINE_SD, 1.56, &NO_PULSES, [1.0, 1.0]);
+        let slips = Decision::of(&[3.0, 0.0, 8.0], &SHARP, Since::Ever, 1.56, &NO_PULSES, 1.0);
         assert!(slips.sets.any_low() < 0.5, "{:?}", slips.sets);
     }
 
-    /// With radii of tires that stray by .2 each a ratio of two has .08 by itself: with as much again a front tire's `2 · 11.5 = 23` are
+    /// With radii of tires that stray by .2 each a ratio of two has .08 by itself: with as much again a front tire's `2 ln(99 / .025)` are
     /// `x² (1 / .16 + .25 / (4 + .04))` with `x = 7 ln`.
     #[test]
     fn the_least_loss_that_is_found_is_where_prior_and_threshold_meet() {
         let covariance = [0.08, 0.0, 0.08, 0.0, 0.0, 4.0];
-        let expected = (23.0 / (1.0 / 0.16 + 0.25 / 4.04f64)).sqrt() / 7.0;
-        let found = least_found(0, &covariance, FINE_SD, 7.0, &NO_PULSES);
+        let expected = (2.0 * (99.0 / 0.025f64).ln() / (1.0 / 0.16 + 0.25 / 4.04f64)).sqrt() / 7.0;
+        let found = least_found(0, &covariance, Since::Ever, 7.0, &NO_PULSES);
         assert!((found - expected).abs() < 1e-9, "{found} {expected}");
         // What is found there has as good as reached the threshold, whatever of its size is expected.
         let at = |loss: f64| {
             let change = seen([-7.0 * loss, 0.0, 0.0, 0.0]);
-            Decision::of(&change, &covariance, FINE_SD, 1.56, &NO_PULSES, [UNEXPLAINED, 1.0])
+            Decision::of(&change, &covariance, Since::Ever, 1.56, &NO_PULSES, UNEXPLAINED)
                 .sets
                 .low(Corner::ALL[0])
         };
@@ -337,7 +352,7 @@ mod tests {
         assert!((covariance[2] - (0.01 + 0.384 * 0.384 + 0.04)).abs() < 1e-12);
         let low = |wheel: usize| {
             let radius = core::array::from_fn(|i| if i == wheel { -2.0 } else { 0.0 });
-            Decision::of(&seen(radius), &covariance, FINE_SD, 1.6, &NO_PULSES, [UNEXPLAINED, 1.0])
+            Decision::of(&seen(radius), &covariance, Since::Ever, 1.6, &NO_PULSES, UNEXPLAINED)
                 .sets
                 .low(Corner::ALL[wheel])
         };
@@ -351,24 +366,24 @@ mod tests {
             information: [1.0 / 50.0; 4],
             reference_kpa: [240.0; 4],
         };
-        let alike = Decision::of(&[0.0; 3], &SHARP, FINE_SD, 1.6, &pulses([-56.0; 4]), [UNEXPLAINED, 1.0]);
+        let alike = Decision::of(&[0.0; 3], &SHARP, Since::Ever, 1.6, &pulses([-56.0; 4]), UNEXPLAINED);
         assert!((0..4).all(|wheel| alike.sets.low(Corner::ALL[wheel]) > 0.99), "{:?}", alike.sets);
         // A tenth of the pressure, as of a cold morning, is nothing.
-        let cold = Decision::of(&[0.0; 3], &SHARP, FINE_SD, 1.6, &pulses([-24.0; 4]), [UNEXPLAINED, 1.0]);
+        let cold = Decision::of(&[0.0; 3], &SHARP, Since::Ever, 1.6, &pulses([-24.0; 4]), UNEXPLAINED);
         assert!(cold.sets.of_set()[0] > 0.99, "{:?}", cold.sets.of_set());
         // With loads of unknown size the radii of an axle say little: a larger load may have done it.
         let mut covariance = SHARP;
         add_load(&mut covariance, &LoadUncertainty::unknown(), 1.0);
         let change = seen([0.0, 0.0, -2.0, -2.0]);
         let (without, with) = (
-            Decision::of(&change, &covariance, FINE_SD, 1.6, &NO_PULSES, [UNEXPLAINED, 1.0]),
+            Decision::of(&change, &covariance, Since::Ever, 1.6, &NO_PULSES, UNEXPLAINED),
             Decision::of(
                 &change,
                 &covariance,
-                FINE_SD,
+                Since::Ever,
                 1.6,
                 &pulses([0.0, 0.0, -58.0, -58.0]),
-                [UNEXPLAINED, 1.0],
+                UNEXPLAINED,
             ),
         );
         assert!(

@@ -5,11 +5,12 @@
 use nalgebra::ComplexField;
 
 use super::*;
+use crate::decision::Since;
 use crate::model::Corner;
 use crate::random::Random;
 use crate::torsion::TorsionEvidence;
 use crate::wheel_speed::LoadUncertainty;
-use crate::wheel_speed::hypotheses::{Decision, FINE_SD, PLACES, UNEXPLAINED, add_load};
+use crate::wheel_speed::hypotheses::{Decision, PLACES, UNEXPLAINED, add_load};
 
 const BEGAN_S: f64 = 1.7e9;
 const MOST_DAYS: usize = 6;
@@ -165,7 +166,7 @@ fn first_named(
         }
         let mut alone = core::array::from_fn(|i| own[i] + calibration[i]);
         add_load(&mut alone, &LoadUncertainty::unknown(), 1.0);
-        let day = Decision::of(&change, &alone, FINE_SD, 1.56, &TorsionEvidence::BLANK, [UNEXPLAINED, 1.0]);
+        let day = Decision::of(&change, &alone, Since::Ever, 1.56, &TorsionEvidence::BLANK, UNEXPLAINED);
         if let Some(found) = (0..4).find(|wheel| day.sets.low(Corner::ALL[*wheel]) > 0.99) {
             named[0] = named[0].or(Some((k, found == wheel)));
         }

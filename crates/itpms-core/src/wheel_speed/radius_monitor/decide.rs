@@ -1,6 +1,7 @@
 //! Losses by the radii: while the car drives, since the calibration, and over days (`docs/math/wheel-speed.md`, sections 4 and 5).
 
 use super::RadiusMonitor;
+use crate::decision::Since;
 use crate::memory::Blank;
 use crate::model::{Corner, Wheels};
 use crate::real::Real;
@@ -9,8 +10,7 @@ use crate::wheel_speed::block::{BLOCK_S, Block};
 use crate::wheel_speed::calibration::RadiusCalibration;
 use crate::wheel_speed::days::{DAY_S, RadiusDay, RadiusDays, SlowLeak};
 use crate::wheel_speed::hypotheses::{
-    AXLE_DRIVING, Decision, FIFTH, FINE_DRIVING_SD, FINE_SD, PLACES, Triangle, add_load, add_radii,
-    all_would_be_found, least_found,
+    Decision, FIFTH, FINE_DRIVING_SD, PLACES, Triangle, add_load, add_radii, all_would_be_found, least_found,
 };
 use crate::wheel_speed::report::{RadiusState, Unseen};
 use crate::wheel_speed::state::{CHANGE, OFFSET, SCALE};
@@ -112,29 +112,21 @@ impl<T: Real> RadiusMonitor<T> {
         let nothing = TorsionEvidence::BLANK;
         let torsion = if since.is_some() { &nothing } else { &self.torsion };
         let unexplained = self.report.unexplained();
-        let mut decision = Decision::of(
-            &change,
-            &covariance,
-            FINE_DRIVING_SD,
-            fifth,
-            torsion,
-            [unexplained, T::lit(AXLE_DRIVING)],
-        );
+        let mut decision = Decision::of(&change, &covariance, Since::Beginning, fifth, torsion, unexplained);
         let mut differ = (change, covariance);
         let least: [T; 4];
         if let Some((change, covariance)) = since {
-            let across =
-                Decision::of(&change, &covariance, FINE_SD, fifth, &self.torsion, [unexplained, T::one()]);
+            let across = Decision::of(&change, &covariance, Since::Ever, fifth, &self.torsion, unexplained);
             if !(decision.sets.any_low() > across.sets.any_low()) {
                 decision = across;
             }
             differ = (change, covariance);
-            least = core::array::from_fn(|i| least_found(i, &covariance, FINE_SD, per_ln, &self.torsion));
+            least = core::array::from_fn(|i| least_found(i, &covariance, Since::Ever, per_ln, &self.torsion));
         } else {
             // That radii have not moved is believed without any sample; what moves one stands out from how well its offset is known.
             let noise = core::array::from_fn(|i| covariance[i] + offsets[i]);
             least = core::array::from_fn(|i| {
-                T::lit(DRIVING_MARGIN) * least_found(i, &noise, FINE_DRIVING_SD, per_ln, &self.torsion)
+                T::lit(DRIVING_MARGIN) * least_found(i, &noise, Since::Beginning, per_ln, &self.torsion)
             });
         }
         self.report.unseen = Unseen {
