@@ -7,7 +7,6 @@ crate::tuning::tuning! {
     /// a second; logs are natural ones.
     pub struct Tuning {
         // All detectors.
-
         /// Speed in m/s above which a car moves.
         moving_m_s: f64 = 1.5,
         /// Speed in m/s above which sensors are compared with each other: from 2.5 on 4 % of a city drive were lost.
@@ -22,7 +21,6 @@ crate::tuning::tuning! {
         hysteresis: f64 = 0.5,
 
         // A single sensor.
-
         /// Longest time between samples that follow one another, in periods.
         longest_step: f64 = 1.5,
         /// Share of missing values up to which a sensor is fine and compared with others.
@@ -53,7 +51,6 @@ crate::tuning::tuning! {
         spikes: DebounceTimes = DebounceTimes { set_s: 0.0, clear_s: 15.0 },
 
         // Noise.
-
         /// Noise power over that of the same sensors at the other corners that is too much.
         noisy: f64 = 6.0,
         /// Length in s of the parts of a block whose quietest one counts as its noise: a pothole is not in all of them.
@@ -65,7 +62,6 @@ crate::tuning::tuning! {
         compared: DebounceTimes = DebounceTimes { set_s: 3.0, clear_s: 5.0 },
 
         // Moments of all sensors.
-
         /// Blocks over which the moments in the hop band are averaged.
         hop_blocks: f64 = 12.0,
         /// Blocks over which the moments in the bounce band are averaged.
@@ -76,7 +72,6 @@ crate::tuning::tuning! {
         hop_over_noise: f64 = 3.0,
 
         // Body and wheel swapped.
-
         /// Blocks over which the ratio of a corner's wheel to its body is averaged.
         ratio_blocks: f64 = 4.0,
         /// Log of wheel over body power in the hop band below which a body moves like a wheel or a wheel like a body. A healthy corner has 4 to 6.
@@ -89,7 +84,6 @@ crate::tuning::tuning! {
         over_alike: f64 = 2.0,
 
         // Sensors of corners swapped, and wheels upside down.
-
         /// Sum over time of what speaks for a swap (7a) from which it is reported, if that shall happen once in a hundred hours by chance: the log
         /// of those over the memory of the moments, 6 s.
         swap_sum: f64 = 11.0,
@@ -109,7 +103,6 @@ crate::tuning::tuning! {
         left_warp: f64 = 0.02,
 
         // Gain of a body sensor.
-
         /// Log of a body sensor's gain that is wrong.
         body_gain_wrong: f64 = 0.2,
         /// The same that is fine again.
@@ -120,7 +113,6 @@ crate::tuning::tuning! {
         body_gain: DebounceTimes = DebounceTimes { set_s: 5.0, clear_s: 5.0 },
 
         // Gain of a wheel sensor: balance of the four.
-
         /// Blocks over which ratios in the slow band and power in the hop band are averaged.
         balance_blocks: f64 = 20.0,
         /// The most that a block counts of a ratio's log, where it is judged: a hole under one wheel makes two of a single block.
@@ -144,14 +136,12 @@ crate::tuning::tuning! {
         balance: DebounceTimes = DebounceTimes { set_s: 5.0, clear_s: 10.0 },
 
         // Gain of a wheel sensor: changes, by a jump or a shift.
-
         /// Debouncing of a change, which is only suspected.
         change: DebounceTimes = AT_ONCE,
         /// Seconds of driving after which a change that nothing else explains is taken for another car: a load that was moved, a damper that broke.
         change_longest_s: f64 = 120.0,
 
         // A jump, in the middle one of the newest blocks.
-
         /// Blocks over which the usual ratio is averaged.
         jump_usual_blocks: u32 = 40,
         /// Blocks after which it is known.
@@ -170,7 +160,6 @@ crate::tuning::tuning! {
         jump_hop: f64 = 0.2,
 
         // A shift, in averages over seconds.
-
         /// Share of the average that must be filled before it counts.
         shift_filled: f64 = 0.6,
         /// What a wheel does to the body over another one, as a share of the power that it gives the one over itself.
@@ -196,7 +185,6 @@ crate::tuning::tuning! {
         shift_wait_s: f64 = 15.0,
 
         // Standstill.
-
         /// Speed in m/s, forwards or backwards, up to which a car counts as standing. On the worst road it shakes its wheels with 1 m/s² rms at 0.2 m/s.
         standing_m_s: f64 = 0.1,
         /// Seconds over which the wheels' motion is measured.
@@ -205,7 +193,6 @@ crate::tuning::tuning! {
         rolling_m_s2: f64 = 1.0,
 
         // Decorrelation of front and rear.
-
         /// Incoherence near wheel hop above which tracks may be parting. No puncture on a shared road brings it above 0.01.
         parting: f64 = 0.03,
         /// Times what it was before above which it is: where it is higher anyway, no puncture quadruples it.
