@@ -1,50 +1,18 @@
 //! Faults that show between several sensors: swapped, or with a wrong gain.
 
-use crate::diagnosis::debounce::{COMPARED, DebounceTimes, Evidence};
+use crate::diagnosis::debounce::{DebounceTimes, Evidence};
 use crate::diagnosis::fault_latch::{FaultLatch, SwapPattern};
 use crate::diagnosis::matching::{Changed, Following, PAIRS, Plane, following, gathered, median};
 use crate::diagnosis::moments::Moments;
-use crate::diagnosis::signals::{BOUNCE_HZ, Block, HOP_BLOCKS, SLOW_HZ, width_hz};
+use crate::diagnosis::signals::{BOUNCE_HZ, Block, SLOW_HZ, width_hz};
 use crate::diagnosis::single_sensor::evidence;
 use crate::diagnosis::wheel_gain::balance::WheelGainBalance;
 use crate::diagnosis::wheel_gain::jump::{Hop, WheelGainJump, jumps};
 use crate::diagnosis::wheel_gain::shift::WheelGainShift;
-use crate::diagnosis::{Fault, Malfunction, Place, Sensor};
+use crate::diagnosis::{Fault, Malfunction, Place, Sensor, Tuning};
 use crate::memory::Blank;
 use crate::model::{Corner, HOP_BAND_HZ, SURELY_SD, Wheels};
 use crate::real::Real;
-
-/// Blocks over which bounce is averaged.
-const BOUNCE_BLOCKS: f64 = 5.0;
-/// Blocks over which the ratio of a corner's wheel to its body is averaged.
-const RATIO_BLOCKS: f64 = 4.0;
-/// Power over the sensors' noise in a band from which it counts.
-const OVER_NOISE: f64 = 10.0;
-
-/// Log of wheel over body power in the hop band below which a body moves like a wheel or a wheel like a body; above
-/// which it does not; and below which both do. A healthy corner has 4 to 6.
-const ODD: f64 = 0.7;
-const NOT_ODD: f64 = 1.7;
-const CROSSED: f64 = -1.5;
-/// Power of a body over its sensor's noise in the hop band from which it says what a wheel's hop does to it.
-const ABOVE_NOISE: f64 = 3.0;
-/// How much more than the other bodies a body moves that is a wheel, and how much less than the other wheels
-/// a wheel that is a body, as a log of powers.
-const LIKE_A_WHEEL: f64 = 2.0;
-
-/// Sum over time of what speaks for a swap (7a) from which it is reported, if that shall happen once in a hundred hours by chance: the log of those over the
-/// memory of the moments, 6 s; and the share of it from which the two sensors are not believed.
-const SURE: f64 = 11.0;
-const SUSPECTED: f64 = 0.25;
-const SWAP: DebounceTimes = DebounceTimes { set_s: 4.0, clear_s: 4.0 };
-
-/// Warp of the body's plane, as a share of all power, that is none, and that is a sensor's fault. A healthy car has less than 0.01.
-const FLAT: f64 = 0.01;
-const BENT: f64 = 0.04;
-/// Log of a body's gain that is wrong; and that is fine again.
-const BODY_GAIN: f64 = 0.2;
-const BODY_GAIN_FINE: f64 = 0.12;
-const GAIN: DebounceTimes = DebounceTimes { set_s: 5.0, clear_s: 5.0 };
 
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -112,48 +80,56 @@ impl<T: Real> CrossSensorPlausibility<T> {
     }
 
     /// Takes a block of a car that drives, with all eight sensors there and none of them odd by itself.
-    pub(crate) fn take(&mut self, at: [f64; 2], block: &Block<T>) {
+    pub(crate) fn take(&mut self, at: [f64; 2], block: &Block<T>, tuning: &Tuning) {
         if self.patterns != [SwapPattern::AsLabeled; 4] {
             return;
         }
-        self.average(block);
-        let plane = self.plane();
-        let following = self.hop.mean().and_then(|hop| following(&hop));
-        self.judge_pairs(at, following.as_ref(), plane.as_ref());
-        self.judge_corners(at, following.as_ref(), plane.as_ref());
-        self.judge_direction(at, following.as_ref(), plane.as_ref());
-        self.judge_body_gains(at, plane.as_ref());
-        self.wheel_gains.judge(at, plane.is_some_and(|plane| plane.warp < T::lit(FLAT)));
+        self.average(block, tuning);
+        let plane = self.plane(tuning);
+        let following = self.hop.mean(tuning.filled).and_then(|hop| following(&hop, tuning));
+        self.judge_pairs(at, following.as_ref(), plane.as_ref(), tuning);
+        self.judge_corners(at, following.as_ref(), plane.as_ref(), tuning);
+        self.judge_direction(at, following.as_ref(), plane.as_ref(), tuning);
+        self.judge_body_gains(at, plane.as_ref(), tuning);
+        let flat = plane.is_some_and(|plane| plane.warp < T::lit(tuning.flat_warp));
+        self.wheel_gains.judge(at, flat, tuning);
     }
 
-    fn noise(&self, i: Corner, band_hz: [f64; 2]) -> T {
-        self.noise_density[i] * T::lit(width_hz(band_hz) * OVER_NOISE)
+    fn noise(&self, i: Corner, band_hz: [f64; 2], tuning: &Tuning) -> T {
+        self.noise_density[i] * T::lit(width_hz(band_hz) * tuning.over_noise)
     }
 
-    fn average(&mut self, block: &Block<T>) {
-        let all = |band_hz| move |cross_sensor: &Self| Corner::ALL.map(|i| cross_sensor.noise(i, band_hz));
-        let (hop, bounce) = (all(HOP_BAND_HZ)(self), all(BOUNCE_HZ)(self));
+    fn average(&mut self, block: &Block<T>, tuning: &Tuning) {
+        let [hop, bounce, slow_noise] = [HOP_BAND_HZ, BOUNCE_HZ, SLOW_HZ]
+            .map(|band_hz| Corner::ALL.map(|i| self.noise(i, band_hz, tuning)));
         // What the struts make of the wheels is what bodies should do: both must be there.
-        if (0..4).all(|i| block.hop[(4 + i, 4 + i)] > T::lit(0.3) * hop[i]) {
+        let least = T::lit(tuning.hop_over_noise / tuning.over_noise);
+        if (0..4).all(|i| block.hop[(4 + i, 4 + i)] > least * hop[i]) {
             let wheels = block.hop.fixed_view::<4, 4>(4, 4).trace();
-            self.hop.add_block(&block.hop, wheels, HOP_BLOCKS);
+            self.hop.add_block(&block.hop, wheels, tuning.hop_blocks);
         }
         if (0..4).any(|i| block.bounce[(i, i)] > bounce[i]) {
-            self.bounce.add_block(&block.bounce, block.bounce.trace(), BOUNCE_BLOCKS);
+            self.bounce.add_block(&block.bounce, block.bounce.trace(), tuning.bounce_blocks);
         }
         let slow = block.slow.iter().fold(T::zero(), |sum, power| sum + *power);
         // A body's sensor and a wheel's at each corner.
-        let noise = all(SLOW_HZ)(self).into_iter().fold(T::zero(), |sum, noise| sum + noise);
-        self.wheel_gains.average(block, slow > T::lit(2.0) * noise);
+        let noise = slow_noise.into_iter().fold(T::zero(), |sum, noise| sum + noise);
+        self.wheel_gains.average(block, slow > T::lit(2.0) * noise, tuning);
     }
 
-    fn plane(&self) -> Option<Plane<T>> {
-        Plane::of(&self.bounce.mean()?, T::zero())
+    fn plane(&self, tuning: &Tuning) -> Option<Plane<T>> {
+        Plane::of(&self.bounce.mean(tuning.filled)?, T::zero())
     }
 
     /// Takes a block of a car that drives: does each wheel hop, and each body not? `alive`: the corners whose sensors move
     /// and whose values come.
-    pub(crate) fn compare_wheel_and_body(&mut self, at: [f64; 2], block: &Block<T>, alive: [bool; 4]) {
+    pub(crate) fn compare_wheel_and_body(
+        &mut self,
+        at: [f64; 2],
+        block: &Block<T>,
+        alive: [bool; 4],
+        tuning: &Tuning,
+    ) {
         self.newest_ratio = [T::lit(f64::NAN); 4];
         let body = |corner: Corner| block.hop[(corner.index(), corner.index())];
         let others = |power: &dyn Fn(Corner) -> T, own: Corner| {
@@ -163,22 +139,23 @@ impl<T: Real> CrossSensorPlausibility<T> {
         };
         for corner in Corner::ALL.into_iter().filter(|&corner| alive[corner]) {
             let (b, w) = (body(corner), block.wheel_hop[corner]);
-            if !(b.max(w) > self.noise(corner, HOP_BAND_HZ)) {
+            if !(b.max(w) > self.noise(corner, HOP_BAND_HZ, tuning)) {
                 continue;
             }
             let ratio = (w / b).ln();
             self.newest_ratio[corner] = ratio;
             let before = self.ratio[corner];
-            let share = T::lit(1.0 / RATIO_BLOCKS);
+            let share = T::lit(1.0 / tuning.ratio_blocks);
             self.ratio[corner] = if before.is_finite() { before + share * (ratio - before) } else { ratio };
             let ratio = self.ratio[corner];
             let sensor = |place| Sensor { corner, place };
             // A wheel that reads little, or a body that reads much, is not a swap: then only one of the two differs from the other corners.
-            let body_is_wheel = !((b / others(&body, corner)).ln() < T::lit(LIKE_A_WHEEL));
+            let body_is_wheel = !((b / others(&body, corner)).ln() < T::lit(tuning.over_alike));
             let wheel_is_body =
-                !((others(&|other| block.wheel_hop[other], corner) / w).ln() < T::lit(LIKE_A_WHEEL));
-            self.patterns[corner] = match (ratio < T::lit(ODD), body_is_wheel, wheel_is_body) {
-                (true, true, true) if ratio < T::lit(CROSSED) => SwapPattern::Crossed,
+                !((others(&|other| block.wheel_hop[other], corner) / w).ln() < T::lit(tuning.over_alike));
+            self.patterns[corner] = match (ratio < T::lit(tuning.swapped_ratio), body_is_wheel, wheel_is_body)
+            {
+                (true, true, true) if ratio < T::lit(tuning.crossed_ratio) => SwapPattern::Crossed,
                 (true, true, false) => SwapPattern::BodyIsWheel,
                 (true, false, true) => SwapPattern::WheelIsBody,
                 _ => SwapPattern::AsLabeled,
@@ -188,28 +165,30 @@ impl<T: Real> CrossSensorPlausibility<T> {
                 SwapPattern::Crossed => Malfunction::Swapped(sensor(Place::Body), sensor(Place::Wheel)),
                 _ => Malfunction::Inconsistent(corner),
             };
-            self.odd[corner].update(at, evidence(odd, ratio > T::lit(NOT_ODD)), COMPARED, || malfunction);
+            let evidence = evidence(odd, ratio > T::lit(tuning.normal_ratio));
+            self.odd[corner].update(at, evidence, tuning.compared, || malfunction);
         }
     }
 
     /// Whether body and wheel of a corner may be swapped.
-    pub(crate) fn is_odd(&self, corner: Corner) -> bool {
+    pub(crate) fn is_odd(&self, corner: Corner, tuning: &Tuning) -> bool {
         self.patterns[corner] != SwapPattern::AsLabeled
-            || self.newest_ratio[corner] < T::lit(NOT_ODD)
+            || self.newest_ratio[corner] < T::lit(tuning.normal_ratio)
             || self.odd[corner].debouncer.is_suspected()
     }
 
     /// Takes the block that was just compared, of a car none of whose sensors is odd by itself: has what a wheel does to its body
     /// changed at once?
-    pub(crate) fn look_for_jumps(&mut self, at: [f64; 2], block: &Block<T>) {
+    pub(crate) fn look_for_jumps(&mut self, at: [f64; 2], block: &Block<T>, tuning: &Tuning) {
         // What a wheel does to a body is the corner's own only while all bodies are one.
-        if self.plane().is_some_and(|plane| plane.warp > T::lit(BENT)) {
+        if self.plane(tuning).is_some_and(|plane| plane.warp > T::lit(tuning.bent_warp)) {
             self.drop_gain_suspicions();
             return;
         }
+        let least = T::lit(tuning.hop_over_noise / tuning.over_noise);
         let is_above_noise = |corner: Corner| {
             let i = corner.index();
-            let loud = block.hop[(i, i)] > T::lit(ABOVE_NOISE / OVER_NOISE) * self.noise(corner, HOP_BAND_HZ);
+            let loud = block.hop[(i, i)] > least * self.noise(corner, HOP_BAND_HZ, tuning);
             loud && self.newest_ratio[corner].is_finite() && block.hop[(4 + i, 4 + i)] > T::zero()
         };
         let latches = self.odd.iter().chain(&self.pairs).chain(&self.reversed).chain(&self.corners);
@@ -223,24 +202,30 @@ impl<T: Real> CrossSensorPlausibility<T> {
                 let strut_over_body = (block.hop[(4 + i, 4 + i)] / block.hop[(i, i)]).ln();
                 Hop { strut_over_body, wheel_over_strut: self.newest_ratio[corner] - strut_over_body }
             };
-            jumps(&mut self.jumps, at, &Corner::ALL.map(hop), explained);
+            jumps(&mut self.jumps, at, &Corner::ALL.map(hop), explained, tuning);
             // What a swapped sensor reads is so much more than its own that averages would be long in forgetting it.
-            if !Corner::ALL.into_iter().any(|corner| self.is_odd(corner)) {
-                self.shifts.take(at, block, explained);
+            if !Corner::ALL.into_iter().any(|corner| self.is_odd(corner, tuning)) {
+                self.shifts.take(at, block, explained, tuning);
             }
         }
     }
 
-    fn judge_pairs(&mut self, at: [f64; 2], following: Option<&Following<T>>, plane: Option<&Plane<T>>) {
-        let bent = plane.filter(|plane| plane.warp > T::lit(BENT));
+    fn judge_pairs(
+        &mut self,
+        at: [f64; 2],
+        following: Option<&Following<T>>,
+        plane: Option<&Plane<T>>,
+        tuning: &Tuning,
+    ) {
+        let bent = plane.filter(|plane| plane.warp > T::lit(tuning.bent_warp));
         let place = if bent.is_some() { Place::Body } else { Place::Wheel };
         let Some(Following { own_over_other, .. }) = following else { return };
         let least = own_over_other.iter().fold(own_over_other[0], |least, other| least.min(*other));
-        let (step_s, sure) = (T::lit(at[1]), T::lit(SURE));
+        let (step_s, sure) = (T::lit(at[1]), T::lit(tuning.swap_sum));
         for (k, [i, j]) in PAIRS.into_iter().enumerate() {
             let own = own_over_other[k];
             // Bodies that are no plane, and none if two of them change places, are not one rigid body: each follows other wheels, too.
-            if !own.is_finite() || bent.is_some_and(|plane| !plane.is_put_back_by([i, j])) {
+            if !own.is_finite() || bent.is_some_and(|plane| !plane.is_put_back_by([i, j], tuning)) {
                 continue;
             }
             if own > T::zero() || own <= least {
@@ -248,7 +233,7 @@ impl<T: Real> CrossSensorPlausibility<T> {
             }
             let sum = self.for_swaps[k];
             let set_s = if sum < sure { f64::INFINITY } else { 0.0 };
-            let evidence = evidence(sum > sure * T::lit(SUSPECTED), !(sum > T::zero()));
+            let evidence = evidence(sum > sure * T::lit(tuning.swap_suspected), !(sum > T::zero()));
             let sensor = |corner| Sensor { corner, place };
             let malfunction = || Malfunction::Swapped(sensor(i), sensor(j));
             self.pairs[k].update(at, evidence, DebounceTimes { set_s, clear_s: 0.0 }, malfunction);
@@ -256,14 +241,23 @@ impl<T: Real> CrossSensorPlausibility<T> {
     }
 
     /// Bodies that follow their wheels but are no plane as they are, and one if two corners change places.
-    fn judge_corners(&mut self, at: [f64; 2], following: Option<&Following<T>>, plane: Option<&Plane<T>>) {
+    fn judge_corners(
+        &mut self,
+        at: [f64; 2],
+        following: Option<&Following<T>>,
+        plane: Option<&Plane<T>>,
+        tuning: &Tuning,
+    ) {
         let own = |f: &Following<T>| f.own_over_other.iter().all(|log| *log > T::zero());
         let follows = following.is_some_and(own);
         for (word, changed) in self.corners.iter_mut().zip([Changed::Sides, Changed::Axles]) {
             let evidence = plane.map_or(Evidence::NoData, |plane| {
-                evidence(follows && plane.changed_places() == Some(changed), plane.warp < T::lit(FLAT))
+                evidence(
+                    follows && plane.changed_places(tuning) == Some(changed),
+                    plane.warp < T::lit(tuning.flat_warp),
+                )
             });
-            word.update(at, evidence, SWAP, || match changed {
+            word.update(at, evidence, tuning.swap, || match changed {
                 Changed::Sides => Malfunction::SwappedSides,
                 Changed::Axles => Malfunction::SwappedAxles,
             });
@@ -271,8 +265,14 @@ impl<T: Real> CrossSensorPlausibility<T> {
     }
 
     /// A body that goes down when its wheel goes up, while the bodies are one plane: the wheel's sensor is upside down.
-    fn judge_direction(&mut self, at: [f64; 2], following: Option<&Following<T>>, plane: Option<&Plane<T>>) {
-        let flat = plane.is_some_and(|plane| plane.warp < T::lit(BENT));
+    fn judge_direction(
+        &mut self,
+        at: [f64; 2],
+        following: Option<&Following<T>>,
+        plane: Option<&Plane<T>>,
+        tuning: &Tuning,
+    ) {
+        let flat = plane.is_some_and(|plane| plane.warp < T::lit(tuning.bent_warp));
         for corner in Corner::ALL {
             let evidence = following.filter(|_| flat).map_or(Evidence::NoData, |following| {
                 let (own, sd) = (following.own[corner], following.own_sd[corner]);
@@ -280,28 +280,30 @@ impl<T: Real> CrossSensorPlausibility<T> {
             });
             let sensor = Sensor { corner, place: Place::Wheel };
             let gain = -T::one();
-            self.reversed[corner].update(at, evidence, SWAP, || Malfunction::Gain { sensor, gain });
+            self.reversed[corner].update(at, evidence, tuning.swap, || Malfunction::Gain { sensor, gain });
         }
     }
 
-    fn judge_body_gains(&mut self, at: [f64; 2], plane: Option<&Plane<T>>) {
+    fn judge_body_gains(&mut self, at: [f64; 2], plane: Option<&Plane<T>>, tuning: &Tuning) {
         for corner in Corner::ALL {
             let mut gain = T::one();
             let evidence = plane.map_or(Evidence::NoData, |plane| {
                 gain = plane.gain;
                 let gains = [gain, plane.heave_gain];
                 let within = |gain: T, log: f64| gain > T::zero() && gain.ln().abs() < T::lit(log);
-                let wrong = gains.iter().all(|&gain| gain.is_finite() && !within(gain, BODY_GAIN))
-                    && (gain > T::one()) == (plane.heave_gain > T::one());
-                let his = plane.wrong_gain() == Some(corner);
-                let fine = gains.iter().any(|&gain| within(gain, BODY_GAIN_FINE));
+                let wrong =
+                    gains.iter().all(|&gain| gain.is_finite() && !within(gain, tuning.body_gain_wrong))
+                        && (gain > T::one()) == (plane.heave_gain > T::one());
+                let his = plane.wrong_gain(tuning) == Some(corner);
+                let fine = gains.iter().any(|&gain| within(gain, tuning.body_gain_fine));
                 evidence(
-                    his && wrong && plane.warp > T::lit(0.5 * FLAT),
-                    fine || plane.warp < T::lit(0.3 * FLAT),
+                    his && wrong && plane.warp > T::lit(0.5 * tuning.flat_warp),
+                    fine || plane.warp < T::lit(0.3 * tuning.flat_warp),
                 )
             });
             let sensor = Sensor { corner, place: Place::Body };
-            self.body_gains[corner].update(at, evidence, GAIN, || Malfunction::Gain { sensor, gain });
+            self.body_gains[corner]
+                .update(at, evidence, tuning.body_gain, || Malfunction::Gain { sensor, gain });
         }
     }
 
@@ -336,17 +338,17 @@ impl<T: Real> CrossSensorPlausibility<T> {
     }
 
     /// The corners whose gain may be about to be suspected.
-    pub(crate) fn pending_fault(&self, now_s: f64) -> Wheels {
+    pub(crate) fn pending_fault(&self, now_s: f64, tuning: &Tuning) -> Wheels {
         let is_pending = |corner: &Corner| {
-            self.shifts.is_pending_fault(*corner, now_s) || self.wheel_gains.is_pending_fault(*corner)
+            self.shifts.is_pending_fault(*corner, now_s, tuning) || self.wheel_gains.is_pending_fault(*corner)
         };
         Corner::ALL.into_iter().filter(is_pending).collect()
     }
 
     /// The corners whose sensors may be swapped, or whose gain may have changed. That a gain was wrong all the time is waited for.
-    pub(crate) fn suspects(&self) -> Wheels {
+    pub(crate) fn suspects(&self, tuning: &Tuning) -> Wheels {
         // A body that moves like its wheel is suspect at once.
-        let odd = |corner: &Corner| self.newest_ratio[*corner] < T::lit(ODD);
+        let odd = |corner: &Corner| self.newest_ratio[*corner] < T::lit(tuning.swapped_ratio);
         self.late_detection() | Corner::ALL.into_iter().filter(odd).collect()
     }
 

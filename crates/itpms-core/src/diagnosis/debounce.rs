@@ -28,8 +28,6 @@ impl Tunable for DebounceTimes {
 
 /// Set at the first sign, and cleared after a second without one.
 pub(crate) const AT_ONCE: DebounceTimes = DebounceTimes { set_s: 0.0, clear_s: 1.0 };
-/// Of a sensor that is held against others: six blocks are no chance.
-pub(crate) const COMPARED: DebounceTimes = DebounceTimes { set_s: 3.0, clear_s: 5.0 };
 
 /// Present evidence for or against the report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

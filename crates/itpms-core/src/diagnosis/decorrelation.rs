@@ -1,14 +1,10 @@
 //! Whether the axles have just stopped sharing a road: in a bend the rear wheels leave the front ones' track within a second,
 //! and until the estimator has noticed, what they disagree by looks like a leak.
 
+use crate::diagnosis::Tuning;
 use crate::memory::Blank;
 use crate::real::Real;
 use crate::spectrum::LASTING_S;
-
-/// Incoherence near wheel hop above which tracks may be parting, and how many times what it was before. No puncture on a shared
-/// road brings it above 0.01; where it is higher anyway, no puncture quadruples it.
-const APART: f64 = 0.03;
-const TIMES: f64 = 5.0;
 
 /// Usual incoherence of a side.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
@@ -23,12 +19,13 @@ impl<T: Real> DecorrelationDetector<T> {
     }
 
     /// Takes the incoherence after `step_s` seconds, NaN if no road is shared; true while the tracks part.
-    pub(crate) fn update(&mut self, step_s: f64, incoherence: T) -> bool {
+    pub(crate) fn update(&mut self, step_s: f64, incoherence: T, tuning: &Tuning) -> bool {
         if !incoherence.is_finite() {
             return false;
         }
         let before = self.usual.unwrap_or(incoherence);
-        let parting = incoherence > T::lit(APART) && incoherence > T::lit(TIMES) * before;
+        let parting =
+            incoherence > T::lit(tuning.parting) && incoherence > T::lit(tuning.parting_over_usual) * before;
         let grown = before + (incoherence - before) * T::lit((step_s / LASTING_S).min(1.0));
         self.usual = Some(grown.min(incoherence));
         parting
@@ -40,7 +37,7 @@ mod tests {
     use super::*;
 
     fn run(parting: &mut DecorrelationDetector<f64>, seconds: f64, incoherence: f64) -> usize {
-        (0..(seconds * 10.0) as usize).filter(|_| parting.update(0.1, incoherence)).count()
+        (0..(seconds * 10.0) as usize).filter(|_| parting.update(0.1, incoherence, &Tuning::DEFAULT)).count()
     }
 
     #[test]

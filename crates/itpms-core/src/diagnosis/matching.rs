@@ -3,8 +3,8 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use crate::diagnosis::BLOCK_S;
-use crate::diagnosis::signals::{HOP_BLOCKS, width_hz};
+use crate::diagnosis::signals::width_hz;
+use crate::diagnosis::{BLOCK_S, Tuning};
 use crate::model::{Corner, HOP_BAND_HZ};
 use crate::real::Real;
 
@@ -14,13 +14,6 @@ pub(crate) const PAIRS: [[Corner; 2]; 6] = {
 };
 /// What is added to the wheels' moments, as a share of their trace: roads that are alike must not blow up the regression.
 const RIDGE: f64 = 1e-3;
-/// Share of the warp that one sensor's gain must explain; noise has its part in it, too.
-const EXPLAINED: f64 = 0.65;
-/// Warp from which corners may be in each other's place; and what is left of it when they are put back.
-const WARPED: f64 = 0.1;
-const PUT_BACK: f64 = 0.1;
-/// Warp that whatever explains it may leave. A healthy car has less than 0.01; what is no rigid body is not judged by it.
-const LEFT: f64 = 0.02;
 
 /// Who follows whom, from the regression of the bodies on all four wheels in the hop band.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,7 +28,7 @@ pub(crate) struct Following<T> {
 }
 
 /// `None` for wheels that do not move.
-pub(crate) fn following<T: Real>(hop: &SMatrix<T, 8, 8>) -> Option<Following<T>> {
+pub(crate) fn following<T: Real>(hop: &SMatrix<T, 8, 8>, tuning: &Tuning) -> Option<Following<T>> {
     let mut wheels = hop.fixed_view::<4, 4>(4, 4).into_owned();
     let ridge = wheels.trace() * T::lit(RIDGE);
     for i in 0..4 {
@@ -47,7 +40,7 @@ pub(crate) fn following<T: Real>(hop: &SMatrix<T, 8, 8>) -> Option<Following<T>>
     let of = |wheel: Corner, body: Corner| follows[(wheel.index(), body.index())];
     let square = |wheel, body| of(wheel, body) * of(wheel, body);
     // Where friction holds a strut, or an engine shakes the body, the wheels leave much of its motion unexplained. Two values per Hz and second are independent.
-    let independent = T::lit(2.0 * width_hz(HOP_BAND_HZ) * BLOCK_S * HOP_BLOCKS);
+    let independent = T::lit(2.0 * width_hz(HOP_BAND_HZ) * BLOCK_S * tuning.hop_blocks);
     let own_sd = |i: usize| {
         let unexplained = hop[(i, i)] - follows.column(i).dot(&wheels_by_bodies.column(i));
         (unexplained.max(T::zero()) / (wheels[(i, i)] * independent)).sqrt()
@@ -112,27 +105,28 @@ impl<T: Real> Plane<T> {
     }
 
     /// The sensor whose gain makes bodies warp that otherwise are a plane. Bodies that are none to begin with accuse no sensor.
-    pub(crate) fn wrong_gain(&self) -> Option<Corner> {
+    pub(crate) fn wrong_gain(&self, tuning: &Tuning) -> Option<Corner> {
         let left = (T::one() - self.explained) * self.warp;
-        (self.explained > T::lit(EXPLAINED) && left < T::lit(LEFT)).then_some(self.culprit)
+        let explains = self.explained > T::lit(tuning.body_gain_explains);
+        (explains && left < T::lit(tuning.left_warp)).then_some(self.culprit)
     }
 
     /// Whether the bodies would be one plane if those of this pair changed places.
-    pub(crate) fn is_put_back_by(&self, [i, j]: [Corner; 2]) -> bool {
+    pub(crate) fn is_put_back_by(&self, [i, j]: [Corner; 2], tuning: &Tuning) -> bool {
         let left = match i {
             _ if i == j.same_axle() => self.warp_sides,
             _ if i == j.same_side() => self.warp_axles,
             // A diagonal that changes places leaves the warp as it is.
             _ => self.warp,
         };
-        left < T::lit(LEFT)
+        left < T::lit(tuning.left_warp)
     }
 
     /// The corners that, back in their places, would make the bodies one plane again, if no others would.
-    pub(crate) fn changed_places(&self) -> Option<Changed> {
-        let left = T::lit(LEFT).min(T::lit(PUT_BACK) * self.warp);
+    pub(crate) fn changed_places(&self, tuning: &Tuning) -> Option<Changed> {
+        let left = T::lit(tuning.left_warp).min(T::lit(tuning.restored_share) * self.warp);
         match [self.warp_sides < left, self.warp_axles < left] {
-            _ if !(self.warp > T::lit(WARPED)) => None,
+            _ if !(self.warp > T::lit(tuning.swapped_warp)) => None,
             [true, false] => Some(Changed::Sides),
             [false, true] => Some(Changed::Axles),
             _ => None,
@@ -225,7 +219,7 @@ mod tests {
                 all.fixed_rows_mut::<4>(4).copy_from(&wheels);
                 moments += all * all.transpose();
             }
-            let Following { own, own_sd, .. } = following(&moments).unwrap();
+            let Following { own, own_sd, .. } = following(&moments, &Tuning::DEFAULT).unwrap();
             (sum, squares) = (sum + own[2], squares + own[2] * own[2]);
             stated += own_sd[2] / runs;
         }
@@ -243,7 +237,7 @@ mod tests {
         for gain in [0.5, 0.7, 1.5, 2.0] {
             for i in 0..200 {
                 let plane = plane(&mut random, |random| rigid(random, i % 4, gain));
-                assert_eq!(plane.wrong_gain(), Some(Corner::ALL[i % 4]), "{gain}: {plane:?}");
+                assert_eq!(plane.wrong_gain(&Tuning::DEFAULT), Some(Corner::ALL[i % 4]), "{gain}: {plane:?}");
                 // The warp takes part: a fiftieth of the motion.
                 assert!((plane.gain / gain).ln().abs() < 0.15, "{gain}: {plane:?}");
             }
@@ -267,7 +261,7 @@ mod tests {
             moments += moved * moved.transpose();
         }
         let plane = Plane::of(&moments, 0.0).unwrap();
-        assert_eq!(plane.wrong_gain(), Some(Corner::RearRight), "{plane:?}");
+        assert_eq!(plane.wrong_gain(&Tuning::DEFAULT), Some(Corner::RearRight), "{plane:?}");
         assert!((plane.gain - 2.09 / 1.29).abs() < 0.02, "{plane:?}");
         assert!((plane.heave_gain - 1.0).abs() < 0.04, "{plane:?}");
     }
@@ -280,13 +274,16 @@ mod tests {
                 let bodies = rigid(random, 0, 1.0);
                 Vector4::new(bodies[1], bodies[0], bodies[2], bodies[3])
             });
-            assert_eq!(sides.changed_places(), Some(Changed::Sides), "{sides:?}");
+            assert_eq!(sides.changed_places(&Tuning::DEFAULT), Some(Changed::Sides), "{sides:?}");
             let axles = plane(&mut random, |random| {
                 let bodies = rigid(random, 0, 1.0);
                 Vector4::new(bodies[2], bodies[1], bodies[0], bodies[3])
             });
-            assert_eq!(axles.changed_places(), Some(Changed::Axles), "{axles:?}");
-            assert_eq!(plane(&mut random, |random| rigid(random, 0, 1.0)).changed_places(), None);
+            assert_eq!(axles.changed_places(&Tuning::DEFAULT), Some(Changed::Axles), "{axles:?}");
+            assert_eq!(
+                plane(&mut random, |random| rigid(random, 0, 1.0)).changed_places(&Tuning::DEFAULT),
+                None
+            );
         }
     }
 
@@ -302,7 +299,8 @@ mod tests {
                     bodies.swap_rows(i.index(), j.index());
                     bodies
                 });
-                let back: Vec<bool> = PAIRS.into_iter().map(|pair| swapped.is_put_back_by(pair)).collect();
+                let back: Vec<bool> =
+                    PAIRS.into_iter().map(|pair| swapped.is_put_back_by(pair, &Tuning::DEFAULT)).collect();
                 // Which of an axle's or a side's two pairs it is the plane cannot tell.
                 assert!(back[pair] && back[5 - pair], "{back:?}");
                 assert_eq!(back.iter().filter(|back| **back).count(), 2, "{back:?}");
@@ -312,7 +310,10 @@ mod tests {
                 let twist = 2.0 * random.normal();
                 rigid(random, 0, 1.0) + Vector4::new(twist, -twist, -twist, twist)
             });
-            assert!(PAIRS.into_iter().all(|pair| !twisting.is_put_back_by(pair)), "{twisting:?}");
+            assert!(
+                PAIRS.into_iter().all(|pair| !twisting.is_put_back_by(pair, &Tuning::DEFAULT)),
+                "{twisting:?}"
+            );
         }
     }
 
@@ -322,8 +323,12 @@ mod tests {
         let mut tempting = 0;
         for _ in 0..20_000 {
             let plane = plane(&mut random, |random| Vector4::from_fn(|_, _| random.normal()));
-            tempting += u32::from(plane.explained > EXPLAINED);
-            assert_eq!((plane.wrong_gain(), plane.changed_places()), (None, None), "{plane:?}");
+            tempting += u32::from(plane.explained > Tuning::DEFAULT.body_gain_explains);
+            assert_eq!(
+                (plane.wrong_gain(&Tuning::DEFAULT), plane.changed_places(&Tuning::DEFAULT)),
+                (None, None),
+                "{plane:?}"
+            );
         }
         // What one of four signals explains of their sum by chance.
         assert!(tempting > 100, "{tempting}");

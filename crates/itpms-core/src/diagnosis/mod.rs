@@ -15,6 +15,7 @@
 //! | `standstill` | a speed of zero while wheels roll |
 //! | `decorrelation` | roads that front and rear have just stopped sharing |
 //! | `debounce` | debouncing and hysteresis |
+//! | `tuning` | thresholds, times and lengths of averages |
 
 pub(crate) mod cross_sensor;
 pub(crate) mod debounce;
@@ -28,10 +29,12 @@ mod sensor_statistics;
 mod signals;
 mod single_sensor;
 pub(crate) mod standstill;
+mod tuning;
 mod wheel_gain;
 
 pub use self::debounce::DebounceTimes;
 pub use self::malfunction::{Malfunction, Place, Sensor};
+pub use self::tuning::Tuning;
 use crate::conditioning::pauses::PAUSE_S;
 use crate::diagnosis::cross_sensor::CrossSensorPlausibility;
 use crate::diagnosis::debounce::Debouncer;
@@ -45,20 +48,6 @@ use crate::real::Real;
 
 /// Seconds between two looks at what the sensors did: accelerations, or wheel speeds.
 pub(crate) const BLOCK_S: f64 = 0.5;
-/// Longest time between samples that follow one another, in periods.
-const LONGEST_STEP: f64 = 1.5;
-/// Speeds in m/s above which a car moves, and above which its sensors are held against each other: from 2.5 on 4 % of a city drive were lost.
-const MOVING_M_S: f64 = 1.5;
-const DRIVING_M_S: f64 = 3.0;
-/// Share of missing values up to which a sensor is fine and held against others.
-const FEW_MISSING: f64 = 0.1;
-/// Upper bound of the power of white noise in the hop band, relative to the quietest of the block's five tenths of a second, which has
-/// half of it: 99 % of blocks have less.
-const WHITE_AT_MOST: f64 = 8.0;
-/// Blocks after something was wrong until the filters have forgotten it.
-const FORGETTING_BLOCKS: u32 = 6;
-/// Blocks with something wrong after which what is suspected, not reported, and cannot be looked at meanwhile is let go.
-const LEFT_BLOCKS: u32 = 20;
 
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -105,7 +94,7 @@ pub(crate) struct Diagnosis<T: Real> {
 }
 
 impl<T: Real> Diagnosis<T> {
-    pub(crate) fn configure(&mut self, car: &CarConfig<T>, rate_hz: f64) {
+    pub(crate) fn configure(&mut self, car: &CarConfig<T>, rate_hz: f64, tuning: &Tuning) {
         let noise = |corner: &Option<CornerConfig<T>>| {
             let noise = corner.as_ref().map_or(T::zero(), CornerConfig::accel_noise_or_usual_m_s2);
             noise * noise
@@ -113,7 +102,8 @@ impl<T: Real> Diagnosis<T> {
         let noise_power = car.corners.each_ref().map(noise);
         (self.period_s, self.noise_power) = (1.0 / rate_hz, noise_power);
         self.present = car.corners.each_ref().map(Option::is_some);
-        self.sensors.iter_mut().for_each(|sensors| sensors.fill(SingleSensorMonitor::new(1.0 / rate_hz)));
+        let sensor = SingleSensorMonitor::new(1.0 / rate_hz, tuning);
+        self.sensors.iter_mut().for_each(|sensors| sensors.fill(sensor));
         self.signals.configure(car, rate_hz);
         self.cross_sensor.configure(noise_power, rate_hz);
         self.slowest_m_s = T::lit(f64::NAN);
@@ -129,7 +119,7 @@ impl<T: Real> Diagnosis<T> {
 
     /// Takes a sample of a clock that does not go back.
     #[inline(never)]
-    pub(crate) fn push(&mut self, sample: &CarSample<T>) {
+    pub(crate) fn push(&mut self, sample: &CarSample<T>, tuning: &Tuning) {
         let time_s = sample.time_s;
         let step_s = time_s - self.last_s;
         if step_s <= 0.0 {
@@ -141,7 +131,7 @@ impl<T: Real> Diagnosis<T> {
             self.calm_blocks = 0;
             self.slowest_m_s = sample.speed_m_s;
         }
-        if step_s > LONGEST_STEP * self.period_s {
+        if step_s > tuning.longest_step * self.period_s {
             self.sensors.iter_mut().flatten().for_each(SingleSensorMonitor::interrupted);
         }
         let nothing = [T::lit(f64::NAN); 2];
@@ -149,15 +139,15 @@ impl<T: Real> Diagnosis<T> {
         let [bodies, wheels] = &mut self.sensors;
         for (i, corner) in sample.corners.iter().enumerate().filter(|(i, _)| self.present[*i]) {
             let [body, wheel] = corner.map_or(nothing, |c| [c.body_accel_m_s2, c.wheel_accel_m_s2]);
-            values[i] = bodies[i].push(time_s, body);
-            values[4 + i] = wheels[i].push(time_s, wheel);
+            values[i] = bodies[i].push(time_s, body, tuning);
+            values[4 + i] = wheels[i].push(time_s, wheel, tuning);
         }
         self.signals.push(&values);
         if !(self.slowest_m_s <= sample.speed_m_s) {
             self.slowest_m_s = sample.speed_m_s;
         }
         if time_s >= self.block_ends_s {
-            self.end_block(time_s, time_s - self.block_from_s);
+            self.end_block(time_s, time_s - self.block_from_s, tuning);
             self.begin_block(time_s);
             self.slowest_m_s = sample.speed_m_s;
         }
@@ -168,49 +158,51 @@ impl<T: Real> Diagnosis<T> {
         core::mem::take(&mut self.news)
     }
 
-    fn end_block(&mut self, time_s: f64, step_s: f64) {
+    fn end_block(&mut self, time_s: f64, step_s: f64, tuning: &Tuning) {
         self.news = true;
-        let motion = self.motion(time_s);
+        let motion = self.motion(time_s, tuning);
         let present = self.present;
         let blocks = self.sensors.each_mut().map(|sensors| {
-            Corner::ALL.map(|i| present[i].then(|| sensors[i].end_block(time_s, step_s, motion)))
+            Corner::ALL.map(|i| present[i].then(|| sensors[i].end_block(time_s, step_s, motion, tuning)))
         });
         let Some(block) = self.signals.end_block() else { return };
         let alive = Corner::ALL.map(|i| present[i] && self.sensors.iter().all(|of| of[i].is_alive()));
         // An unknown speed passes: there is power in the bands, or nothing is concluded.
-        let driving = !(self.slowest_m_s < T::lit(DRIVING_M_S));
+        let driving = !(self.slowest_m_s < T::lit(tuning.driving_m_s));
         let alive = if driving { alive } else { [false; 4] };
-        self.cross_sensor.compare_wheel_and_body([time_s, step_s], &block, alive);
-        self.judge_noise([time_s, step_s], &blocks, &block);
-        let few = |block: &Option<SensorBlock<T>>| block.is_none_or(|b| b.missing < T::lit(FEW_MISSING));
+        self.cross_sensor.compare_wheel_and_body([time_s, step_s], &block, alive, tuning);
+        self.judge_noise([time_s, step_s], &blocks, &block, tuning);
+        let few =
+            |block: &Option<SensorBlock<T>>| block.is_none_or(|b| b.missing < T::lit(tuning.few_missing));
         let calm =
             present == [true; 4] && !self.sensors.iter().flatten().any(SingleSensorMonitor::is_suspected);
         let calm = calm && blocks.iter().flatten().all(few);
         if calm {
-            self.cross_sensor.look_for_jumps([time_s, step_s], &block);
+            self.cross_sensor.look_for_jumps([time_s, step_s], &block, tuning);
         }
         if calm {
-            (self.calm_blocks, self.rough_blocks) = ((self.calm_blocks + 1).min(FORGETTING_BLOCKS + 1), 0);
+            (self.calm_blocks, self.rough_blocks) =
+                (self.calm_blocks.min(tuning.settling_blocks).saturating_add(1), 0);
         } else {
             (self.calm_blocks, self.rough_blocks) = (0, self.rough_blocks.saturating_add(1));
         }
-        if self.rough_blocks == LEFT_BLOCKS {
+        if self.rough_blocks == tuning.dropping_blocks {
             self.cross_sensor.drop_suspicions();
         }
-        if driving && self.calm_blocks > FORGETTING_BLOCKS {
-            self.cross_sensor.take([time_s, step_s], &block);
+        if driving && self.calm_blocks > tuning.settling_blocks {
+            self.cross_sensor.take([time_s, step_s], &block, tuning);
         }
     }
 
     /// Whether the car moves. Where its speed is unknown most sensors say so: coarsely rounded, those of a parked car hardly
     /// change, and are not stuck.
-    fn motion(&self, time_s: f64) -> Motion {
+    fn motion(&self, time_s: f64, tuning: &Tuning) -> Motion {
         let moving = if self.slowest_m_s.is_finite() {
-            self.slowest_m_s >= T::lit(MOVING_M_S)
+            self.slowest_m_s >= T::lit(tuning.moving_m_s)
         } else {
             let sensors = self.sensors.iter().flat_map(|sensors| sensors.iter().zip(self.present));
             let present = sensors.filter(|(_, present)| *present);
-            2 * present.clone().filter(|(sensor, _)| sensor.changes(time_s)).count() > present.count()
+            2 * present.clone().filter(|(sensor, _)| sensor.changes(time_s, tuning)).count() > present.count()
         };
         if moving { Motion::Moving } else { Motion::Standing }
     }
@@ -223,18 +215,19 @@ impl<T: Real> Diagnosis<T> {
         [time_s, step_s]: [f64; 2],
         blocks: &[[Option<SensorBlock<T>>; 4]; 2],
         block: &Block<T>,
+        tuning: &Tuning,
     ) {
         let hop = [[0, 1, 2, 3].map(|i| block.hop[(i, i)]), block.wheel_hop];
-        let white = T::lit(WHITE_AT_MOST * width_hz(HOP_BAND_HZ) * 2.0 * self.period_s);
+        let white = T::lit(tuning.white_at_most * width_hz(HOP_BAND_HZ) * 2.0 * self.period_s);
         for ((sensors, blocks), hop) in self.sensors.iter_mut().zip(blocks).zip(&hop) {
             for corner in Corner::ALL.into_iter().filter(|&corner| self.present[corner]) {
                 let noise = noise_powers(blocks, corner, self.noise_power[corner]);
                 let powers = noise.and_then(|[own, alike]| match !(hop[corner] < own * white) {
                     false => Some([own, alike]),
-                    true if self.cross_sensor.is_odd(corner) => None,
+                    true if self.cross_sensor.is_odd(corner, tuning) => None,
                     true => Some([own, alike * over_others(hop, corner).max(T::one())]),
                 });
-                sensors[corner].compare_noise(time_s, step_s, powers);
+                sensors[corner].compare_noise(time_s, step_s, powers, tuning);
             }
         }
     }
@@ -256,16 +249,16 @@ impl<T: Real> Diagnosis<T> {
     }
 
     /// The corners not to be learned from now.
-    pub(crate) fn suspects(&self) -> Wheels {
+    pub(crate) fn suspects(&self, tuning: &Tuning) -> Wheels {
         let alone = Corner::ALL.into_iter().filter(|&corner| {
             self.present[corner] && self.sensors.iter().any(|sensors| sensors[corner].is_suspected())
         });
-        alone.collect::<Wheels>() | self.cross_sensor.suspects()
+        alone.collect::<Wheels>() | self.cross_sensor.suspects(tuning)
     }
 
     /// The corners that may be among these in a moment.
-    pub(crate) fn pending_fault(&self) -> Wheels {
-        self.cross_sensor.pending_fault(self.last_s)
+    pub(crate) fn pending_fault(&self, tuning: &Tuning) -> Wheels {
+        self.cross_sensor.pending_fault(self.last_s, tuning)
     }
 }
 

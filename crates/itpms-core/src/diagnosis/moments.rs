@@ -6,9 +6,6 @@ use nalgebra::SMatrix;
 use crate::memory::Blank;
 use crate::real::Real;
 
-/// Share of an average that must be filled before it counts.
-pub(crate) const FILLED: f64 = 0.4;
-
 /// Second moments of `N` signals, an exponential mean over blocks.
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -52,8 +49,8 @@ impl<T: Real, const N: usize> Moments<T, N> {
         self.filled += (T::one() - self.filled) * share;
     }
 
-    /// The mean, as far as it is filled; `None` before [`FILLED`] of it is.
-    pub(crate) fn mean(&self) -> Option<SMatrix<T, N, N>> {
-        (self.filled >= T::lit(FILLED)).then(|| self.mean / self.filled)
+    /// The mean, as far as it is filled; `None` before the share `filled` of it is.
+    pub(crate) fn mean(&self, filled: f64) -> Option<SMatrix<T, N, N>> {
+        (self.filled >= T::lit(filled)).then(|| self.mean / self.filled)
     }
 }

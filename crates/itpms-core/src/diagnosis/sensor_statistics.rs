@@ -1,5 +1,6 @@
 //! One accelerometer by itself: does it move, does it come, does it jump, how loud is it between the road's waves.
 
+use crate::diagnosis::Tuning;
 use crate::memory::Blank;
 use crate::model::ABSURD_M_S2;
 use crate::real::Real;
@@ -7,14 +8,6 @@ use crate::real::Real;
 /// Values around a spike that are looked at; the one in the middle is judged.
 const WINDOW: usize = 9;
 const MIDDLE: usize = WINDOW / 2;
-/// A spike stands out of its neighbors by more than these differ, by so much, in m/s², and by so many times what is usual.
-const LEAST_SPIKE_M_S2: f64 = 1.0;
-const SPIKE_OVER_USUAL: f64 = 10.0;
-/// Time constants in s of the usual values, and of the share of missing ones.
-const USUAL_S: f64 = 0.3;
-const MISSING_S: f64 = 1.0;
-/// Length in s of the parts of a block whose quietest one counts as its noise: a pothole is not in all of them.
-const PART_S: f64 = 0.1;
 /// Sum of squares of the fourth difference's weights 1, -4, 6, -4, 1.
 const FOURTH_DIFFERENCE: f64 = 70.0;
 
@@ -55,20 +48,20 @@ pub(crate) struct SensorWatch<T> {
 }
 
 impl<T: Real> SensorWatch<T> {
-    pub(crate) fn new(period_s: f64) -> Self {
+    pub(crate) fn new(period_s: f64, tuning: &Tuning) -> Self {
         Self {
             usual: T::lit(f64::INFINITY),
             deviations: [T::lit(f64::NAN); MIDDLE + 1],
             changed_s: f64::NAN,
-            part_of: ((PART_S / period_s) as u32).max(5),
-            usual_share: T::lit((period_s / USUAL_S).min(1.0)),
-            missing_share: T::lit((period_s / MISSING_S).min(1.0)),
+            part_of: ((tuning.noise_part_s / period_s) as u32).max(5),
+            usual_share: T::lit((period_s / tuning.spike_usual_s).min(1.0)),
+            missing_share: T::lit((period_s / tuning.missing_s).min(1.0)),
             ..Self::BLANK
         }
     }
 
     /// Takes a value; gives it, or the last one in the place of a missing one.
-    pub(crate) fn push(&mut self, time_s: f64, value: T) -> T {
+    pub(crate) fn push(&mut self, time_s: f64, value: T, tuning: &Tuning) -> T {
         let here = value.abs() < T::lit(ABSURD_M_S2);
         let lost = if here { T::zero() } else { T::one() };
         self.missing += self.missing_share * (lost - self.missing);
@@ -84,7 +77,7 @@ impl<T: Real> SensorWatch<T> {
         self.window = [a, b, c, d, e, f, g, h, value];
         self.whole = (self.whole + 1).min(WINDOW as u32);
         if self.whole == WINDOW as u32 {
-            self.look_for_spike();
+            self.look_for_spike(tuning);
             self.listen();
         }
         value
@@ -96,11 +89,11 @@ impl<T: Real> SensorWatch<T> {
     }
 
     /// Interpolates the middle of the window from its neighbors, sixth order.
-    fn look_for_spike(&mut self) {
+    fn look_for_spike(&mut self, tuning: &Tuning) {
         let [_, a, b, c, value, d, e, f, _] = self.window;
         let expected = (T::lit(15.0) * (c + d) - T::lit(6.0) * (b + e) + a + f) / T::lit(20.0);
         let deviation = (value - expected).abs();
-        let over = (T::lit(SPIKE_OVER_USUAL) * self.usual).at_least(T::lit(LEAST_SPIKE_M_S2));
+        let over = (T::lit(tuning.spike_over_usual) * self.usual).at_least(T::lit(tuning.spike_m_s2));
         // Where the neighbors themselves go so far within six samples, the wheel has met an edge.
         let neighbors = [b, c, d, e, f];
         let [least, most] =
@@ -166,11 +159,11 @@ mod tests {
     }
 
     fn watch(values: impl Iterator<Item = f64>) -> SensorBlock<f64> {
-        let mut watch = SensorWatch::new(PERIOD_S);
+        let mut watch = SensorWatch::new(PERIOD_S, &Tuning::DEFAULT);
         let mut time_s = 0.0;
         for value in values {
             time_s += PERIOD_S;
-            watch.push(time_s, value);
+            watch.push(time_s, value, &Tuning::DEFAULT);
         }
         watch.end_block(time_s)
     }
@@ -214,12 +207,12 @@ mod tests {
             -60.0 / (1.0 + ((f64::from(i % 2000) + late - 1000.0) / 2.0).exp())
         };
         let spikes = |interrupted: bool| {
-            let mut watch = SensorWatch::new(1e-3);
+            let mut watch = SensorWatch::new(1e-3, &Tuning::DEFAULT);
             for i in (0..20_000).filter(|i| i % 2000 != 1000) {
                 if interrupted && i % 2000 == 1001 {
                     watch.interrupted();
                 }
-                watch.push(1e-3 * f64::from(i), hole(i) + 0.1 * ride(i));
+                watch.push(1e-3 * f64::from(i), hole(i) + 0.1 * ride(i), &Tuning::DEFAULT);
             }
             watch.end_block(20.0).spikes
         };

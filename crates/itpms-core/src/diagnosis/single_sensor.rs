@@ -1,26 +1,11 @@
 //! Faults of one sensor that show by themselves and from the same sensors at the other corners.
 
 use crate::conditioning::pauses::MISSING_S;
-use crate::diagnosis::debounce::{COMPARED, DebounceTimes, Debouncer, Evidence};
+use crate::diagnosis::debounce::{Debouncer, Evidence};
 use crate::diagnosis::sensor_statistics::{SensorBlock, SensorWatch};
-use crate::diagnosis::{FEW_MISSING, Fault, Malfunction, Motion, Sensor};
+use crate::diagnosis::{Fault, Malfunction, Motion, Sensor, Tuning};
 use crate::memory::Blank;
 use crate::real::Real;
-
-/// Seconds without a change after which a sensor of a moving car may be stuck.
-const STUCK_DOUBT_S: f64 = 0.2;
-const STUCK: DebounceTimes = DebounceTimes { set_s: 0.0, clear_s: 1.5 };
-/// Share of missing values that is too much; it is fine again once there are [`FEW_MISSING`].
-const TOO_MANY_MISSING: f64 = 0.4;
-const DROPOUT: DebounceTimes = DebounceTimes { set_s: 1.0, clear_s: 2.0 };
-/// Spikes that are too many within the time constant in s of their count; seconds of doubt after each of them.
-const TOO_MANY_SPIKES: f64 = 2.2;
-const SPIKES_S: f64 = 10.0;
-const SPIKE_DOUBT_S: f64 = 2.0;
-const SPIKES: DebounceTimes = DebounceTimes { set_s: 0.0, clear_s: 15.0 };
-/// Noise power over that of the same sensors at the other corners that is too much, and that is fine again.
-const TOO_NOISY: f64 = 6.0;
-const NOT_NOISY: f64 = 3.0;
 
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -45,9 +30,9 @@ enum Doubtful {
 }
 
 impl<T: Real> SingleSensorMonitor<T> {
-    pub(crate) fn new(period_s: f64) -> Self {
+    pub(crate) fn new(period_s: f64, tuning: &Tuning) -> Self {
         Self {
-            watch: SensorWatch::new(period_s),
+            watch: SensorWatch::new(period_s, tuning),
             stuck: Debouncer::new(),
             dropout: Debouncer::new(),
             spikes: Debouncer::new(),
@@ -59,8 +44,8 @@ impl<T: Real> SingleSensorMonitor<T> {
     }
 
     /// Takes a value; gives it, or the last one in the place of a missing one.
-    pub(crate) fn push(&mut self, time_s: f64, value: T) -> T {
-        self.watch.push(time_s, value)
+    pub(crate) fn push(&mut self, time_s: f64, value: T, tuning: &Tuning) -> T {
+        self.watch.push(time_s, value, tuning)
     }
 
     /// Samples are not there: the next value does not follow the last one.
@@ -68,44 +53,57 @@ impl<T: Real> SingleSensorMonitor<T> {
         self.watch.interrupted();
     }
 
-    pub(crate) fn changes(&self, time_s: f64) -> bool {
-        self.watch.unchanged_s(time_s) < STUCK_DOUBT_S
+    pub(crate) fn changes(&self, time_s: f64, tuning: &Tuning) -> bool {
+        self.watch.unchanged_s(time_s) < tuning.stuck_doubt_s
     }
 
     /// Ends a block and judges all but its noise.
-    pub(crate) fn end_block(&mut self, time_s: f64, step_s: f64, motion: Motion) -> SensorBlock<T> {
+    pub(crate) fn end_block(
+        &mut self,
+        time_s: f64,
+        step_s: f64,
+        motion: Motion,
+        tuning: &Tuning,
+    ) -> SensorBlock<T> {
         let block = self.watch.end_block(time_s);
         let unchanged_s = if block.complete { block.unchanged_s } else { 0.0 };
         let stuck = match motion {
             _ if !block.complete => Evidence::NoData,
             Motion::Moving if unchanged_s > MISSING_S => Evidence::Prefailed,
-            _ if unchanged_s < STUCK_DOUBT_S => Evidence::Prepassed,
+            _ if unchanged_s < tuning.stuck_doubt_s => Evidence::Prepassed,
             _ => Evidence::NoData,
         };
-        self.stuck.update(time_s, step_s, stuck, STUCK);
+        self.stuck.update(time_s, step_s, stuck, tuning.stuck);
         let missing = block.missing.to_f64();
-        let dropout = evidence(missing > TOO_MANY_MISSING, missing < FEW_MISSING);
-        self.dropout.update(time_s, step_s, dropout, DROPOUT);
-        self.spike_count *= 1.0 - (step_s / SPIKES_S).min(1.0);
+        let dropout = evidence(missing > tuning.many_missing, missing < tuning.few_missing);
+        self.dropout.update(time_s, step_s, dropout, tuning.dropout);
+        self.spike_count *= 1.0 - (step_s / tuning.spike_count_s).min(1.0);
         if block.spikes > 0 {
             self.spike_count += f64::from(block.spikes);
             self.spike_s = time_s;
         }
-        let spikes = evidence(self.spike_count > TOO_MANY_SPIKES, block.spikes == 0);
-        self.spikes.update(time_s, step_s, spikes, SPIKES);
-        let still = motion == Motion::Moving && unchanged_s > STUCK_DOUBT_S;
-        let spiky = time_s - self.spike_s < SPIKE_DOUBT_S;
-        let doubtful = still || spiky || missing > TOO_MANY_MISSING;
+        let spikes = evidence(self.spike_count > tuning.many_spikes, block.spikes == 0);
+        self.spikes.update(time_s, step_s, spikes, tuning.spikes);
+        let still = motion == Motion::Moving && unchanged_s > tuning.stuck_doubt_s;
+        let spiky = time_s - self.spike_s < tuning.spike_doubt_s;
+        let doubtful = still || spiky || missing > tuning.many_missing;
         self.doubtful = if doubtful { Doubtful::Yes } else { Doubtful::No };
         block
     }
 
     /// Judges its noise against that of the same sensors at the other corners, both as powers; `None`: cannot be compared now.
-    pub(crate) fn compare_noise(&mut self, time_s: f64, step_s: f64, powers: Option<[T; 2]>) {
+    pub(crate) fn compare_noise(
+        &mut self,
+        time_s: f64,
+        step_s: f64,
+        powers: Option<[T; 2]>,
+        tuning: &Tuning,
+    ) {
         let noise = powers.map_or(Evidence::NoData, |[own, alike]| {
-            evidence(own > T::lit(TOO_NOISY) * alike, own < T::lit(NOT_NOISY) * alike)
+            let fine = tuning.hysteresis * tuning.noisy;
+            evidence(own > T::lit(tuning.noisy) * alike, own < T::lit(fine) * alike)
         });
-        self.noise.update(time_s, step_s, noise, COMPARED);
+        self.noise.update(time_s, step_s, noise, tuning.compared);
     }
 
     /// Its fault, the most certain first.

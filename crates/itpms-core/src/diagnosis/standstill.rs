@@ -3,18 +3,10 @@
 //! Called by the monitor with every sample. A speed that is not to be believed is unknown: then every wheel goes by its own
 //! road, which is less but not wrong. Thresholds: docs/math/monitor.md, section 2.
 
+use crate::diagnosis::Tuning;
 use crate::memory::Blank;
 use crate::model::CarSample;
 use crate::real::Real;
-
-/// Speed in m/s, forwards or backwards, up to which a car counts as standing. On the worst road it shakes its wheels with
-/// 1 m/s² rms at 0.2 m/s.
-const STANDS_M_S: f64 = 0.1;
-const LOOK_S: f64 = 1.0;
-/// Rms of a wheel's acceleration in m/s², white noise taken off, that no car that stands has: engines and doors make a tenth to a third.
-/// And with how much it stands again.
-const ROLLS_M_S2: f64 = 1.0;
-const CALM_M_S2: f64 = 0.5;
 
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -73,18 +65,18 @@ impl<T: Real> Standstill<T> {
     }
 
     /// Takes a sample and its speed, or the one that goes on, in m/s; gives the speed to go by, NaN when that is unknown.
-    pub(crate) fn take(&mut self, time_s: f64, speed_m_s: T, sample: &CarSample<T>) -> T {
-        if !(speed_m_s.abs() <= T::lit(STANDS_M_S)) {
+    pub(crate) fn take(&mut self, time_s: f64, speed_m_s: T, sample: &CarSample<T>, tuning: &Tuning) -> T {
+        if !(speed_m_s.abs() <= T::lit(tuning.standing_m_s)) {
             *self = Self::new();
             return speed_m_s;
         }
         let look_s = time_s - self.from_s;
         // A first look, or one after a hole.
-        if !(look_s <= 2.0 * LOOK_S) {
+        if !(look_s <= 2.0 * tuning.standing_s) {
             self.rolled = false;
             self.look_anew(time_s);
-        } else if look_s >= LOOK_S {
-            self.judge();
+        } else if look_s >= tuning.standing_s {
+            self.judge(tuning);
             self.look_anew(time_s);
         }
         for (wheel, corner) in self.wheels.iter_mut().zip(&sample.corners) {
@@ -99,7 +91,7 @@ impl<T: Real> Standstill<T> {
     }
 
     /// The second loudest wheel decides, or the only one: a single sensor may be noisy.
-    fn judge(&mut self) {
+    fn judge(&mut self, tuning: &Tuning) {
         let (mut loudest, mut second) = (None, None);
         for rms in self.wheels.iter().filter_map(Spread::rms) {
             if loudest.is_none_or(|most| rms > most) {
@@ -109,7 +101,8 @@ impl<T: Real> Standstill<T> {
             }
         }
         if let Some(rms) = second.or(loudest) {
-            let rolls = rms > T::lit(if self.denied { CALM_M_S2 } else { ROLLS_M_S2 });
+            let share = if self.denied { tuning.hysteresis } else { 1.0 };
+            let rolls = rms > T::lit(share * tuning.rolling_m_s2);
             if rolls == self.rolled {
                 self.denied = rolls;
             }
@@ -147,7 +140,7 @@ mod tests {
             CarSample { time_s, speed_m_s, corners: rms.map(|rms| Some(corner(rms))), wheel_speeds: None }
         };
         let samples = (0..(200.0 * seconds) as u32).map(sample);
-        samples.map(|sample| standstill.take(sample.time_s, speed_m_s, &sample)).collect()
+        samples.map(|sample| standstill.take(sample.time_s, speed_m_s, &sample, &Tuning::DEFAULT)).collect()
     }
 
     #[test]
@@ -182,6 +175,7 @@ mod tests {
                     time_s,
                     0.0,
                     &CarSample { time_s, speed_m_s: 0.0, corners, wheel_speeds: None },
+                    &Tuning::DEFAULT,
                 )
             })
         };
@@ -198,7 +192,7 @@ mod tests {
         let corner = CornerSample { body_accel_m_s2: 9.81, wheel_accel_m_s2: -400.0 };
         let glitch =
             CarSample { time_s: 3.0, speed_m_s: 0.0, corners: [Some(corner); 4], wheel_speeds: None };
-        assert_eq!(standstill.take(3.0, 0.0, &glitch), 0.0);
+        assert_eq!(standstill.take(3.0, 0.0, &glitch, &Tuning::DEFAULT), 0.0);
         assert!(drive(&mut standstill, 3.005, 0.0, [0.1; 4], 5.0).iter().all(|v| *v == 0.0));
     }
 

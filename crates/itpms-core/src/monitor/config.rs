@@ -2,6 +2,7 @@
 
 use crate::car::EstimatorOptions;
 use crate::decision;
+use crate::diagnosis;
 use crate::memory::Blank;
 use crate::model::{CarConfig, ParameterError, SEA_LEVEL_KPA, positive};
 use crate::real::Real;
@@ -36,6 +37,8 @@ pub struct MonitorConfig<T> {
     serde(default, deny_unknown_fields)
 )]
 pub struct Tuning {
+    /// Which sensors are wrong.
+    pub diagnosis: diagnosis::Tuning,
     /// Which tires are low.
     pub decision: decision::Tuning,
     /// For how long evidence has to last.
@@ -77,6 +80,7 @@ impl<T: Real> MonitorConfig<T> {
     /// Whether a monitor can go by it.
     pub(super) fn check(&self) -> Result<(), ParameterError> {
         self.limits.check()?;
+        self.tuning.diagnosis.check()?;
         self.tuning.decision.check()?;
         self.tuning.warning.check()?;
         positive("home_kpa", self.home_kpa)?;

@@ -107,7 +107,7 @@ impl<T: Real> Monitor<T> {
         self.reference = ReferencePressure::new();
         self.cold = ColdTires::new(config.home_kpa);
         self.reference_kpa = self.configured_kpa;
-        self.diagnosis.configure(&config.car, sample_rate_hz);
+        self.diagnosis.configure(&config.car, sample_rate_hz, &config.tuning.diagnosis);
         self.faults.iter_mut().for_each(Placed::clear);
         self.suspects = Wheels::NONE;
         self.late_detection_s = [f64::NEG_INFINITY; 4];
@@ -166,9 +166,10 @@ impl<T: Real> Monitor<T> {
 
     /// Takes a sample and the moment it was taken at; gives both back without what is not to be learned from.
     pub fn screen(&mut self, at: &Moment<T>, sample: &CarSample<T>) -> (Moment<T>, CarSample<T>) {
+        let tuning = &self.config.tuning.diagnosis;
         if let Some(time_s) = at.time_s {
-            self.speed_m_s = self.standstill.take(time_s, at.speed_m_s, sample);
-            self.diagnosis.push(&CarSample { time_s, speed_m_s: self.speed_m_s, ..*sample });
+            self.speed_m_s = self.standstill.take(time_s, at.speed_m_s, sample, tuning);
+            self.diagnosis.push(&CarSample { time_s, speed_m_s: self.speed_m_s, ..*sample }, tuning);
         }
         if self.diagnosis.take_news() {
             for (fault, found) in self.faults.iter_mut().zip(self.diagnosis.faults()) {
@@ -176,7 +177,7 @@ impl<T: Real> Monitor<T> {
             }
             let faulty = self.faults.iter().flatten().map(|fault| fault.malfunction.wheels());
             let faulty = faulty.fold(Wheels::NONE, |all, wheels| all | wheels);
-            self.suspects = self.diagnosis.suspects() | faulty;
+            self.suspects = self.diagnosis.suspects(tuning) | faulty;
             self.request_rollback(at.now_s);
             self.retract_beside_faults();
             self.faulted = self.faulted | faulty;
@@ -300,9 +301,11 @@ impl<T: Real> Monitor<T> {
             &self.cold,
             rules.tuning,
         );
-        let pending_fault = self.diagnosis.pending_fault();
+        let diagnosis = &self.config.tuning.diagnosis;
+        let pending_fault = self.diagnosis.pending_fault(diagnosis);
         let doubted = Side::ALL.map(|side| {
-            let parting = self.decorrelation[side].update(step_s, estimate.tracks[side].incoherence);
+            let parting =
+                self.decorrelation[side].update(step_s, estimate.tracks[side].incoherence, diagnosis);
             parting || pending_fault.iter().any(|corner| corner.side() == side)
         });
         // In a calibration no tire is held against the pressure that is stated.

@@ -2,35 +2,15 @@
 //! corners, and more so at both of an axle, which stand at the same distance from where the body pitches about. What both sides of one axle
 //! differ by shows at the other one, too, where it is the road's (docs/math/monitor.md, section 3, "Gain of a wheel").
 
-use crate::diagnosis::debounce::{DebounceTimes, Evidence};
+use crate::diagnosis::debounce::Evidence;
 use crate::diagnosis::fault_latch::FaultLatch;
 use crate::diagnosis::matching::{median, over_others};
-use crate::diagnosis::moments::FILLED;
 use crate::diagnosis::signals::Block;
 use crate::diagnosis::single_sensor::evidence;
-use crate::diagnosis::{Fault, Malfunction, Place, Sensor};
+use crate::diagnosis::{Fault, Malfunction, Place, Sensor, Tuning};
 use crate::memory::Blank;
 use crate::model::Corner;
 use crate::real::Real;
-
-/// Blocks over which ratios and hop are averaged.
-const BLOCKS: f64 = 20.0;
-/// The most that a block counts of a ratio's logarithm, where it is judged: a hole under one wheel makes two of a single block. And where
-/// it is reported, and of the hop's.
-const MOST: f64 = 0.35;
-const MOST_REPORTED: f64 = 2.0;
-const MOST_HOP: f64 = 1.0;
-/// Log of a gain that is wrong; and that is fine again.
-const WRONG: f64 = 0.14;
-const FINE: f64 = 0.11;
-/// Share of the most that a gain was off, below which it is fine again; and the most from which on that is enough, whatever its
-/// hop does: averages of so much take long to be forgotten.
-const LESS: f64 = 0.4;
-const LARGE: f64 = 0.31;
-const PATIENCE: DebounceTimes = DebounceTimes { set_s: 5.0, clear_s: 10.0 };
-/// Mean log of hop power over that of the other wheels that a wrong gain must have, in the direction of the gain. It alone is no
-/// sign of one: a tire with little air hops less, too.
-const HOP_AGREES: f64 = 0.15;
 
 /// Gains of a car's wheel sensors, compared with each other.
 #[derive(Debug, Clone, PartialEq, Blank)]
@@ -57,8 +37,8 @@ impl<T: Real> WheelGainBalance<T> {
     }
 
     /// Takes a block of a car that drives; `has_signal`: the slow band is louder than the sensors' noise in it.
-    pub(crate) fn average(&mut self, block: &Block<T>, has_signal: bool) {
-        let share = T::lit(1.0 / BLOCKS);
+    pub(crate) fn average(&mut self, block: &Block<T>, has_signal: bool, tuning: &Tuning) {
+        let share = T::lit(1.0 / tuning.balance_blocks);
         let follow = |mean: &mut T, now: T, most: f64| {
             let most = T::lit(most);
             *mean += share * (now.clamp(-most, most) - *mean);
@@ -66,7 +46,7 @@ impl<T: Real> WheelGainBalance<T> {
         for (corner, hop) in Corner::ALL.into_iter().zip(&mut self.hop) {
             let level = T::lit(0.5) * over_others(&block.wheel_hop, corner).ln();
             if level.is_finite() {
-                follow(hop, level, MOST_HOP);
+                follow(hop, level, tuning.balance_step_hop);
             }
         }
         let logs = [0, 1, 2, 3].map(|i| T::lit(0.5) * (block.slow[4 + i] / block.slow[i]).ln());
@@ -75,56 +55,59 @@ impl<T: Real> WheelGainBalance<T> {
         }
         let baseline = median(&mut logs.clone());
         for i in Corner::ALL {
-            follow(&mut self.over_median[i], logs[i] - baseline, MOST);
-            follow(&mut self.over_partner[i], logs[i] - logs[i.same_axle()], MOST);
-            follow(&mut self.as_reported[i], logs[i] - baseline, MOST_REPORTED);
+            follow(&mut self.over_median[i], logs[i] - baseline, tuning.balance_step);
+            follow(&mut self.over_partner[i], logs[i] - logs[i.same_axle()], tuning.balance_step);
+            follow(&mut self.as_reported[i], logs[i] - baseline, tuning.balance_step_reported);
         }
         self.filled += share * (T::one() - self.filled);
     }
 
     /// Judges by what was taken; `flat`: the bodies are one plane, so none of them reads wrong.
-    pub(crate) fn judge(&mut self, at: [f64; 2], flat: bool) {
-        let counts = flat && self.filled >= T::lit(FILLED);
+    pub(crate) fn judge(&mut self, at: [f64; 2], flat: bool, tuning: &Tuning) {
+        let counts = flat && self.filled >= T::lit(tuning.filled);
         for i in Corner::ALL {
             // A smooth road under one side, which rolls with the other, is one of both axles.
             let other_axle = self.over_partner[i.same_side()];
             let over_all = lesser(self.over_median[i], self.over_partner[i]);
             let own = lesser(over_all, self.over_partner[i] - other_axle);
-            self.note_pending(i, at[0], flat, own.abs(), lesser(self.over_partner[i], other_axle).abs());
+            let of_side = lesser(self.over_partner[i], other_axle).abs();
+            self.note_pending(i, at[0], flat, own.abs(), of_side, tuning);
             let deviation = counts.then(|| own / self.filled);
-            let agrees =
-                deviation.is_some_and(|deviation| deviation.signum() * self.hop[i] > T::lit(HOP_AGREES));
+            let hop = T::lit(tuning.balance_hop);
+            let agrees = deviation.is_some_and(|deviation| deviation.signum() * self.hop[i] > hop);
             let most = &mut self.largest_deviation[i];
             *most = if self.words[i].debouncer.is_active() {
                 deviation.map_or(*most, |deviation| most.max(deviation.abs()))
             } else {
                 T::zero()
             };
-            let fine = T::lit(FINE).max(T::lit(LESS) * *most);
-            let past = !agrees || *most > T::lit(LARGE);
-            let wrong = T::lit(WRONG).max(fine);
+            let fine = T::lit(tuning.balance_fine).max(T::lit(tuning.balance_fine_share) * *most);
+            let past = !agrees || *most > T::lit(tuning.balance_large);
+            let wrong = T::lit(tuning.balance_wrong).max(fine);
             let evidence = deviation.map_or(Evidence::NoData, |deviation| {
                 evidence(agrees && deviation.abs() > wrong, past && deviation.abs() < fine)
             });
             let sensor = Sensor { corner: i, place: Place::Wheel };
-            let gain = (self.as_reported[i] / self.filled.max(T::lit(FILLED))).exp();
-            self.words[i].update(at, evidence, PATIENCE, || Malfunction::Gain { sensor, gain });
+            let gain = (self.as_reported[i] / self.filled.max(T::lit(tuning.filled))).exp();
+            self.words[i].update(at, evidence, tuning.balance, || Malfunction::Gain { sensor, gain });
         }
     }
 
     /// Gains are doubted earlier than they are reported, and those of both wheels of a side, too, which differ from the others by twice as much. An
     /// average of few blocks is off by more: by the root of their number. `own`, `of_side`: logs of the corner's gain and of those of its side, as far
     /// as the averages are filled.
-    fn note_pending(&mut self, i: Corner, time_s: f64, flat: bool, own: T, of_side: T) {
-        if !(flat && self.filled >= T::lit(0.5 * FILLED)) {
+    fn note_pending(&mut self, i: Corner, time_s: f64, flat: bool, own: T, of_side: T, tuning: &Tuning) {
+        if !(flat && self.filled >= T::lit(0.5 * tuning.filled)) {
             return;
         }
-        let few = (T::lit(FILLED) / self.filled).sqrt().max(T::one());
+        let few = (T::lit(tuning.filled) / self.filled).sqrt().max(T::one());
         let deviation = own.max(T::lit(0.5) * of_side) / (self.filled * few);
         let since_s = &mut self.pending_since_s[i];
-        if deviation > T::lit(FINE) {
+        if deviation > T::lit(tuning.balance_fine) {
             *since_s = if since_s.is_nan() { time_s } else { *since_s };
-        } else if deviation < T::lit(0.5 * FINE) && !self.words[i].debouncer.is_active() {
+        } else if deviation < T::lit(tuning.hysteresis * tuning.balance_fine)
+            && !self.words[i].debouncer.is_active()
+        {
             *since_s = f64::NAN;
         }
     }
@@ -158,6 +141,7 @@ mod tests {
     use super::*;
 
     const BLOCK_S: f64 = 0.5;
+    const TUNING: Tuning = Tuning::DEFAULT;
 
     struct Drive {
         gains: WheelGainBalance<f64>,
@@ -183,8 +167,8 @@ mod tests {
             let mut reported_s = None;
             for _ in 0..(seconds / BLOCK_S) as u32 {
                 self.time_s += BLOCK_S;
-                self.gains.average(&block, true);
-                self.gains.judge([self.time_s, BLOCK_S], true);
+                self.gains.average(&block, true, &TUNING);
+                self.gains.judge([self.time_s, BLOCK_S], true, &TUNING);
                 if self.gains.faults().next().is_some() {
                     reported_s.get_or_insert(self.time_s);
                 }
@@ -208,7 +192,8 @@ mod tests {
         let deviation = 0.75_f64.ln();
         let reported_s = drive.on(60.0, front_right(deviation), front_right(deviation)).unwrap() - 60.0;
         // On its way from 0 to 0.288 with 10 s an average is 0.14 after 6.7 s, and 0.15 of the hop after 7.4 s; 5 s more.
-        let closed_form = -10.0 * (1.0 - HOP_AGREES.max(WRONG) / deviation.abs()).ln() + 5.0;
+        let closed_form =
+            -10.0 * (1.0 - TUNING.balance_hop.max(TUNING.balance_wrong) / deviation.abs()).ln() + 5.0;
         assert!((reported_s - closed_form).abs() < 1.5, "{reported_s} s, {closed_form} s");
         let sensor = Sensor { corner: Corner::FrontRight, place: Place::Wheel };
         let Some(Malfunction::Gain { sensor: named, gain }) = drive.active() else { unreachable!() };
@@ -273,8 +258,8 @@ mod tests {
         };
         for (has_signal, flat) in [(false, true), (true, false)] {
             for block in 0..200 {
-                gains.average(&loud, has_signal);
-                gains.judge([f64::from(block) * BLOCK_S, BLOCK_S], flat);
+                gains.average(&loud, has_signal, &TUNING);
+                gains.judge([f64::from(block) * BLOCK_S, BLOCK_S], flat, &TUNING);
                 assert!(gains.faults().next().is_none());
             }
         }

@@ -5,32 +5,17 @@
 //! say; until then the corner is kept from the estimator. A tire that loses its air moves the hop to where the other wheels
 //! shake the body, too: the wheel's sensor by itself tells that, whatever its gain, as the hop is slower.
 
-use crate::diagnosis::debounce::{AT_ONCE, Debouncer};
+use crate::diagnosis::Tuning;
+use crate::diagnosis::debounce::Debouncer;
 use crate::diagnosis::matching::median;
 use crate::diagnosis::single_sensor::evidence;
 use crate::memory::Blank;
 use crate::model::Corner;
 use crate::real::Real;
 
-/// Blocks over which the usual ratio is averaged, and after which it is known.
-const USUAL_BLOCKS: u32 = 40;
-const KNOWN_BLOCKS: u32 = 12;
 /// Newest blocks of which the middle one counts. A hole under one wheel shakes the bodies of all: at the others one block or
 /// two, but not half of them, have a body that moves more than its wheel explains.
 const NEWEST: usize = 9;
-/// Log of powers by which a corner's ratio is off from its usual one, more than the others', from which it has jumped,
-/// and below which it has not. A gain of one half or two makes 1.39.
-const JUMPED: f64 = 0.75;
-/// The same while another corner's hop frequency has changed: a wheel on a flat tire shakes the other bodies, too.
-const JUMPED_BESIDE: f64 = 1.1;
-const AS_EVER: f64 = 0.5;
-/// The same of the hop's log of frequencies squared from which on it is the tire that has changed. One that loses 100 kPa
-/// makes 0.3, two hours of everyday driving no more than 0.25.
-const SLOWER: f64 = 0.2;
-/// A single block moves the usual ratio by no more than this, over their number.
-const LARGEST: f64 = 1.0;
-/// Seconds of driving after which a jump that nothing else explains is taken for another car: a load that was moved, a damper that broke.
-pub(crate) const LONGEST_S: f64 = 120.0;
 
 /// How a corner's hop looks in a block, as logs of powers.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
@@ -73,8 +58,9 @@ impl<T: Real> Baseline<T> {
         median(&mut self.deviation.clone())
     }
 
-    fn learn(&mut self, log: T, blocks: u32) {
-        let by = T::lit(if blocks < KNOWN_BLOCKS { f64::INFINITY } else { LARGEST });
+    fn learn(&mut self, log: T, blocks: u32, tuning: &Tuning) {
+        let by = if blocks < tuning.jump_known_blocks { f64::INFINITY } else { tuning.jump_step };
+        let by = T::lit(by);
         self.mean += (log - self.mean).clamp(-by, by) / T::lit(f64::from(blocks));
     }
 }
@@ -89,41 +75,49 @@ impl<T: Real> WheelGainJump<T> {
         self.debouncer.is_active()
     }
 
-    fn learn(&mut self, hop: Hop<T>) {
-        self.blocks = (self.blocks + 1).min(USUAL_BLOCKS);
-        self.strut_over_body.learn(hop.strut_over_body, self.blocks);
-        self.wheel_over_strut.learn(hop.wheel_over_strut, self.blocks);
+    fn learn(&mut self, hop: Hop<T>, tuning: &Tuning) {
+        self.blocks = self.blocks.saturating_add(1).min(tuning.jump_usual_blocks);
+        self.strut_over_body.learn(hop.strut_over_body, self.blocks, tuning);
+        self.wheel_over_strut.learn(hop.wheel_over_strut, self.blocks, tuning);
     }
 
-    fn tune(&mut self, wheel_over_strut: T) {
-        self.hop_shifted = wheel_over_strut > T::lit(if self.hop_shifted { 0.5 * SLOWER } else { SLOWER });
+    fn note_hop(&mut self, wheel_over_strut: T, tuning: &Tuning) {
+        let share = if self.hop_shifted { tuning.hysteresis } else { 1.0 };
+        self.hop_shifted = wheel_over_strut > T::lit(share * tuning.jump_hop);
     }
 
     /// `beside`: another corner's hop frequency has changed.
-    fn judge(&mut self, [time_s, step_s]: [f64; 2], strut_over_body: T, explained: bool, beside: bool) {
-        let jumped =
-            strut_over_body > T::lit(if beside { JUMPED_BESIDE } else { JUMPED }) && !self.hop_shifted;
-        let evidence = evidence(jumped, self.hop_shifted || strut_over_body < T::lit(AS_EVER));
-        let suspected = self.debouncer.update(time_s, step_s, evidence, AT_ONCE);
+    fn judge(
+        &mut self,
+        [time_s, step_s]: [f64; 2],
+        strut_over_body: T,
+        explained: bool,
+        beside: bool,
+        tuning: &Tuning,
+    ) {
+        let limit = T::lit(if beside { tuning.jump_beside } else { tuning.jump });
+        let jumped = strut_over_body > limit && !self.hop_shifted;
+        let evidence = evidence(jumped, self.hop_shifted || strut_over_body < T::lit(tuning.jump_fine));
+        let suspected = self.debouncer.update(time_s, step_s, evidence, tuning.change);
         if (suspected || self.hop_shifted) && !explained {
             self.lasted_s += step_s;
         } else {
             self.lasted_s = 0.0;
         }
-        self.give_up_in_time();
+        self.give_up_in_time(tuning);
     }
 
     /// While one of the others is not known the corner cannot be held against them; what it is suspected of grows old.
-    fn wait(&mut self, step_s: f64) {
+    fn wait(&mut self, step_s: f64, tuning: &Tuning) {
         if self.is_suspected() {
             self.lasted_s += step_s;
-            self.give_up_in_time();
+            self.give_up_in_time(tuning);
         }
     }
 
     /// A misfit that lasts so long is another car.
-    fn give_up_in_time(&mut self) {
-        if self.lasted_s > LONGEST_S {
+    fn give_up_in_time(&mut self, tuning: &Tuning) {
+        if self.lasted_s > tuning.change_longest_s {
             *self = Self::new();
         }
     }
@@ -143,21 +137,24 @@ pub(crate) fn jumps<T: Real>(
     at: [f64; 2],
     hops: &[Hop<T>; 4],
     explained: [bool; 4],
+    tuning: &Tuning,
 ) {
-    if corners.iter().all(|corner| corner.blocks >= KNOWN_BLOCKS) {
+    if corners.iter().all(|corner| corner.blocks >= tuning.jump_known_blocks) {
         let strut_over_body =
             Corner::ALL.map(|i| corners[i].strut_over_body.deviation(hops[i].strut_over_body));
         let wheel_over_strut =
             Corner::ALL.map(|i| corners[i].wheel_over_strut.deviation(hops[i].wheel_over_strut));
-        Corner::ALL.into_iter().for_each(|corner| corners[corner].tune(apart(&wheel_over_strut, corner)));
+        for corner in Corner::ALL {
+            corners[corner].note_hop(apart(&wheel_over_strut, corner), tuning);
+        }
         let hop_shifted = corners.each_ref().map(|corner| corner.hop_shifted);
         for corner in Corner::ALL {
             let beside = corner.others().into_iter().any(|other| hop_shifted[other]);
-            corners[corner].judge(at, apart(&strut_over_body, corner), explained[corner], beside);
+            corners[corner].judge(at, apart(&strut_over_body, corner), explained[corner], beside, tuning);
         }
     } else {
         for (corner, _) in corners.iter_mut().zip(explained).filter(|(_, explained)| !explained) {
-            corner.wait(at[1]);
+            corner.wait(at[1], tuning);
         }
     }
     for (i, corner) in corners.iter_mut().enumerate() {
@@ -165,7 +162,7 @@ pub(crate) fn jumps<T: Real>(
             (true, _) => {}
             // It was wrong before its usual was known: what was learned is not.
             (false, true) => *corner = WheelGainJump::new(),
-            (false, false) => corner.learn(hops[i]),
+            (false, false) => corner.learn(hops[i], tuning),
         }
     }
 }
@@ -175,6 +172,7 @@ mod tests {
     use super::*;
 
     const BLOCK_S: f64 = 0.5;
+    const TUNING: Tuning = Tuning::DEFAULT;
 
     /// Four corners that have driven a minute: body and wheel as 4.5 in a log, a little more or less by corner and block.
     struct Car {
@@ -202,7 +200,7 @@ mod tests {
                 wheel_over_strut: 8.0 + self.hop_shift[i],
             });
             let at = [BLOCK_S * f64::from(self.blocks), BLOCK_S];
-            jumps(&mut self.corners, at, &hops, [explained, false, false, false]);
+            jumps(&mut self.corners, at, &hops, [explained, false, false, false], &TUNING);
         }
 
         fn suspects(&self) -> [bool; 4] {
@@ -258,7 +256,7 @@ mod tests {
         let mut car = Car::that_has_driven(120);
         car.until(true, 1.4, false);
         let lasted_s = car.until(false, 1.4, false);
-        assert!((lasted_s - LONGEST_S).abs() < 2.0, "{lasted_s}");
+        assert!((lasted_s - TUNING.change_longest_s).abs() < 2.0, "{lasted_s}");
         // But not while a wrong gain is reported.
         let mut car = Car::that_has_driven(120);
         car.until(true, 1.4, false);
@@ -316,22 +314,22 @@ mod tests {
             let at = [0.0, BLOCK_S];
             let hops =
                 [1.4, 0.0, 0.0, 0.0].map(|more| Hop { strut_over_body: 4.5 + more, wheel_over_strut: 8.0 });
-            jumps(&mut car.corners, at, &hops, explained);
+            jumps(&mut car.corners, at, &hops, explained, &TUNING);
         };
         car.until(true, 1.4, false);
         let mut lasted_s = 0.0;
         while car.suspects()[0] {
             block(&mut car, [false, true, false, false]);
             lasted_s += BLOCK_S;
-            assert!(lasted_s < 2.0 * LONGEST_S, "never");
+            assert!(lasted_s < 2.0 * TUNING.change_longest_s, "never");
         }
-        assert!((lasted_s - LONGEST_S).abs() < 5.0, "{lasted_s}");
+        assert!((lasted_s - TUNING.change_longest_s).abs() < 5.0, "{lasted_s}");
     }
 
     #[test]
     fn nothing_is_suspected_before_the_usual_is_known() {
         // As many blocks off as make a jump later, and none of them suspect yet.
-        let mut car = Car::that_has_driven(KNOWN_BLOCKS - 5);
+        let mut car = Car::that_has_driven(TUNING.jump_known_blocks - 5);
         for _ in 0..5 {
             car.block([3.0, 0.0, 0.0, 0.0], false);
             assert_eq!(car.suspects(), [false; 4]);

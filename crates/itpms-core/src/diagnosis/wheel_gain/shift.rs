@@ -3,35 +3,15 @@
 //!
 //! Like [`crate::diagnosis::wheel_gain::jump`], but of powers that are averaged over seconds, and counting what the other wheels do to a body.
 
-use crate::diagnosis::debounce::{AT_ONCE, Debouncer};
+use crate::diagnosis::Tuning;
+use crate::diagnosis::debounce::Debouncer;
 use crate::diagnosis::matching::median;
-use crate::diagnosis::signals::{Block, HOP_BLOCKS};
+use crate::diagnosis::signals::Block;
 use crate::diagnosis::single_sensor::evidence;
-use crate::diagnosis::wheel_gain::jump::{Hop, LONGEST_S};
+use crate::diagnosis::wheel_gain::jump::Hop;
 use crate::memory::Blank;
 use crate::model::Corner;
 use crate::real::Real;
-
-/// Share of an average that must be filled before it counts.
-const FILLED: f64 = 0.6;
-/// What a wheel does to the body over another one, as a share of the power that it gives the one over itself.
-const TO_OTHERS: f64 = 0.05;
-/// Averages that the usual one is the mean of; after which the usual hop frequency is known; and after which all of it is.
-const USUAL_BLOCKS: u32 = 60;
-const TUNED_BLOCKS: u32 = 16;
-const KNOWN_BLOCKS: u32 = 48;
-/// Log of powers by which a corner is off from its usual, more than the others, from which it has shifted; the same while another
-/// corner's tire is another one; and below which it has not, and is taken for usual. A gain of 0.75 makes 0.52,
-/// five hours over holes and humps 0.38.
-const SHIFTED: f64 = 0.35;
-const SHIFTED_BESIDE: f64 = 0.55;
-const AS_EVER: f64 = 0.2;
-/// Seconds for which what is unusual, and no tire makes, is a reason to wait with a tire of its side that looks low.
-const WAIT_S: f64 = 15.0;
-/// The same of the hop's log of frequencies squared from which on it is the tire that has changed; and what a tire that changes by less
-/// may make of the other log, over that.
-const SLOWER: f64 = 0.14;
-const BY_TIRE: f64 = 2.0;
 
 /// Effect of every wheel on its body, and whether it has shifted.
 #[derive(Debug, Clone, PartialEq, Blank)]
@@ -66,15 +46,16 @@ impl<T: Real> Shift<T> {
         Self { debouncer: Debouncer::new(), pending_since_s: f64::NAN, ..Self::BLANK }
     }
 
-    fn learn(&mut self, hop: Hop<T>) {
-        self.blocks = (self.blocks + 1).min(USUAL_BLOCKS);
+    fn learn(&mut self, hop: Hop<T>, tuning: &Tuning) {
+        self.blocks = self.blocks.saturating_add(1).min(tuning.shift_usual_blocks);
         let share = T::lit(1.0 / f64::from(self.blocks));
         self.baseline.strut_over_body += share * (hop.strut_over_body - self.baseline.strut_over_body);
         self.baseline.wheel_over_strut += share * (hop.wheel_over_strut - self.baseline.wheel_over_strut);
     }
 
-    fn tune(&mut self, wheel_over_strut: T) {
-        self.hop_shifted = wheel_over_strut > T::lit(if self.hop_shifted { 0.5 * SLOWER } else { SLOWER });
+    fn note_hop(&mut self, wheel_over_strut: T, tuning: &Tuning) {
+        let share = if self.hop_shifted { tuning.hysteresis } else { 1.0 };
+        self.hop_shifted = wheel_over_strut > T::lit(share * tuning.shift_hop);
     }
 
     /// Takes the newest average and its deviation from the usual one. `beside`: another corner's hop frequency has changed.
@@ -85,11 +66,12 @@ impl<T: Real> Shift<T> {
         deviation: Hop<T>,
         explained: bool,
         beside: bool,
+        tuning: &Tuning,
     ) {
-        let strut_over_body = deviation.strut_over_body;
-        let by_tire = T::lit(BY_TIRE) * deviation.wheel_over_strut;
-        let limit = T::lit(if beside { SHIFTED_BESIDE } else { SHIFTED }) + by_tire;
-        let pending_fault = strut_over_body > T::lit(AS_EVER) + by_tire && !self.hop_shifted;
+        let (strut_over_body, fine) = (deviation.strut_over_body, T::lit(tuning.shift_fine));
+        let by_tire = T::lit(tuning.shift_by_tire) * deviation.wheel_over_strut;
+        let limit = T::lit(if beside { tuning.shift_beside } else { tuning.shift }) + by_tire;
+        let pending_fault = strut_over_body > fine + by_tire && !self.hop_shifted;
         if !pending_fault {
             self.pending_since_s = f64::NAN;
         } else if self.pending_since_s.is_nan() {
@@ -97,16 +79,16 @@ impl<T: Real> Shift<T> {
         }
         let evidence = evidence(
             strut_over_body > limit && !self.hop_shifted,
-            self.hop_shifted || strut_over_body < T::lit(AS_EVER),
+            self.hop_shifted || strut_over_body < fine,
         );
-        let suspected = self.debouncer.update(time_s, step_s, evidence, AT_ONCE);
-        let baseline = !suspected && !self.hop_shifted && strut_over_body < T::lit(AS_EVER);
+        let suspected = self.debouncer.update(time_s, step_s, evidence, tuning.change);
+        let baseline = !suspected && !self.hop_shifted && strut_over_body < fine;
         self.lasted_s = if baseline || explained { 0.0 } else { self.lasted_s + step_s };
-        if self.lasted_s > LONGEST_S || (explained && !suspected) {
+        if self.lasted_s > tuning.change_longest_s || (explained && !suspected) {
             // Another car; or it was wrong before its usual was known, and what was learned is not usual.
             *self = Self::new();
         } else if baseline {
-            self.learn(hop);
+            self.learn(hop, tuning);
         }
     }
 }
@@ -122,8 +104,8 @@ impl<T: Real> WheelGainShift<T> {
     }
 
     /// Whether a corner may be about to be suspected: what its tire seems to be may be its sensor's.
-    pub(crate) fn is_pending_fault(&self, corner: Corner, now_s: f64) -> bool {
-        now_s - self.corners[corner].pending_since_s < WAIT_S
+    pub(crate) fn is_pending_fault(&self, corner: Corner, now_s: f64, tuning: &Tuning) -> bool {
+        now_s - self.corners[corner].pending_since_s < tuning.shift_wait_s
     }
 
     pub(crate) fn drop_suspicions(&mut self) {
@@ -133,37 +115,38 @@ impl<T: Real> WheelGainShift<T> {
     }
 
     /// Takes a block in which all four corners are read, and the corners of which it is reported already what is wrong.
-    pub(crate) fn take(&mut self, at: [f64; 2], block: &Block<T>, explained: [bool; 4]) {
-        self.average(block);
-        if self.filled < T::lit(FILLED) {
+    pub(crate) fn take(&mut self, at: [f64; 2], block: &Block<T>, explained: [bool; 4], tuning: &Tuning) {
+        self.average(block, tuning);
+        if self.filled < T::lit(tuning.shift_filled) {
             return;
         }
-        let hops = self.hops();
-        let blocks = self.corners.iter().fold(USUAL_BLOCKS, |least, corner| least.min(corner.blocks));
+        let hops = self.hops(tuning);
+        let blocks =
+            self.corners.iter().fold(tuning.shift_usual_blocks, |least, corner| least.min(corner.blocks));
         let deviation = |of: fn(&Hop<T>) -> T, known: u32| {
             let deviation = Corner::ALL.map(|i| of(&hops[i]) - of(&self.corners[i].baseline));
             Corner::ALL.map(|i| if blocks < known { T::zero() } else { apart(&deviation, i) })
         };
         let (wheel_over_strut, strut_over_body) = (
-            deviation(|hop| hop.wheel_over_strut, TUNED_BLOCKS),
-            deviation(|hop| hop.strut_over_body, KNOWN_BLOCKS),
+            deviation(|hop| hop.wheel_over_strut, tuning.shift_hop_known_blocks),
+            deviation(|hop| hop.strut_over_body, tuning.shift_known_blocks),
         );
         for (corner, wheel_over_strut) in self.corners.iter_mut().zip(wheel_over_strut) {
-            corner.tune(wheel_over_strut);
+            corner.note_hop(wheel_over_strut, tuning);
         }
         let hop_shifted = self.corners.each_ref().map(|corner| corner.hop_shifted);
         for i in Corner::ALL {
             let beside = i.others().into_iter().any(|other| hop_shifted[other]);
             let deviation =
                 Hop { strut_over_body: strut_over_body[i], wheel_over_strut: wheel_over_strut[i] };
-            self.corners[i].judge(at, hops[i], deviation, explained[i], beside);
+            self.corners[i].judge(at, hops[i], deviation, explained[i], beside, tuning);
         }
     }
 
     /// Every block counts alike, however rough its road.
-    fn average(&mut self, block: &Block<T>) {
+    fn average(&mut self, block: &Block<T>, tuning: &Tuning) {
         let all = (4..8).fold(T::zero(), |sum, i| sum + block.hop[(i, i)]);
-        let share = T::lit(1.0 / HOP_BLOCKS);
+        let share = T::lit(1.0 / tuning.hop_blocks);
         let follow = |mean: &mut T, power: T| *mean += share * (power / all - *mean);
         for i in 0..4 {
             follow(&mut self.bodies[i], block.hop[(i, i)]);
@@ -174,11 +157,11 @@ impl<T: Real> WheelGainShift<T> {
     }
 
     /// What the struts of all wheels give a body over what it has; and the hop frequency: logs of powers.
-    fn hops(&self) -> [Hop<T>; 4] {
+    fn hops(&self, tuning: &Tuning) -> [Hop<T>; 4] {
         let all = self.struts.iter().fold(T::zero(), |sum, strut| sum + *strut);
         Corner::ALL.map(|i| {
             let own = self.struts[i];
-            let given = own + T::lit(TO_OTHERS) * (all - own);
+            let given = own + T::lit(tuning.shift_to_others) * (all - own);
             Hop {
                 strut_over_body: (given / self.bodies[i]).ln(),
                 wheel_over_strut: (self.wheels[i] / own).ln(),
@@ -208,6 +191,7 @@ mod tests {
     use super::*;
 
     const BLOCK_S: f64 = 0.5;
+    const TUNING: Tuning = Tuning::DEFAULT;
 
     /// How rough each wheel's road is, the masses over the wheels, their sensors' gains and the change of their hop frequency, as a log.
     struct Drive {
@@ -255,7 +239,7 @@ mod tests {
             }
             let wheel_hop = [0, 1, 2, 3].map(|i| hop[(4 + i, 4 + i)] * hop_shift[i].exp());
             let block = Block { hop, wheel_hop, bounce: SMatrix::zeros(), slow: [1.0; 8] };
-            self.shifts.take([BLOCK_S * f64::from(self.blocks), BLOCK_S], &block, explained);
+            self.shifts.take([BLOCK_S * f64::from(self.blocks), BLOCK_S], &block, explained, &TUNING);
         }
 
         fn suspects(&self) -> [bool; 4] {
@@ -264,7 +248,7 @@ mod tests {
 
         fn pending_fault(&self) -> [bool; 4] {
             let now_s = BLOCK_S * f64::from(self.blocks);
-            Corner::ALL.map(|corner| self.shifts.is_pending_fault(corner, now_s))
+            Corner::ALL.map(|corner| self.shifts.is_pending_fault(corner, now_s, &TUNING))
         }
 
         /// Seconds until the suspicion of the front left wheel is `wanted`, with this gain.
@@ -314,7 +298,10 @@ mod tests {
             car.pending_fault()[0]
         });
         let strange_s = BLOCK_S * pending_fault.count() as f64;
-        assert!((0.6 * WAIT_S..=1.5 * WAIT_S).contains(&strange_s), "{strange_s} s");
+        assert!(
+            (0.6 * TUNING.shift_wait_s..=1.5 * TUNING.shift_wait_s).contains(&strange_s),
+            "{strange_s} s"
+        );
         assert_eq!(car.suspects(), [false; 4]);
         // Nor is what a tire that falls makes.
         let mut car = Car::that_has_driven(120);
@@ -332,8 +319,8 @@ mod tests {
             car.read([0.75, 1.0, 1.0, 1.0], [false; 4]);
         }
         let now_s = BLOCK_S * f64::from(car.blocks);
-        assert!(car.shifts.is_pending_fault(Corner::FrontLeft, now_s + 0.9 * WAIT_S));
-        assert!(!car.shifts.is_pending_fault(Corner::FrontLeft, now_s + WAIT_S));
+        assert!(car.shifts.is_pending_fault(Corner::FrontLeft, now_s + 0.9 * TUNING.shift_wait_s, &TUNING));
+        assert!(!car.shifts.is_pending_fault(Corner::FrontLeft, now_s + TUNING.shift_wait_s, &TUNING));
     }
 
     #[test]
@@ -341,7 +328,10 @@ mod tests {
         let mut car = Car::that_has_driven(120);
         car.until(true, 0.75);
         let lasted_s = car.until(false, 0.75);
-        assert!((0.9 * LONGEST_S..=LONGEST_S).contains(&lasted_s), "{lasted_s} s");
+        assert!(
+            (0.9 * TUNING.change_longest_s..=TUNING.change_longest_s).contains(&lasted_s),
+            "{lasted_s} s"
+        );
         let mut car = Car::that_has_driven(120);
         car.until(true, 0.75);
         let explained = [true, false, false, false];
@@ -377,7 +367,7 @@ mod tests {
     fn a_tire_that_goes_flat_before_the_usual_is_known_is_no_shift() {
         // What a tire that falls from 250 to 190 kPa makes: less than what its wheel's power would tell, and a slower hop.
         let (masses, hop_shift) = ([1.25, 1.0, 1.0, 1.0], [-0.25, 0.0, 0.0, 0.0]);
-        for blocks in [20, 30, 40, KNOWN_BLOCKS] {
+        for blocks in [20, 30, 40, TUNING.shift_known_blocks] {
             let mut car = Car::that_has_driven(blocks);
             for i in 0..300 {
                 car.block(&Drive { masses, hop_shift, ..Drive::BASELINE }, [false; 4]);
@@ -388,7 +378,7 @@ mod tests {
 
     #[test]
     fn nothing_is_suspected_before_the_usual_is_known() {
-        let mut car = Car::that_has_driven(KNOWN_BLOCKS);
+        let mut car = Car::that_has_driven(TUNING.shift_known_blocks);
         for _ in 0..4 {
             car.read([3.0, 1.0, 1.0, 1.0], [false; 4]);
             assert_eq!(car.suspects(), [false; 4]);
