@@ -39,10 +39,11 @@ macro_rules! take {
 fn parse(text: &str) -> Result<Tuning, Problem> {
     let file = DeTable::parse(text).map_err(|error| syntax_problem(text, &error))?;
     let root = Table::root(text, file.get_ref());
-    root.check_keys(&["decision", "warning"])?;
+    root.check_keys(&["decision", "diagnosis", "warning"])?;
     let mut tuning = Tuning::default();
     take!(root, "decision", tuning.decision);
     take!(root, "warning", tuning.warning);
+    take!(root, "diagnosis", tuning.diagnosis);
     Ok(tuning)
 }
 
@@ -52,6 +53,8 @@ pub fn text(tuning: &Tuning) -> String {
     tuning.decision.each(lines(&mut out));
     out.push_str("\n[warning]\n");
     tuning.warning.each(lines(&mut out));
+    out.push_str("\n[diagnosis]\n");
+    tuning.diagnosis.each(lines(&mut out));
     out
 }
 

@@ -31,11 +31,7 @@ pub struct MonitorConfig<T> {
 
 /// The tables of numbers by which a monitor works; wheel speeds have their own, which cannot be set.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Blank)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(default, deny_unknown_fields)
-)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Tuning {
     /// Which sensors are wrong.
     pub diagnosis: diagnosis::Tuning,

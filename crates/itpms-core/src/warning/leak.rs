@@ -1,6 +1,8 @@
 //! How fast a tire loses pressure: one that has surely lost a part of its pressure in this drive leaks fast while its loss grows against
 //! the others'. Whether it is lost is for the [decision](crate::decision) to tell.
 
+use nalgebra::RealField;
+
 use crate::decision::Probabilities;
 use crate::diagnosis::debounce::{Debouncer, Evidence};
 use crate::memory::Blank;
@@ -94,7 +96,7 @@ impl<T: Real> LeakWatch<T> {
             *behind_kpa = lost_kpa;
         }
         let behind = lost_kpa - *behind_kpa;
-        *behind_kpa += behind * T::lit(passed_s.clamp(0.0, growth_s) / growth_s);
+        *behind_kpa += behind * T::lit(RealField::clamp(passed_s, 0.0, growth_s) / growth_s);
         behind.is_finite().then(|| behind * T::lit(60.0 / growth_s))
     }
 }
