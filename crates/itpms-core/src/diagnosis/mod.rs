@@ -135,12 +135,13 @@ impl<T: Real> Diagnosis<T> {
             self.sensors.iter_mut().flatten().for_each(SingleSensorMonitor::interrupted);
         }
         let nothing = [T::lit(f64::NAN); 2];
+        let spike = [tuning.spike_m_s2, tuning.spike_over_usual].map(T::lit);
         let mut values = [T::zero(); 8];
         let [bodies, wheels] = &mut self.sensors;
         for (i, corner) in sample.corners.iter().enumerate().filter(|(i, _)| self.present[*i]) {
             let [body, wheel] = corner.map_or(nothing, |c| [c.body_accel_m_s2, c.wheel_accel_m_s2]);
-            values[i] = bodies[i].push(time_s, body, tuning);
-            values[4 + i] = wheels[i].push(time_s, wheel, tuning);
+            values[i] = bodies[i].push(time_s, body, spike);
+            values[4 + i] = wheels[i].push(time_s, wheel, spike);
         }
         self.signals.push(&values);
         if !(self.slowest_m_s <= sample.speed_m_s) {

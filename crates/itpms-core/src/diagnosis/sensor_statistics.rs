@@ -60,8 +60,8 @@ impl<T: Real> SensorWatch<T> {
         }
     }
 
-    /// Takes a value; gives it, or the last one in the place of a missing one.
-    pub(crate) fn push(&mut self, time_s: f64, value: T, tuning: &Tuning) -> T {
+    /// Takes a value; gives it, or the last one in the place of a missing one. `spike`: the least deviation of one in m/s², and over the usual one.
+    pub(crate) fn push(&mut self, time_s: f64, value: T, spike: [T; 2]) -> T {
         let here = value.abs() < T::lit(ABSURD_M_S2);
         let lost = if here { T::zero() } else { T::one() };
         self.missing += self.missing_share * (lost - self.missing);
@@ -77,7 +77,7 @@ impl<T: Real> SensorWatch<T> {
         self.window = [a, b, c, d, e, f, g, h, value];
         self.whole = (self.whole + 1).min(WINDOW as u32);
         if self.whole == WINDOW as u32 {
-            self.look_for_spike(tuning);
+            self.look_for_spike(spike);
             self.listen();
         }
         value
@@ -89,11 +89,11 @@ impl<T: Real> SensorWatch<T> {
     }
 
     /// Interpolates the middle of the window from its neighbors, sixth order.
-    fn look_for_spike(&mut self, tuning: &Tuning) {
+    fn look_for_spike(&mut self, [least_m_s2, over_usual]: [T; 2]) {
         let [_, a, b, c, value, d, e, f, _] = self.window;
         let expected = (T::lit(15.0) * (c + d) - T::lit(6.0) * (b + e) + a + f) / T::lit(20.0);
         let deviation = (value - expected).abs();
-        let over = (T::lit(tuning.spike_over_usual) * self.usual).at_least(T::lit(tuning.spike_m_s2));
+        let over = (over_usual * self.usual).at_least(least_m_s2);
         // Where the neighbors themselves go so far within six samples, the wheel has met an edge.
         let neighbors = [b, c, d, e, f];
         let [least, most] =
@@ -147,6 +147,7 @@ fn fourth_difference<T: Real>(w: &[T]) -> T {
 mod tests {
     use super::*;
 
+    const SPIKE: [f64; 2] = [Tuning::DEFAULT.spike_m_s2, Tuning::DEFAULT.spike_over_usual];
     const PERIOD_S: f64 = 0.005;
 
     /// A wheel on a road: waves of some frequencies up to 50 Hz, at 200 Hz.
@@ -163,7 +164,7 @@ mod tests {
         let mut time_s = 0.0;
         for value in values {
             time_s += PERIOD_S;
-            watch.push(time_s, value, &Tuning::DEFAULT);
+            watch.push(time_s, value, SPIKE);
         }
         watch.end_block(time_s)
     }
@@ -212,7 +213,7 @@ mod tests {
                 if interrupted && i % 2000 == 1001 {
                     watch.interrupted();
                 }
-                watch.push(1e-3 * f64::from(i), hole(i) + 0.1 * ride(i), &Tuning::DEFAULT);
+                watch.push(1e-3 * f64::from(i), hole(i) + 0.1 * ride(i), SPIKE);
             }
             watch.end_block(20.0).spikes
         };

@@ -44,8 +44,8 @@ impl<T: Real> SingleSensorMonitor<T> {
     }
 
     /// Takes a value; gives it, or the last one in the place of a missing one.
-    pub(crate) fn push(&mut self, time_s: f64, value: T, tuning: &Tuning) -> T {
-        self.watch.push(time_s, value, tuning)
+    pub(crate) fn push(&mut self, time_s: f64, value: T, spike: [T; 2]) -> T {
+        self.watch.push(time_s, value, spike)
     }
 
     /// Samples are not there: the next value does not follow the last one.
