@@ -13,6 +13,7 @@ use std::process::ExitCode;
 
 use args::{Args, Command, Lab, Tool};
 use itpms_console::{Failure, Interrupt, Screen};
+use itpms_core::monitor::Tuning;
 
 fn main() -> ExitCode {
     let args = Args::read();
@@ -50,5 +51,9 @@ fn run_tool(tool: &Tool, screen: &Screen, interrupt: &Interrupt) -> Result<(), F
         Tool::Simulate(args) => commands::simulate::run(args, screen, interrupt),
         Tool::Identify(args) => commands::identify::run(&args.part, screen),
         Tool::Calibrate(args) => commands::identify::run_calibrate(args, screen),
+        Tool::Tuning => {
+            screen.write(itpms_data::tuning::text(&Tuning::default()).as_bytes());
+            Ok(())
+        }
     }
 }

@@ -28,11 +28,6 @@ fn run(args: &Args, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failur
         Study::Observability(args) => commands::observability::run(args, screen, interrupt),
         Study::Reproduce(args) => commands::reproduce::run(args, screen, interrupt),
         Study::Faults(args) => commands::faults::run(args, screen, interrupt),
-        Study::Tuning(_) => {
-            let used = args.tuning.as_deref().map(itpms_data::tuning::read).transpose()?.unwrap_or_default();
-            screen.write(itpms_data::tuning::text(&used).as_bytes());
-            Ok(())
-        }
         Study::Completions(args) => {
             let mut script = Vec::new();
             clap_complete::generate(args.shell, &mut Args::shown(), "itpms-lab", &mut script);

@@ -31,6 +31,8 @@ pub(crate) enum Tool {
     Simulate(SimulateArgs),
     Identify(IdentifyArgs),
     Calibrate(CalibrateArgs),
+    /// Print the numbers of the monitor that can be set, with what they mean: a file for --tuning.
+    Tuning,
 }
 
 /// Studies of `itpms-lab`; `itpms score` is the older spelling of `itpms lab score`.

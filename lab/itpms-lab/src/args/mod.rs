@@ -28,7 +28,7 @@ pub(crate) use soak::SoakArgs;
 pub(crate) struct Args {
     #[command(flatten)]
     pub(crate) speaking: Speaking,
-    /// Numbers of the monitor that are not to have their defaults (TOML); `tuning` prints all of them.
+    /// Numbers of the monitor that are not to have their defaults (TOML); `itpms lab tuning` prints all of them.
     #[arg(long, value_name = "FILE", global = true)]
     pub(crate) tuning: Option<PathBuf>,
     #[command(subcommand)]
@@ -51,13 +51,8 @@ pub(crate) enum Study {
     Observability(ObservabilityArgs),
     Reproduce(ReproduceArgs),
     Faults(FaultsArgs),
-    Tuning(TuningArgs),
     Completions(CompletionsArgs),
 }
-
-/// Print the numbers of the monitor that can be set, with what they mean: a file for --tuning.
-#[derive(Debug, clap::Args)]
-pub(crate) struct TuningArgs {}
 
 /// Print a completion script for a shell.
 #[derive(Debug, clap::Args)]
