@@ -68,8 +68,8 @@
 //!
 //! # On a controller
 //!
-//! A car of four corners is 142 kB in `f32`. It has its memory first, as a constant of zeros, and is configured where it lies. On a
-//! Cortex-M4F that takes 4.4 kB of stack, and samples 9.9 kB. A car that has wheel speeds alone is a [`MonitoredWheels`] of 5 kB.
+//! A car of four corners is 143 kB in `f32`. It has its memory first, as a constant of zeros, and is configured where it lies. On a
+//! Cortex-M4F that takes 6.5 kB of stack, and samples 9.9 kB. A car that has wheel speeds alone is a [`MonitoredWheels`] of 5 kB.
 //!
 //! ```
 //! use std::sync::{Mutex, PoisonError}; // Or whatever guards a static on the controller.

@@ -11,14 +11,19 @@ pub(crate) trait Tunable: Copy {
     /// Of as many numbers as it has.
     fn of(numbers: &[f64]) -> Option<Self>;
 
-    /// The first of its numbers that cannot be meant: not finite, or of another sign than the default; none where nothing is wrong.
+    /// The first of its numbers that cannot be meant; none where nothing is wrong.
     fn implausible(self, default: Self) -> Option<f64> {
-        let (numbers, defaults) = (self.numbers(), default.numbers());
-        numbers.as_ref().iter().zip(defaults.as_ref()).find_map(|(&value, &default)| {
-            let has_sign = if default == 0.0 { value >= 0.0 } else { value * default > 0.0 };
-            (!(value.is_finite() && has_sign)).then_some(value)
-        })
+        first_implausible(self.numbers().as_ref(), default.numbers().as_ref())
     }
+}
+
+/// The first number that is not finite, or of another sign than its default. In the program once, not once a field.
+#[inline(never)]
+fn first_implausible(numbers: &[f64], defaults: &[f64]) -> Option<f64> {
+    numbers.iter().zip(defaults).find_map(|(&value, &default)| {
+        let has_sign = if default == 0.0 { value >= 0.0 } else { value * default > 0.0 };
+        (!(value.is_finite() && has_sign)).then_some(value)
+    })
 }
 
 impl Tunable for f64 {
@@ -91,11 +96,12 @@ macro_rules! tuning {
             /// # Errors
             /// A number that is not finite or has another sign than its default.
             pub fn check(&self) -> Result<(), $crate::model::ParameterError> {
-                $(if let Some(value) = $crate::tuning::Tunable::implausible(self.$field, Self::DEFAULT.$field) {
-                    let expected = "a number of the same sign as its default";
-                    return Err($crate::model::ParameterError { name: stringify!($field), value, expected });
-                })*
-                Ok(())
+                let mut wrong = None;
+                $(wrong = wrong.or_else(|| {
+                    Some((stringify!($field), $crate::tuning::Tunable::implausible(self.$field, Self::DEFAULT.$field)?))
+                });)*
+                let expected = "a number of the same sign as its default";
+                wrong.map_or(Ok(()), |(name, value)| Err($crate::model::ParameterError { name, value, expected }))
             }
         }
 

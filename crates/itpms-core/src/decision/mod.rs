@@ -37,7 +37,7 @@ impl<T: Real> Probabilities<T> {
     /// Before anything is seen.
     pub(crate) fn of_nothing(tuning: &Tuning) -> Self {
         let none = T::lit(f64::NEG_INFINITY);
-        Self::of(&core::array::from_fn(|set| tuning.log_prior(set, tuning.one_is_low)), none, &[none; 4]).0
+        Self::of(&tuning.log_priors(tuning.one_is_low), none, &[none; 4]).0
     }
 
     /// Of sets of these probabilities, whatever their tires lack.

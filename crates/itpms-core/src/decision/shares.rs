@@ -100,6 +100,7 @@ impl<T: Real> Shares<T> {
         weighed: &mut Weighed<T>,
     ) -> Option<()> {
         let flat = log + T::lit(tuning.nearly_flat).ln_fast();
+        let priors: [T; SETS] = tuning.log_priors(since.prior_of_one(tuning));
         for (kind, log) in [(tuning.low, log), (tuning.flat, flat)] {
             let [mean, sd] = kind.map(|losses| T::lit(losses) * loss);
             let fine = T::lit(tuning.fine_sd * tuning.fine_sd);
@@ -107,11 +108,7 @@ impl<T: Real> Shares<T> {
                 // What is not low is not nearly flat either, and what is has lost and not gained air.
                 let has_lost = |i: usize| set & (1 << i) == 0 || lacking[i] > T::zero();
                 if (set > 0 || kind == tuning.low) && (0..4).all(has_lost) {
-                    weighed.add(
-                        set,
-                        log + likelihood + tuning.log_prior(set, since.prior_of_one(tuning)),
-                        lacking,
-                    );
+                    weighed.add(set, log + likelihood + priors[set % SETS], lacking);
                 }
             })?;
         }

@@ -1,5 +1,6 @@
 //! The numbers of the decision.
 
+use crate::decision::SETS;
 use crate::real::Real;
 
 crate::tuning::tuning! {
@@ -56,16 +57,16 @@ crate::tuning::tuning! {
 const AXLES_AND_SIDES: [usize; 4] = [0b0011, 0b1100, 0b0101, 0b1010];
 
 impl Tuning {
-    /// Log of how probable it is before anything is seen that these tires are low, against none, if it is `one` of one tire.
-    pub(crate) fn log_prior<T: Real>(&self, set: usize, one: f64) -> T {
-        let is_pair = AXLES_AND_SIDES.contains(&set);
-        let share = match set.count_ones() {
-            0 => return T::zero(),
-            1 => 1.0,
-            2 if is_pair => self.pair_low,
-            4 => self.all_low,
-            _ => self.others_low,
-        };
-        T::lit(share * one).ln_fast()
+    /// Log of how probable it is before anything is seen that the tires of each set are low, against none, if it is `one` of one tire.
+    pub(crate) fn log_priors<T: Real>(&self, one: f64) -> [T; SETS] {
+        let log = |share: f64| T::lit(share * one).ln_fast();
+        let [single, pair, all, others] = [1.0, self.pair_low, self.all_low, self.others_low].map(log);
+        core::array::from_fn(|set| match set.count_ones() {
+            0 => T::zero(),
+            1 => single,
+            2 if AXLES_AND_SIDES.contains(&set) => pair,
+            4 => all,
+            _ => others,
+        })
     }
 }

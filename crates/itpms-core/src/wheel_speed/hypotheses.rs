@@ -63,12 +63,12 @@ impl<T: Real> Decision<T> {
         let (fine_sd, one) = (fine_sd(since), T::lit(since.prior_of_one(&DECISION)));
         let unexplained = left_unexplained(change, covariance, unexplained * one) + torsion.log_likelihood(0);
         let mut all = [(T::zero(), [T::zero(); 4], [T::zero(); 4]); HYPOTHESES];
-        let mut best = unexplained;
+        let (mut best, priors) = (unexplained, log_priors::<T>(since));
         for (number, (log, mean, variance)) in all.iter_mut().enumerate() {
             let (set, hypothesis) = Hypothesis::numbered(number, fine_sd, fifth);
             let likelihood;
             (likelihood, *mean, *variance) = hypothesis.against(change, covariance);
-            *log = likelihood + torsion.log_likelihood(set) + log_prior(set, since);
+            *log = likelihood + torsion.log_likelihood(set) + priors[set % SETS];
             if number != set {
                 *log += T::lit(DECISION.nearly_flat).ln_fast();
             }
@@ -167,11 +167,14 @@ fn fine_sd(since: Since) -> f64 {
     if since == Since::Beginning { FINE_DRIVING_SD } else { FINE_SD }
 }
 
-/// Log of the prior of a set against none.
-fn log_prior<T: Real>(set: usize, since: Since) -> T {
-    let is_axle = set == 0b0011 || set == 0b1100;
-    let one = since.prior_of_one(&DECISION);
-    DECISION.log_prior(set, if is_axle && since == Since::Beginning { AXLE_DRIVING * one } else { one })
+/// Logs of the priors of the sets against none.
+fn log_priors<T: Real>(since: Since) -> [T; SETS] {
+    let mut priors: [T; SETS] = DECISION.log_priors(since.prior_of_one(&DECISION));
+    if since == Since::Beginning {
+        let axle = T::lit(AXLE_DRIVING).ln_fast();
+        [priors[0b0011], priors[0b1100]] = [priors[0b0011] + axle, priors[0b1100] + axle];
+    }
+    priors
 }
 
 /// Log-likelihood ratio that gives a wheel the probability .99.
