@@ -178,26 +178,21 @@ pub struct Corners {
 impl Corners {
     /// A corner, if the scenario has it.
     pub fn get(&self, corner: Corner) -> Option<&CornerSpec> {
-        match corner {
-            Corner::FrontLeft => self.fl.as_ref(),
-            Corner::FrontRight => self.fr.as_ref(),
-            Corner::RearLeft => self.rl.as_ref(),
-            Corner::RearRight => self.rr.as_ref(),
-        }
+        [&self.fl, &self.fr, &self.rl, &self.rr][corner.index()].as_ref()
     }
 
     /// A corner to change, if the scenario has it.
     pub fn get_mut(&mut self, corner: Corner) -> Option<&mut CornerSpec> {
-        match corner {
-            Corner::FrontLeft => self.fl.as_mut(),
-            Corner::FrontRight => self.fr.as_mut(),
-            Corner::RearLeft => self.rl.as_mut(),
-            Corner::RearRight => self.rr.as_mut(),
-        }
+        self.iter_mut().find_map(|(other, spec)| (other == corner).then_some(spec))
     }
 
     /// The corners there are, in the order of [`Corner::ALL`].
     pub fn iter(&self) -> impl Iterator<Item = (Corner, &CornerSpec)> {
         Corner::ALL.into_iter().filter_map(|corner| self.get(corner).map(|spec| (corner, spec)))
+    }
+
+    pub fn iter_mut(&mut self) -> impl Iterator<Item = (Corner, &mut CornerSpec)> {
+        let all = [&mut self.fl, &mut self.fr, &mut self.rl, &mut self.rr];
+        Corner::ALL.into_iter().zip(all).filter_map(|(corner, spec)| Some((corner, spec.as_mut()?)))
     }
 }

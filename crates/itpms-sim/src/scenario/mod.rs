@@ -14,7 +14,7 @@ mod warm_up;
 
 use serde::{Deserialize, Serialize};
 
-use itpms_core::model::{Confidence, Corner, CornerConfig};
+use itpms_core::model::{CarConfig, Confidence, Corner, CornerConfig};
 
 pub use corner::{CornerSpec, Corners, TireSpec};
 pub use journey::JourneySpec;
@@ -232,5 +232,14 @@ impl Scenario {
             None => Err(InvalidValue::new(format!("corner.{}", corner.label()), "missing", "a corner")),
         };
         config.map_err(|source| ScenarioError::Invalid { scenario: self.name.clone(), source })
+    }
+
+    /// The same of all corners there are.
+    pub fn car_config(&self) -> Result<CarConfig<f64>, ScenarioError> {
+        let mut config = CarConfig { corners: [None; 4], wheelbase_m: Some(self.wheelbase_m) };
+        for (corner, _) in self.corner.iter() {
+            config.corners[corner.index()] = Some(self.corner_config(corner)?);
+        }
+        Ok(config)
     }
 }

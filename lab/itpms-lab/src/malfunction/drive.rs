@@ -1,6 +1,6 @@
 //! Everyday drives on which nothing is wrong, recorded, to put malfunctions into.
 
-use itpms_core::model::{CarConfig, CarSample, Corner};
+use itpms_core::model::{CarConfig, CarSample};
 use itpms_sim::road::{AfterLast, Amplitude, Pothole, RoadClass, Segment, Segments, Surface, Tracks};
 use itpms_sim::scenario::{Scenario, ToleranceSpec};
 use itpms_sim::simulation::Simulation;
@@ -79,15 +79,11 @@ impl Recorded {
 
     fn record(scenario: &Scenario, seed: u64) -> Result<Self, StudyError> {
         let mut scenario = scenario.clone();
-        let mut car = CarConfig { corners: [None; 4], wheelbase_m: Some(scenario.wheelbase_m) };
+        let car = scenario.car_config()?;
         let mut pressure_kpa = [f64::NAN; 4];
-        for (i, corner) in Corner::ALL.into_iter().enumerate() {
-            let config = scenario.corner_config(corner)?;
-            pressure_kpa[i] = SHARES[i] * config.placard_kpa;
-            if let Some(spec) = scenario.corner.get_mut(corner) {
-                spec.pressure = Pressure::ConstantKpa(pressure_kpa[i]);
-            }
-            car.corners[i] = Some(config);
+        for (i, (_, spec)) in scenario.corner.iter_mut().enumerate() {
+            pressure_kpa[i] = SHARES[i] * spec.placard_kpa;
+            spec.pressure = Pressure::ConstantKpa(pressure_kpa[i]);
         }
         let rows: Vec<CarSample<f64>> =
             Simulation::new(&scenario, seed)?.map(|row| row.car_sample()).collect();

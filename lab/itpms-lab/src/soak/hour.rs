@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use itpms_core::model::{CarConfig, CarEstimate, Corner};
+use itpms_core::model::{CarEstimate, Corner};
 use itpms_core::monitor::MonitoredCar;
 use itpms_core::warning::{Alert, Change, Limits, MonitorReport};
 use itpms_sim::scenario::Scenario;
@@ -207,34 +207,23 @@ fn driven(scenario: &Scenario, car: Car, seed: u64) -> Result<Scenario, StudyErr
     let mut driven = scenario.composed(seed)?;
     if car == Car::Quarters {
         driven.car = None;
-        for corner in Corner::ALL {
-            if let Some(spec) = driven.corner.get_mut(corner) {
-                // Wheels that turn belong to the whole car.
-                spec.truth.imbalance_kg_m = 0.0;
-            }
-        }
+        // Wheels that turn belong to the whole car.
+        driven.corner.iter_mut().for_each(|(_, spec)| spec.truth.imbalance_kg_m = 0.0);
     }
     Ok(driven)
 }
 
 /// The estimator and the monitor as they are shipped, given what the vehicle file says; the roads' heights are not read.
 fn monitored(scenario: &Scenario) -> Result<Box<MonitoredCar<f64>>, StudyError> {
-    let mut config = CarConfig { corners: [None; 4], wheelbase_m: Some(scenario.wheelbase_m) };
-    for (corner, _) in scenario.corner.iter() {
-        config.corners[corner.index()] = Some(scenario.corner_config(corner)?);
-    }
-    let config = monitor(&config);
+    let config = monitor(&scenario.car_config()?);
     Ok(Box::new(MonitoredCar::new(&config, scenario.rate_hz)?))
 }
 
 /// Pressures in kPa below which a wheel is warned of.
 fn limits(scenario: &Scenario) -> Result<[f64; 4], StudyError> {
     let share = Limits::<f64>::from(itpms_core::warning::Regulation::default()).low_share;
-    let mut limits = [f64::NAN; 4];
-    for (corner, _) in scenario.corner.iter() {
-        limits[corner.index()] = share * scenario.corner_config(corner)?.placard_kpa;
-    }
-    Ok(limits)
+    let corners = scenario.car_config()?.corners;
+    Ok(corners.map(|corner| corner.map_or(f64::NAN, |corner| share * corner.placard_kpa)))
 }
 
 pub(super) fn note(time_s: f64, before: &MonitorReport<f64>, now: &MonitorReport<f64>, said: &mut Vec<Said>) {

@@ -171,11 +171,7 @@ impl DrawnCar {
             .map(|(number, &kpa)| {
                 let mut scenario = self.scenario.clone();
                 scenario.duration_s = subject.learning_s / subject.pressures_kpa.len() as f64;
-                for corner in Corner::ALL {
-                    if let Some(spec) = scenario.corner.get_mut(corner) {
-                        spec.pressure = Pressure::ConstantKpa(kpa);
-                    }
-                }
+                scenario.corner.iter_mut().for_each(|(_, spec)| spec.pressure = Pressure::ConstantKpa(kpa));
                 let seed = self.seed.wrapping_add(number as u64 * LATER / 2);
                 let rows = Simulation::new(&scenario, seed)?.map(|row| row.car_sample()).collect();
                 Ok(([kpa; 4], rows))

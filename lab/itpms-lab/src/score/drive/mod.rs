@@ -145,11 +145,7 @@ impl Drive {
     }
 
     fn each_corner(mut self, mut edit: impl FnMut(Corner, &mut CornerSpec)) -> Self {
-        for corner in Corner::ALL {
-            if let Some(spec) = self.scenario.corner.get_mut(corner) {
-                edit(corner, spec);
-            }
-        }
+        self.scenario.corner.iter_mut().for_each(|(corner, spec)| edit(corner, spec));
         self
     }
 
@@ -168,11 +164,7 @@ impl Drive {
     }
 
     fn file_config(&self) -> Result<CarConfig<f64>, StudyError> {
-        let mut config = CarConfig { corners: [None; 4], wheelbase_m: Some(self.wheelbase_m) };
-        for (corner, _) in self.scenario.corner.iter() {
-            config.corners[corner.index()] = Some(self.scenario.corner_config(corner)?);
-        }
-        Ok(config)
+        Ok(CarConfig { wheelbase_m: Some(self.wheelbase_m), ..self.scenario.car_config()? })
     }
 
     fn simulated(&self, seed: u64) -> Scenario {

@@ -176,10 +176,7 @@ impl Plan {
 /// The car of a seed on the journey of another; the car of its file.
 fn car(turn: Turn) -> Result<(Scenario, CarConfig<f64>), StudyError> {
     let mut scenario = Scenario::builtin("drive-normal")?;
-    let mut file = CarConfig { corners: [None; 4], wheelbase_m: Some(scenario.wheelbase_m) };
-    for (corner, _) in scenario.corner.iter() {
-        file.corners[corner.index()] = Some(scenario.corner_config(corner)?);
-    }
+    let file = scenario.car_config()?;
     if let Some(journey) = &mut scenario.journey {
         journey.tolerances = None;
     }
@@ -215,24 +212,18 @@ fn drive(case: &Case, turn: Turn) -> Result<Found, StudyError> {
             }
             // Every other car has two passengers who were not there before.
             let load = if turn.index % 2 == 1 { LATER_LOAD } else { 1.0 };
-            for corner in Corner::ALL {
-                if let Some(spec) = scenario.corner.get_mut(corner) {
-                    spec.truth.sprung_mass_factor *= load;
-                }
-            }
+            scenario.corner.iter_mut().for_each(|(_, spec)| spec.truth.sprung_mass_factor *= load);
         }
     }
     let lost = case.lost(turn.index);
     let complete_s = case.complete_s();
     scenario.duration_s = complete_s + WAIT_S;
-    for corner in lost.iter() {
-        if let Some(spec) = scenario.corner.get_mut(corner) {
-            let kpa = spec.pressure.profile_kpa().map_or(f64::NAN, |profile| profile.value(0.0));
-            spec.pressure = match case.loss {
-                Loss::OneBefore => Pressure::ConstantKpa(LEFT_BEFORE * kpa),
-                _ => Pressure::ramp(kpa, LEFT * kpa, BEGINS_S, TAKES_S),
-            };
-        }
+    for (_, spec) in scenario.corner.iter_mut().filter(|(corner, _)| lost.contains(*corner)) {
+        let kpa = spec.pressure.profile_kpa().map_or(f64::NAN, |profile| profile.value(0.0));
+        spec.pressure = match case.loss {
+            Loss::OneBefore => Pressure::ConstantKpa(LEFT_BEFORE * kpa),
+            _ => Pressure::ramp(kpa, LEFT * kpa, BEGINS_S, TAKES_S),
+        };
     }
     if case.loss == Loss::OneOnMotorway {
         onto_motorway(&mut scenario);
@@ -274,11 +265,9 @@ fn onto_motorway(scenario: &mut Scenario) {
     scenario.speed = Speed::ConstantKmH(MOTORWAY_KM_H);
     scenario.journey = None;
     scenario.road = RoadSpec { contact_length_m: 0.1, ..RoadSpec::iso8608(MOTORWAY_GD_N0_M3, 2.0) };
-    for corner in Corner::ALL {
-        if let Some(spec) = scenario.corner.get_mut(corner) {
-            spec.truth.friction_n = MOTORWAY_FRICTION_N;
-            spec.truth.imbalance_kg_m = MOTORWAY_IMBALANCE_KG_M;
-        }
+    for (_, spec) in scenario.corner.iter_mut() {
+        spec.truth.friction_n = MOTORWAY_FRICTION_N;
+        spec.truth.imbalance_kg_m = MOTORWAY_IMBALANCE_KG_M;
     }
 }
 

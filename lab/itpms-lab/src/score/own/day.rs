@@ -102,7 +102,7 @@ impl Day {
             ..CarSpec::default()
         });
         scenario.wheel_speeds = self.wheel_speeds.map(wheel_speeds_beside);
-        for corner in Corner::ALL {
+        for (corner, place) in scenario.corner.iter_mut() {
             let mut spec = car.corner(corner).clone();
             (change.edit)(&mut spec.truth);
             let cold_kpa = car.placard_kpa;
@@ -110,9 +110,7 @@ impl Day {
             if let Some((_, pressure)) = lost.as_ref().filter(|(struck, _)| *struck == corner) {
                 spec.pressure = pressure.clone();
             }
-            if let Some(place) = scenario.corner.get_mut(corner) {
-                *place = spec;
-            }
+            *place = spec;
         }
         Ok((scenario, self.seed))
     }
