@@ -160,6 +160,11 @@ impl CarSpec {
 }
 
 impl PayloadSpec {
+    /// At so many m behind the front axle and to the left.
+    pub fn constant([behind_front_m, left_m]: [f64; 2], mass_kg: f64) -> Self {
+        Self { behind_front_m, left_m, points_s_kg: vec![[0.0, mass_kg]] }
+    }
+
     fn validate(&self) -> Result<(), InvalidValue> {
         within("behind_front_m", self.behind_front_m, -2.0, 8.0, "a distance from -2 to 8 m")?;
         within("left_m", self.left_m, -2.0, 2.0, "a distance from -2 to 2 m")?;

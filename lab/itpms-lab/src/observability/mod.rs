@@ -130,7 +130,6 @@ pub struct Conditions {
     pub unlike_is_made_up: bool,
 }
 
-/// No study.
 /// The whole study of one corner: some seconds. `look` is called now and then with the share done and may stop it.
 pub fn study(
     subject: &Subject,

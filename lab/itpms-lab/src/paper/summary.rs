@@ -2,6 +2,8 @@
 //!
 //! Called by [`super::reproduce`].
 
+use itpms_paper::EstimatorKind;
+
 use super::data::Data;
 use super::outcome::Outcome;
 use super::plan::{Outcomes, RESET_LONG_S};
@@ -146,9 +148,7 @@ fn study(
     rows: &[Row; 3],
     outcomes: &[Outcome; 3],
 ) {
-    let after = |outcome: &Outcome| {
-        outcome.informed().map(|record| if record.who.reset_s > 0.0 { record.after } else { record.rmse })
-    };
+    let after = |outcome: &Outcome| outcome.judged(EstimatorKind::Informed);
     let nominal =
         rows.iter().position(|row| row.printed.is_empty()).and_then(|i| outcomes.get(i)).and_then(after);
     for (row, outcome) in rows.iter().zip(outcomes) {

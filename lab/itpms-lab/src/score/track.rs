@@ -278,7 +278,7 @@ fn coverage_rows(summaries: &[Summary]) -> Vec<Row> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::ops::ControlFlow;
+    use crate::runner::UNWATCHED;
 
     #[test]
     fn the_worst_is_furthest_from_zero() {
@@ -299,7 +299,7 @@ mod tests {
             (Window::new(3.0, 4.0), Window::new(4.0, 5.0), Window::new(5.0, 6.0));
         let cases = [(case, 2)];
         let run = || {
-            let runner = Runner::new(1, 2, &|_, _| ControlFlow::Continue(()));
+            let runner = Runner::new(1, 2, UNWATCHED);
             runner.run(&cases, track).unwrap()
         };
         let tracks = run();

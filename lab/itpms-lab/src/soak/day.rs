@@ -18,7 +18,7 @@ use itpms_sim::wheel_speeds::{Condition, Day, YawFault};
 use serde::{Deserialize, Serialize};
 
 use super::Plan;
-use super::hour::{ASK_ROWS, DayHour, Hour, LossHour, Said, WheelHour, YawHour, scenario};
+use super::hour::{ASK_ROWS, DayHour, Hour, LossHour, Said, YawHour, scenario};
 use super::rolling::Watch;
 use crate::runner::StudyError;
 use crate::sensors::wheel_speed_config;
@@ -135,7 +135,6 @@ pub(super) fn drive(
         driven_s: rows as f64 / later.rate_hz,
         km,
         said: kept.said,
-        wheels: [WheelHour::default(); 4],
         radii: Some(watch.finish()),
         day: Some(DayHour {
             condition,
@@ -146,6 +145,7 @@ pub(super) fn drive(
             loss,
         }),
         wall_s: begun.elapsed().as_secs_f64(),
+        ..Hour::default()
     })
 }
 

@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Car, Plan};
 use crate::runner::StudyError;
+use crate::score::stats::ErrorSum;
 use crate::tuning::monitor;
 
 /// The monitor's report where nothing can be known; no false warning.
@@ -26,11 +27,9 @@ pub(super) const ASK_ROWS: u64 = 2000;
 const SPEED_SHARE: f64 = 0.01;
 /// Standard deviations that a one-sided limit of 95 % lies off.
 const ONE_SIDED_95: f64 = 1.645;
-/// The same of a two-sided interval of 95 %.
-pub(super) const HALF_95: f64 = 1.96;
 
 /// Record of a drive: a line of a file.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Hour {
     pub seed: u64,
     /// Length of the drive in s, stops included.
@@ -80,7 +79,7 @@ pub struct WheelHour {
 }
 
 /// How near radius analysis came to a warning after its calibration.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct RadiusHour {
     /// Time in s in which differences were known, and in which a loss of 30 % of any single tire would have been found.
     pub known_s: f64,
@@ -178,16 +177,7 @@ pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) 
     }
     let driven_s = rows as f64 / plan.rate_hz;
     let wheels = watches.map(|watch| watch.finish(rows));
-    Ok(Hour {
-        seed,
-        driven_s,
-        km,
-        said,
-        wheels,
-        radii: None,
-        day: None,
-        wall_s: begun.elapsed().as_secs_f64(),
-    })
+    Ok(Hour { seed, driven_s, km, said, wheels, wall_s: begun.elapsed().as_secs_f64(), ..Hour::default() })
 }
 
 /// The drive, before its seed composes it.
@@ -248,9 +238,7 @@ impl Said {
 #[derive(Debug, Clone, Copy)]
 struct Watch {
     limit_kpa: f64,
-    valid: u64,
-    covered: u64,
-    squares: f64,
+    errors: ErrorSum,
     worst_z: f64,
     low_margin: [f64; 2],
     lowest_kpa: f64,
@@ -260,9 +248,7 @@ impl Watch {
     fn new(limit_kpa: f64) -> Self {
         Self {
             limit_kpa,
-            valid: 0,
-            covered: 0,
-            squares: 0.0,
+            errors: ErrorSum::default(),
             worst_z: 0.0,
             low_margin: [f64::INFINITY, f64::NAN],
             lowest_kpa: f64::INFINITY,
@@ -276,9 +262,7 @@ impl Watch {
         }
         let (pressure, sd) = (estimate.pressure_kpa, estimate.pressure_sd_kpa);
         let error = pressure - truth.pressure_kpa;
-        self.valid += 1;
-        self.covered += u64::from(error.abs() <= HALF_95 * sd);
-        self.squares += error * error;
+        self.errors.push(error, sd);
         if error.abs() > self.worst_z.abs() * sd {
             self.worst_z = error / sd;
         }
@@ -290,12 +274,12 @@ impl Watch {
     }
 
     fn finish(self, rows: u64) -> WheelHour {
-        let some = |value: f64| (self.valid > 0).then_some(value);
-        let valid = self.valid as f64;
+        let valid = self.errors.count();
+        let some = |value: f64| (valid > 0).then_some(value);
         WheelHour {
-            valid: valid / rows.max(1) as f64,
-            covered: some(self.covered as f64 / valid),
-            rmse_kpa: some((self.squares / valid).sqrt()),
+            valid: valid as f64 / rows.max(1) as f64,
+            covered: some(self.errors.coverage()),
+            rmse_kpa: some(self.errors.rmse()),
             worst_z: some(self.worst_z),
             low_margin_kpa: some(self.low_margin[0]),
             low_margin_s: some(self.low_margin[1]),

@@ -221,7 +221,7 @@ fn drive(loss: &Loss, setup: &Setup, turn: Turn) -> Result<Found, StudyError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::ops::ControlFlow;
+    use crate::runner::UNWATCHED;
 
     #[test]
     fn drives_differ_in_all_they_should() {
@@ -285,7 +285,7 @@ mod tests {
         let plan = Plan::new(1, Some("minute, reset"));
         assert_eq!((plan.cases.len(), plan.drives()), (1, 1));
         let short = Loss { begins_s: 20.0, takes_s: [5.0, 5.0], wait_s: 5.0, rate_hz: 200.0, ..ONE };
-        let runner = Runner::new(1, 1, &|_, _| ControlFlow::Continue(()));
+        let runner = Runner::new(1, 1, UNWATCHED);
         let cases = [((), 1)];
         let found = runner.run(&cases, |(), turn| drive(&short, &Setup::USUAL, turn)).unwrap();
         let one = &found[0][0];
@@ -302,7 +302,7 @@ mod tests {
         };
         let turns = (0..400).map(|i| Turn { index: i % 32, seed: 1000 + i as u64 }).filter(fast);
         let cases: Vec<(Turn, usize)> = turns.take(3).map(|turn| (turn, 1)).collect();
-        let found = Runner::new(1, 2, &|_, _| ControlFlow::Continue(()))
+        let found = Runner::new(1, 2, UNWATCHED)
             .run(&cases, |turn, _| drive(&short, &Setup::USUAL, *turn))
             .unwrap()
             .concat();

@@ -137,10 +137,9 @@ fn cells(entry: &Entry, struck: Corner, drives: &[&[Wheel; 4]], bounds_kpa: &[f6
 
 #[cfg(test)]
 mod tests {
-    use std::ops::ControlFlow;
-
     use super::super::{Plant, Setup};
     use super::*;
+    use crate::runner::UNWATCHED;
 
     fn off_by(error: f64, sd: f64) -> Wheel {
         let mut sum = crate::score::stats::ErrorSum::default();
@@ -170,7 +169,7 @@ mod tests {
     fn what_a_reset_taught_is_kept_beside_the_track() {
         let drive = Drive::puncture(Plant::Car, 20.0).unwrap();
         let drive = drive.with_rear_offset_m(0.02).with_setups(&[Setup::RESET]);
-        let drives = Runner::new(1, 5, &|_, _| ControlFlow::Continue(())).run(&[(drive, 5)], errors).unwrap();
+        let drives = Runner::new(1, 5, UNWATCHED).run(&[(drive, 5)], errors).unwrap();
         let worst = |found: &Vec<[Wheel; 4]>| (1..4).map(|i| found[0][i].judged.rmse()).fold(0.0, f64::max);
         let worst: Vec<f64> = drives[0].iter().map(worst).collect();
         assert!(Spread::of(worst.clone()).median < 4.5, "{worst:?}");

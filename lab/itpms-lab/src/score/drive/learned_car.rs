@@ -6,7 +6,6 @@
 
 use itpms_core::model::{CarConfig, Confidence, Corner, ParameterUncertainty, VehicleCalibration};
 use itpms_core::monitor::MonitoredCar;
-use itpms_sim::car::PayloadSpec;
 use itpms_sim::road::{RoadClass, RoadSpec};
 use itpms_sim::scenario::{Scenario, ToleranceSpec};
 use itpms_sim::simulation::Simulation;
@@ -15,6 +14,7 @@ use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 
+use super::real_list::two_passengers;
 use super::{Drive, Plant};
 use crate::runner::StudyError;
 use crate::tuning::monitor;
@@ -213,12 +213,7 @@ impl DrawnCar {
         scenario.road = road(index + 1);
         scenario.speed = Speed::ConstantKmH(KM_H[1]);
         if let Some(car) = scenario.car.as_mut().filter(|_| index % 2 == 1) {
-            let passenger = |behind_front_m, left_m| PayloadSpec {
-                behind_front_m,
-                left_m,
-                points_s_kg: vec![[0.0, 75.0]],
-            };
-            car.payload = vec![passenger(1.3, -0.36), passenger(2.15, 0.36)];
+            car.payload = two_passengers();
         }
         (scenario, self.seed.wrapping_add(LATER))
     }

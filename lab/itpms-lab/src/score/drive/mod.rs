@@ -125,6 +125,11 @@ impl Drive {
         self
     }
 
+    fn with_scenario(mut self, edit: impl FnOnce(&mut Scenario)) -> Self {
+        edit(&mut self.scenario);
+        self
+    }
+
     fn with_setups(self, setups: &[Setup]) -> Self {
         Self { setups: setups.to_vec(), ..self }
     }
@@ -139,9 +144,8 @@ impl Drive {
     }
 
     /// Sensor noise in m/s² rms; the estimator is given it.
-    fn with_noise(mut self, noise_m_s2: f64) -> Self {
-        self.scenario.sensor = SensorSpec::with_noise(noise_m_s2);
-        self
+    fn with_noise(self, noise_m_s2: f64) -> Self {
+        self.with_scenario(|scenario| scenario.sensor = SensorSpec::with_noise(noise_m_s2))
     }
 
     fn each_corner(mut self, mut edit: impl FnMut(Corner, &mut CornerSpec)) -> Self {
@@ -238,22 +242,10 @@ impl Plan {
         if wanted(Part::Disturbances) {
             errors.add("disturbances", disturb::drives()?, seeds, only);
         }
-        let detection = match wanted(Part::Detection) {
-            true => detect::Plan::new(seeds, only),
-            false => detect::Plan::default(),
-        };
-        let real = match wanted(Part::Car) {
-            true => real::Plan::new(seeds, only, wheel_speeds),
-            false => real::Plan::default(),
-        };
-        let learn = match wanted(Part::Learn) {
-            true => learn::Plan::new(seeds, only),
-            false => learn::Plan::default(),
-        };
-        let several = match wanted(Part::Several) {
-            true => several::Plan::new(seeds, only),
-            false => several::Plan::default(),
-        };
+        let detection = wanted(Part::Detection).then(|| detect::Plan::new(seeds, only)).unwrap_or_default();
+        let real = wanted(Part::Car).then(|| real::Plan::new(seeds, only, wheel_speeds)).unwrap_or_default();
+        let learn = wanted(Part::Learn).then(|| learn::Plan::new(seeds, only)).unwrap_or_default();
+        let several = wanted(Part::Several).then(|| several::Plan::new(seeds, only)).unwrap_or_default();
         Ok(Self { errors, detection, real, learn, several })
     }
 
@@ -278,7 +270,7 @@ impl Plan {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::runner::STACK_BYTES;
+    use crate::runner::on_study_stack;
 
     #[test]
     fn rows_are_chosen_by_their_names() {
@@ -293,8 +285,7 @@ mod tests {
     /// learned was given up.
     #[test]
     fn a_puncture_is_believed_for_good() {
-        let thread = std::thread::Builder::new().stack_size(STACK_BYTES);
-        thread.spawn(|| [2, 3, 7].map(assert_believed)).unwrap().join().unwrap();
+        on_study_stack(|| [2, 3, 7].map(assert_believed));
     }
 
     fn assert_believed(seed: u64) {

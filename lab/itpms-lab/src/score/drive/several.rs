@@ -10,7 +10,7 @@ use itpms_sim::simulation::{SimRow, Simulation};
 use itpms_sim::time_profile::{Pressure, Speed};
 
 use super::super::row::{Column, Goal, Row};
-use super::super::stats::{ErrorSum, percentile};
+use super::super::stats::{ValidErrors, percentile};
 use super::learned_car::estimator;
 use crate::runner::{Runner, StudyError, Turn};
 
@@ -126,16 +126,15 @@ fn side(corner: Corner) -> usize {
     corner.index() % 2
 }
 
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Found {
     /// Seconds from the complete loss until all its tires have been named; infinite if they never were.
     after_s: f64,
     /// Whether another tire was named, and whether one was before it lost anything.
     wrong: bool,
     early: bool,
-    errors: ErrorSum,
+    level: ValidErrors,
     shapes: [Shape; 4],
-    rows: u64,
 }
 
 /// In which shapes errors come: of the mean, of left less right, front less rear, and of the diagonals.
@@ -228,14 +227,7 @@ fn drive(case: &Case, turn: Turn) -> Result<Found, StudyError> {
     if case.loss == Loss::OneOnMotorway {
         onto_motorway(&mut scenario);
     }
-    let mut found = Found {
-        after_s: f64::INFINITY,
-        wrong: false,
-        early: false,
-        errors: ErrorSum::default(),
-        shapes: [Shape::default(); 4],
-        rows: 0,
-    };
+    let mut found = Found { after_s: f64::INFINITY, ..Found::default() };
     let (mut named, mut rolls_s) = (Wheels::NONE, None);
     for row in Simulation::new(&scenario, turn.seed)? {
         let sample = row.car_sample();
@@ -279,12 +271,9 @@ impl Found {
         let mut of_all = [None; 4];
         for (of_one, (truth, estimate)) in of_all.iter_mut().zip(row.corners.iter().zip(&estimate.corners)) {
             let (Some(truth), Some(estimate)) = (truth, estimate) else { continue };
-            self.rows += 1;
-            if estimate.validity.is_valid() {
-                let error = estimate.pressure_kpa - truth.pressure_kpa;
-                self.errors.push(error, estimate.pressure_sd_kpa);
-                *of_one = Some([error, estimate.pressure_sd_kpa]);
-            }
+            self.level.push(truth.pressure_kpa, estimate);
+            let error_kpa = estimate.pressure_kpa - truth.pressure_kpa;
+            *of_one = estimate.validity.is_valid().then_some([error_kpa, estimate.pressure_sd_kpa]);
         }
         let [Some(fl), Some(fr), Some(rl), Some(rr)] = of_all else { return };
         let of_all = [fl, fr, rl, rr];
@@ -326,12 +315,7 @@ fn row(case: Case, found: &[Found]) -> Row {
     const COVERED: Column = Column::new("coverage", "cover", 3);
     const VALID: Column = Column::new("valid", "valid", 3);
     let count = |what: &dyn Fn(&Found) -> bool| found.iter().filter(|one| what(one)).count() as f64;
-    let valid: u64 = found.iter().map(|one| one.errors.count()).sum();
-    let rows: u64 = found.iter().map(|one| one.rows).sum();
-    let mean = |of: &dyn Fn(&ErrorSum) -> f64| {
-        let seen = found.iter().map(|one| &one.errors).filter(|errors| errors.count() > 0);
-        seen.map(|errors| errors.count() as f64 * of(errors)).sum::<f64>() / valid as f64
-    };
+    let levels: Vec<&ValidErrors> = found.iter().map(|one| &one.level).collect();
     let of_shape = |shape: usize, of: &dyn Fn(&Shape) -> f64| {
         let all = || found.iter().map(|one| one.shapes[shape]);
         all().map(|shape| of(&shape)).sum::<f64>() / all().map(|shape| shape.count).sum::<f64>()
@@ -349,9 +333,9 @@ fn row(case: Case, found: &[Found]) -> Row {
     cells.extend([
         WRONG.judged(count(&|one| one.wrong), Goal::AtMost(0.0)),
         EARLY.judged(count(&|one| one.early), Goal::AtMost(0.0)),
-        RMS.plain(mean(&|errors| errors.rmse().powi(2)).sqrt()),
-        COVERED.plain(mean(&ErrorSum::coverage)),
-        VALID.plain(valid as f64 / rows as f64),
+        RMS.plain(ValidErrors::rms(&levels)),
+        COVERED.plain(ValidErrors::mean(&levels, |one| one.errors.coverage())),
+        VALID.plain(ValidErrors::share_valid(&levels)),
     ]);
     if case.loss == Loss::None {
         cells.extend((0..4).map(|i| RMS_OF[i].plain(of_shape(i, &|shape| shape.squares).sqrt())));

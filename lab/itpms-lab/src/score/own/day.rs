@@ -91,16 +91,8 @@ impl Day {
         };
         scenario.speed = Speed::PointsSKmH((0..=waves).map(point).collect());
         let load = change.load.unwrap_or(&self.load);
-        let payload = load.iter().map(|(place, kg)| PayloadSpec {
-            behind_front_m: place[0],
-            left_m: place[1],
-            points_s_kg: vec![[0.0, *kg]],
-        });
-        scenario.car = Some(CarSpec {
-            rear_offset_m: car.rear_offset_m,
-            payload: payload.collect(),
-            ..CarSpec::default()
-        });
+        let payload = load.iter().map(|(place_m, kg)| PayloadSpec::constant(*place_m, *kg)).collect();
+        scenario.car = Some(CarSpec { rear_offset_m: car.rear_offset_m, payload, ..CarSpec::default() });
         scenario.wheel_speeds = self.wheel_speeds.map(wheel_speeds_beside);
         for (corner, place) in scenario.corner.iter_mut() {
             let mut spec = car.corner(corner).clone();
