@@ -10,11 +10,11 @@ use itpms_sim::sensor::SensorSpec;
 use itpms_sim::simulation::{CornerRow, SimRow, Simulation};
 use itpms_sim::time_profile::{Pressure, Speed};
 
-fn builtin(name: &str) -> Scenario {
+pub(crate) fn builtin(name: &str) -> Scenario {
     Scenario::builtin(name).unwrap()
 }
 
-fn drive(scenario: &Scenario, seed: u64) -> Vec<SimRow> {
+pub(crate) fn drive(scenario: &Scenario, seed: u64) -> Vec<SimRow> {
     Simulation::new(scenario, seed).unwrap().collect()
 }
 

@@ -97,13 +97,8 @@ impl CarSpec {
             within(name, bar, 0.0, 500_000.0, "from 0 to 500000 N m/rad")?;
         }
         within("rear_offset_m", self.rear_offset_m, -1.0, 1.0, "a distance from -1 to 1 m")?;
-        within(
-            "rear_slip_rad_per_m_s2",
-            self.rear_slip_rad_per_m_s2,
-            0.0,
-            0.05,
-            "from 0 to 0.05 rad per m/s2",
-        )?;
+        let slip = self.rear_slip_rad_per_m_s2;
+        within("rear_slip_rad_per_m_s2", slip, 0.0, 0.05, "from 0 to 0.05 rad per m/s2")?;
         within("tightest_radius_m", self.tightest_radius_m, 3.0, 100.0, "a radius from 3 to 100 m")?;
         within("rise_s", self.rise_s, 0.01, 5.0, "a time from 0.01 to 5 s")?;
         self.lateral_m_s2().map_err(|e| e.within("lateral_points_s_m_s2"))?;

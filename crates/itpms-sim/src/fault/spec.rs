@@ -94,6 +94,11 @@ pub struct FaultSpec {
 }
 
 impl FaultSpec {
+    /// From a time on, for good.
+    pub fn lasting(corner: Corner, sensor: FaultPlace, from_s: f64, kind: FaultKind) -> Self {
+        Self { corner: corner.into(), sensor, from_s, to_s: None, kind }
+    }
+
     pub fn at(&self) -> SensorName {
         SensorName { corner: self.corner, sensor: self.sensor }
     }

@@ -95,13 +95,8 @@ impl Deviations {
         ] {
             within(name, factor, 0.1, 10.0, "a factor from 0.1 to 10")?;
         }
-        within(
-            "tire_damping_n_s_per_m",
-            self.tire_damping_n_s_per_m,
-            0.0,
-            5000.0,
-            "a damping from 0 to 5000 N s/m",
-        )?;
+        let damping = self.tire_damping_n_s_per_m;
+        within("tire_damping_n_s_per_m", damping, 0.0, 5000.0, "a damping from 0 to 5000 N s/m")?;
         within("damper_asymmetry", self.damper_asymmetry, -1.0, 1.0, "a share from -1 to 1")?;
         within("damper_digression_s_per_m", self.damper_digression_s_per_m, 0.0, 50.0, "from 0 to 50 s/m")?;
         within("spring_progression_per_m", self.spring_progression_per_m, 0.0, 20.0, "from 0 to 20 per m")?;

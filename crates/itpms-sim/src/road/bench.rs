@@ -34,13 +34,8 @@ impl Actuator {
     }
 
     fn validate(&self) -> Result<(), InvalidValue> {
-        within(
-            "natural_frequency_hz",
-            self.natural_frequency_hz,
-            1.0,
-            1e4,
-            "a frequency from 1 to 10000 Hz",
-        )?;
+        let natural_hz = self.natural_frequency_hz;
+        within("natural_frequency_hz", natural_hz, 1.0, 1e4, "a frequency from 1 to 10000 Hz")?;
         within("damping_ratio", self.damping_ratio, 0.05, 5.0, "a ratio from 0.05 to 5")
     }
 }

@@ -123,13 +123,8 @@ impl WheelSpeedSpec {
             within("radius_offsets", offset, -0.3, 0.3, "shares from -0.3 to 0.3")?;
         }
         within("wear_per_km", self.wear_per_km, 0.0, 1e-3, "a share from 0 to 0.001")?;
-        within(
-            "slip_stiffness_per_load",
-            self.slip_stiffness_per_load,
-            5.0,
-            500.0,
-            "a number from 5 to 500",
-        )?;
+        let stiffness = self.slip_stiffness_per_load;
+        within("slip_stiffness_per_load", stiffness, 5.0, 500.0, "a number from 5 to 500")?;
         for (name, sd) in [
             ("radius_sd", self.radius_sd),
             ("brake_imbalance", self.brake_imbalance),

@@ -114,7 +114,7 @@ fn kind(name: &'static str, stated_s: f64, labels: &'static [&'static str], faul
 }
 
 fn fault(corner: Corner, sensor: FaultPlace, kind: FaultKind) -> FaultSpec {
-    FaultSpec { corner: corner.into(), sensor, from_s: 0.0, to_s: None, kind }
+    FaultSpec::lasting(corner, sensor, 0.0, kind)
 }
 
 fn swap(a: Corner, place_a: FaultPlace, b: Corner, place_b: FaultPlace) -> FaultSpec {

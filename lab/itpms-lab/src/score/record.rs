@@ -3,7 +3,6 @@
 //! Called by the score. The stiffness comes from the estimator, the road from the recorder; both may look at the
 //! truth only through the accelerations.
 
-use itpms_core::model::CornerSample;
 use itpms_paper::EstimatorKind;
 use itpms_road::{RoadConfig, RoadRecorder, RoadRow, Segment, window_for};
 use itpms_sim::road::RoadClass;
@@ -111,9 +110,7 @@ fn record(case: &Case, turn: Turn) -> Result<(Vec<f64>, Vec<f64>), StudyError> {
                 .filter_mut()
                 .set_stiffness(estimate.stiffness_n_per_m, estimate.stiffness_sd_n_per_m);
         }
-        let (body_accel_m_s2, wheel_accel_m_s2) = (corner.body_accel_m_s2, corner.wheel_accel_m_s2);
-        let sample = CornerSample { body_accel_m_s2, wheel_accel_m_s2 };
-        recorder.push(row.time_s, &sample, |point| record.push(point.road_m));
+        recorder.push(row.time_s, &corner.sample(), |point| record.push(point.road_m));
         truth.push(corner.road_m);
     })?;
     recorder.finish(|point| record.push(point.road_m));

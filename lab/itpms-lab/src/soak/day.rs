@@ -70,8 +70,7 @@ pub(super) fn drive(
     flow: &dyn Fn() -> ControlFlow<()>,
 ) -> Result<Hour, StudyError> {
     let begun = Instant::now();
-    let mut kept =
-        Kept { losing: Wheels::NONE, from_s: 0.0, said: vec![], found_s: None, exact: false, wrong: false };
+    let mut kept = Kept::default();
     let mut left_out = false;
     let calibrate_s = plan.calibrate_s.unwrap_or(CALIBRATE_S);
     let mut taught = None;
@@ -204,6 +203,7 @@ fn lose(
     Ok(())
 }
 
+#[derive(Default)]
 struct Kept {
     losing: Wheels,
     from_s: f64,
