@@ -226,18 +226,15 @@ fn a_test_bed_needs_one_speed() {
     for speed in [Speed::ConstantKmH(0.0), Speed::PointsSKmH(vec![[0.0, 20.0], [5.0, 30.0]])] {
         let mut s = builtin("bench-slow");
         s.speed = speed;
-        let message = s.validate().unwrap_err().to_string();
-        assert!(
-            message.contains("road.surface.bench is given with a speed that changes or is 0"),
-            "{message}"
-        );
+        let error = s.validate().unwrap_err().to_string();
+        assert!(error.contains("road.surface.bench is given with a speed that changes or is 0"), "{error}");
     }
     let s = builtin("bench-slow");
-    let message = Road::new(&s.road, Side::Left, 1, 0.005).unwrap_err().to_string();
-    assert!(message.contains("expected a constant speed above 0"), "{message}");
+    let error = Road::new(&s.road, Side::Left, 1, 0.005).unwrap_err().to_string();
+    assert!(error.contains("expected a constant speed above 0"), "{error}");
     let mut s = builtin("bench-slow");
     corner(&mut s).pressure = Pressure::ConstantKpa(200.0);
     corner(&mut s).pressure_sensor.as_mut().unwrap().noise_kpa = f64::NAN;
-    let message = s.validate().unwrap_err().to_string();
-    assert!(message.contains("corner.fl.pressure_sensor.noise_kpa is NaN"), "{message}");
+    let error = s.validate().unwrap_err().to_string();
+    assert!(error.contains("corner.fl.pressure_sensor.noise_kpa is NaN"), "{error}");
 }

@@ -261,11 +261,8 @@ fn rear_wheels_of_quarter_cars_run_beside_the_front_ones_track_where_told() {
     s.rear_offset_m = 2.0;
     assert!(s.validate().unwrap_err().to_string().contains("rear_offset_m is 2, expected"));
     let car = Scenario { rear_offset_m: 0.02, ..Scenario::builtin("drive-puncture").unwrap() };
-    let message = car.validate().unwrap_err().to_string();
-    assert!(
-        message.contains("rear_offset_m is 0.02 beside a [car], expected car.rear_offset_m"),
-        "{message}"
-    );
+    let error = car.validate().unwrap_err().to_string();
+    assert!(error.contains("rear_offset_m is 0.02 beside a [car], expected car.rear_offset_m"), "{error}");
 }
 
 #[test]

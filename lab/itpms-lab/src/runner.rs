@@ -15,6 +15,8 @@ pub(crate) const STACK_BYTES: usize = 32 << 20;
 /// Called now and then with how many drives, or simulated seconds, of how many are done; [`ControlFlow::Break`] ends the study.
 pub type Progress<'a> = &'a (dyn Fn(u64, u64) -> ControlFlow<()> + Sync);
 
+pub type Result<T, E = StudyError> = std::result::Result<T, E>;
+
 /// Why there is no result.
 #[derive(Debug)]
 pub enum StudyError {
@@ -39,7 +41,7 @@ impl fmt::Display for StudyError {
     }
 }
 
-pub(crate) fn refused<T>(why: impl Into<String>) -> Result<T, StudyError> {
+pub(crate) fn refused<T>(why: impl Into<String>) -> Result<T> {
     Err(StudyError::Refused(why.into()))
 }
 
@@ -50,7 +52,7 @@ pub(crate) fn on_study_stack<T: Send + 'static>(test: impl FnOnce() -> T + Send 
 }
 
 /// As many threads as the caller's pool has, which has smaller stacks.
-pub(crate) fn pool() -> Result<rayon::ThreadPool, StudyError> {
+pub(crate) fn pool() -> Result<rayon::ThreadPool> {
     let threads = rayon::ThreadPoolBuilder::new().num_threads(rayon::current_num_threads());
     let pool = threads.stack_size(STACK_BYTES).build();
     pool.or_else(|error| refused(format!("threads cannot be started: {error}")))
@@ -72,11 +74,11 @@ impl<'a> Odometer<'a> {
         Self { done: AtomicU64::new(0), total, stopped: AtomicBool::new(false), progress }
     }
 
-    fn check(&self) -> Result<(), StudyError> {
+    fn check(&self) -> Result<()> {
         if self.stopped.load(Ordering::Relaxed) { Err(StudyError::Stopped) } else { Ok(()) }
     }
 
-    pub(crate) fn advance(&self, more: u64) -> Result<(), StudyError> {
+    pub(crate) fn advance(&self, more: u64) -> Result<()> {
         let done = self.done.fetch_add(more, Ordering::Relaxed) + more;
         if (self.progress)(done.min(self.total), self.total).is_break() {
             self.stopped.store(true, Ordering::Relaxed);
@@ -108,22 +110,17 @@ impl<'a> Runner<'a> {
     pub(crate) fn run<C: Sync, T: Send>(
         &self,
         cases: &[(C, usize)],
-        drive: impl Fn(&C, Turn) -> Result<T, StudyError> + Sync,
-    ) -> Result<Vec<Vec<T>>, StudyError> {
+        drive: impl Fn(&C, Turn) -> Result<T> + Sync,
+    ) -> Result<Vec<Vec<T>>> {
         let turns: Vec<(&C, usize)> =
             cases.iter().flat_map(|(case, drives)| (0..*drives).map(move |index| (case, index))).collect();
         let flat = || turns.into_par_iter().map(|(case, index)| self.once(case, index, &drive)).collect();
-        let results: Result<Vec<T>, StudyError> = pool()?.install(flat);
+        let results: Result<Vec<T>> = pool()?.install(flat);
         let mut results = results?.into_iter();
         Ok(cases.iter().map(|(_, drives)| results.by_ref().take(*drives).collect()).collect())
     }
 
-    fn once<C, T>(
-        &self,
-        case: &C,
-        index: usize,
-        drive: impl Fn(&C, Turn) -> Result<T, StudyError>,
-    ) -> Result<T, StudyError> {
+    fn once<C, T>(&self, case: &C, index: usize, drive: impl Fn(&C, Turn) -> Result<T>) -> Result<T> {
         self.odometer.check()?;
         let result = drive(case, Turn { index, seed: self.first_seed.wrapping_add(index as u64) })?;
         self.odometer.advance(1).map(|()| result)

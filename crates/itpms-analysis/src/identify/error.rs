@@ -2,6 +2,8 @@
 
 use thiserror::Error;
 
+pub type Result<T, E = IdentifyError> = std::result::Result<T, E>;
+
 /// Why an identification is refused.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]

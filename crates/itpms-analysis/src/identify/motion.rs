@@ -4,9 +4,9 @@
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-use super::IdentifyError;
 use super::guard::{self, Units, plain};
 use super::sine::{self, Sine};
+use super::{IdentifyError, Result};
 
 /// Rows needed in a period.
 const FEWEST_PER_PERIOD: usize = 20;
@@ -59,11 +59,7 @@ impl Run {
 }
 
 /// All runs of all records, in their order. `unsettled` is the share of a stroke after a turn that is left out.
-pub(super) fn runs(
-    records: &[SineRecord<'_>],
-    unsettled: f64,
-    units: Units,
-) -> Result<Vec<Run>, IdentifyError> {
+pub(super) fn runs(records: &[SineRecord<'_>], unsettled: f64, units: Units) -> Result<Vec<Run>> {
     let mut out = Vec::new();
     let mut none = None;
     for record in records {
@@ -93,7 +89,7 @@ pub(super) fn runs(
     }
 }
 
-fn check_amplitude(amplitude_m: f64, units: Units) -> Result<(), IdentifyError> {
+fn check_amplitude(amplitude_m: f64, units: Units) -> Result<()> {
     if units == Units::Trusted || amplitude_m <= LARGEST_M {
         return Ok(());
     }
@@ -105,12 +101,7 @@ fn check_amplitude(amplitude_m: f64, units: Units) -> Result<(), IdentifyError> 
     })
 }
 
-fn run(
-    record: &SineRecord<'_>,
-    rows: Range<usize>,
-    unsettled: f64,
-    units: Units,
-) -> Result<Run, IdentifyError> {
+fn run(record: &SineRecord<'_>, rows: Range<usize>, unsettled: f64, units: Units) -> Result<Run> {
     let (t, x, force) =
         (&record.time_s[rows.clone()], &record.displacement_m[rows.clone()], &record.force_n[rows]);
     guard::not_clipped("displacement_m", x)?;

@@ -301,10 +301,7 @@ mod tests {
         if let Some(journey) = &mut scenario.journey {
             journey.tolerances = Some(ToleranceSpec { gain: f64::NAN, ..ToleranceSpec::default() });
         }
-        let message = scenario.validate().unwrap_err().to_string();
-        assert!(
-            message.contains("journey.tolerances.gain is NaN, expected a share from 0 to 0.5"),
-            "{message}"
-        );
+        let error = scenario.validate().unwrap_err().to_string();
+        assert!(error.contains("journey.tolerances.gain is NaN, expected a share from 0 to 0.5"), "{error}");
     }
 }

@@ -16,7 +16,7 @@ use super::telltale::{Lamp, Wrong, wrong};
 use super::test_case::Test;
 use super::watched::Watched;
 use super::{Odometer, StatedLoads};
-use crate::runner::StudyError;
+use crate::runner::Result;
 use crate::sensors::Sensors;
 
 /// After the tell-tale has come on the drive goes on so many s: it has to stay lit.
@@ -41,7 +41,7 @@ pub(super) fn drive(
     seed: u64,
     (sensors, loads): (Sensors, StatedLoads),
     odometer: &Odometer<'_>,
-) -> Result<Outcome, StudyError> {
+) -> Result<Outcome> {
     let mut car = Watched::new(procedure, course, loads, sensors)?;
     car.begin_calibration(course.learning_s)?;
     let mut run = Run::new(procedure, course, seed, car, odometer);
@@ -96,7 +96,7 @@ impl<'a> Run<'a> {
     }
 
     /// Learning, standstill, detection, until the tell-tale comes on or the time is over.
-    fn test(&mut self) -> Result<(), StudyError> {
+    fn test(&mut self) -> Result<()> {
         let course = self.course;
         let (mut counted_s, mut last_s) = (0.0, 0.0);
         self.car.roll(&course.scenario, self.seed)?;
@@ -189,7 +189,7 @@ impl<'a> Run<'a> {
     }
 
     /// Tires filled, plugs put in, and a reset where tires were touched: the lamp has to go out.
-    fn recover(&mut self) -> Result<(), StudyError> {
+    fn recover(&mut self) -> Result<()> {
         let offset_s = self.time_s + PARKED_S;
         let quiet_s = if self.low { NEW_RESET_S } else { 0.0 };
         if self.low {
@@ -222,7 +222,7 @@ impl<'a> Run<'a> {
     }
 
     /// A point of the trace now and then, and a word of how far it is.
-    fn keep(&mut self, row: &SimRow, offset_s: f64) -> Result<(), StudyError> {
+    fn keep(&mut self, row: &SimRow, offset_s: f64) -> Result<()> {
         let before_s = self.simulated_s;
         self.simulated_s += 1.0 / self.course.scenario.rate_hz;
         let passed = |every_s: f64| (before_s / every_s).floor() < (self.simulated_s / every_s).floor();

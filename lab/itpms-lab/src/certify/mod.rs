@@ -35,7 +35,7 @@ mod watched;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::runner::{Odometer, Progress, StudyError, pool, refused};
+use crate::runner::{Odometer, Progress, Result, pool, refused};
 use crate::sensors::Sensors;
 
 pub use outcome::{FalseAlert, Outcome, Phase, TracePoint, Verdict};
@@ -86,7 +86,7 @@ pub struct Certificate {
 }
 
 /// The tests of a request, in order. Errors: none has such a name.
-pub fn procedures(request: &Request) -> Result<Vec<Procedure>, StudyError> {
+pub fn procedures(request: &Request) -> Result<Vec<Procedure>> {
     let all = Procedure::all(request.extent, request.sensors);
     let Some(part) = &request.only else { return Ok(all) };
     let chosen: Vec<Procedure> = all.iter().filter(|p| p.name().contains(part.as_str())).copied().collect();
@@ -99,7 +99,7 @@ pub fn procedures(request: &Request) -> Result<Vec<Procedure>, StudyError> {
 
 /// Drives the tests on all processors. The same request gives the same result, however many there are.
 /// Errors: no such test, a stop, or a scenario that cannot be driven.
-pub fn certify(request: &Request, progress: Progress<'_>) -> Result<Certificate, StudyError> {
+pub fn certify(request: &Request, progress: Progress<'_>) -> Result<Certificate> {
     let mut runs = vec![];
     for procedure in procedures(request)? {
         for again in 0..u64::from(request.repeats.max(1)) {
@@ -116,7 +116,7 @@ pub fn certify(request: &Request, progress: Progress<'_>) -> Result<Certificate,
     }
     let total_s = runs.iter().map(|(_, course, _)| course.longest_s() as u64).sum();
     let odometer = Odometer::new(total_s, progress);
-    let outcomes: Result<Vec<Outcome>, StudyError> = pool()?.install(|| {
+    let outcomes: Result<Vec<Outcome>> = pool()?.install(|| {
         let one = |(procedure, course, seed): &(Procedure, course::Course, u64)| {
             drive::drive(procedure, course, *seed, (request.sensors, request.loads), &odometer)
         };

@@ -9,7 +9,7 @@ use itpms_sim::fault::{FaultPlace, FaultSpec};
 use super::course::Course;
 use super::drive::drive;
 use super::*;
-use crate::runner::UNWATCHED;
+use crate::runner::{StudyError, UNWATCHED};
 
 fn unplugged() -> Procedure {
     Procedure {

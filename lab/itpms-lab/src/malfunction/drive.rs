@@ -6,7 +6,7 @@ use itpms_sim::scenario::{Scenario, ToleranceSpec};
 use itpms_sim::simulation::Simulation;
 use itpms_sim::time_profile::{Pressure, Speed};
 
-use crate::runner::StudyError;
+use crate::runner::Result;
 
 const DRIVE_S: f64 = 360.0;
 /// When a malfunction may begin, in s, and the speed in m/s at which it does.
@@ -37,7 +37,7 @@ pub(super) struct Recorded {
 impl Recorded {
     /// The drive of a seed: an everyday journey of a car that differs from what its estimator is given as cars do; with
     /// every second seed over potholes and humps.
-    pub(super) fn of(seed: u64) -> Result<Self, StudyError> {
+    pub(super) fn of(seed: u64) -> Result<Self> {
         let mut scenario = everyday()?;
         if seed.is_multiple_of(2) {
             scenario.road.pothole = holes();
@@ -49,7 +49,7 @@ impl Recorded {
     }
 
     /// The same car on a road that for eleven minutes tells nothing.
-    pub(super) fn over_glass(seed: u64) -> Result<Self, StudyError> {
+    pub(super) fn over_glass(seed: u64) -> Result<Self> {
         let mut scenario = everyday()?.composed(seed)?;
         scenario.duration_s = BEFORE_GLASS_S + GLASS_S + AFTER_GLASS_S;
         scenario.speed = Speed::ConstantKmH(3.6 * GLASS_M_S);
@@ -77,7 +77,7 @@ impl Recorded {
         Ok(drive)
     }
 
-    fn record(scenario: &Scenario, seed: u64) -> Result<Self, StudyError> {
+    fn record(scenario: &Scenario, seed: u64) -> Result<Self> {
         let mut scenario = scenario.clone();
         let car = scenario.car_config()?;
         let mut pressure_kpa = [f64::NAN; 4];
@@ -93,7 +93,7 @@ impl Recorded {
 }
 
 /// Six minutes of a car that differs from its file, before its seed composes them.
-fn everyday() -> Result<Scenario, StudyError> {
+fn everyday() -> Result<Scenario> {
     let mut scenario = Scenario::builtin("drive-normal")?;
     scenario.duration_s = DRIVE_S;
     if let Some(journey) = &mut scenario.journey {

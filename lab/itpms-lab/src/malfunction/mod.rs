@@ -21,7 +21,7 @@ use itpms_core::monitor::MonitoredCar;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::runner::{Odometer, Progress, StudyError, pool, refused};
+use crate::runner::{Odometer, Progress, Result, pool, refused};
 use crate::score::stats::percentile;
 use crate::tuning::monitor;
 pub use clean::Clean;
@@ -113,7 +113,7 @@ struct OneDrive {
     clean: Clean,
 }
 
-pub fn study(request: &Request, progress: Progress<'_>) -> Result<Study, StudyError> {
+pub fn study(request: &Request, progress: Progress<'_>) -> Result<Study> {
     if request.drives == 0 {
         return refused("0 drives, expected at least one");
     }
@@ -146,7 +146,7 @@ pub fn study(request: &Request, progress: Progress<'_>) -> Result<Study, StudyEr
 }
 
 /// All malfunctions in one drive, and it without.
-fn one(seed: u64, kinds: &[Kind], odometer: &Odometer<'_>) -> Result<OneDrive, StudyError> {
+fn one(seed: u64, kinds: &[Kind], odometer: &Odometer<'_>) -> Result<OneDrive> {
     let drive = Recorded::of(seed)?;
     let mut car = monitored(&drive)?;
     let mut until_then = None;
@@ -172,7 +172,7 @@ fn one(seed: u64, kinds: &[Kind], odometer: &Odometer<'_>) -> Result<OneDrive, S
 }
 
 /// A malfunction that is the road's, on a drive of its own.
-fn over_glass(kind: &Kind, seed: u64) -> Result<Outcome, StudyError> {
+fn over_glass(kind: &Kind, seed: u64) -> Result<Outcome> {
     let drive = Recorded::over_glass(seed)?;
     let mut car = monitored(&drive)?;
     for sample in &drive.rows[..drive.begins] {
@@ -181,7 +181,7 @@ fn over_glass(kind: &Kind, seed: u64) -> Result<Outcome, StudyError> {
     Ok(outcome::run(kind, &drive, car, seed))
 }
 
-fn monitored(drive: &Recorded) -> Result<Box<MonitoredCar<f64>>, StudyError> {
+fn monitored(drive: &Recorded) -> Result<Box<MonitoredCar<f64>>> {
     Ok(Box::new(MonitoredCar::new(&monitor(&drive.car), drive.rate_hz)?))
 }
 

@@ -182,14 +182,7 @@ fn stiffness(null: &[DVector<f64>], layout: &Layout, known: Known) -> Stiffness 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use itpms_core::model::QuarterCar;
-
-    fn rear() -> CornerConfig<f64> {
-        CornerConfig {
-            quarter_car: QuarterCar::new(216.0, 50.0, 925.8, 29_114.0).unwrap(),
-            ..CornerConfig::paper()
-        }
-    }
+    use crate::observability::rear;
 
     #[test]
     fn ranks_are_those_of_the_derivation() {

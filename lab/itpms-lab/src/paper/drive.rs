@@ -7,7 +7,7 @@ use itpms_sim::simulation::Simulation;
 use super::CORNER;
 use super::case::{Case, JUDGED_FROM_S};
 use super::contestant::{Runner, Word};
-use crate::runner::StudyError;
+use crate::runner::Result;
 use crate::score::stats::ErrorSum;
 
 /// Points of a drawn history per second.
@@ -111,7 +111,7 @@ impl Seat {
     }
 }
 
-pub(super) fn drive(case: &Case, seed: u64, keep: Keep) -> Result<Drive, StudyError> {
+pub(super) fn drive(case: &Case, seed: u64, keep: Keep) -> Result<Drive> {
     let corner = case.scenario.corner_config(CORNER)?;
     let rate_hz = case.scenario.rate_hz;
     let mut seats = Vec::with_capacity(case.contestants.len());

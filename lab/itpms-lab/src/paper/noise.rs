@@ -10,7 +10,7 @@ use super::plan::RESET_LONG_S;
 use super::published::TABLE_5;
 use super::section::{Section, Table, number};
 use super::{CORNER, Request};
-use crate::runner::StudyError;
+use crate::runner::Result;
 use itpms_analysis::plot::{Axis, Figure, Ink, Panel, Stroke};
 
 /// Half-width in m/s² and number of the histogram's bars.
@@ -31,7 +31,7 @@ struct Noise {
 
 impl Noise {
     /// The logged wheel acceleration less that of the same drive with a quiet sensor.
-    fn of(variance: f64, request: &Request) -> Result<Self, StudyError> {
+    fn of(variance: f64, request: &Request) -> Result<Self> {
         let case = Case::bench("bench-drop", RESET_LONG_S, request)?;
         let noisy = case.clone().with_wheel_noise_variance(variance)?;
         let quiet = case.with_wheel_noise_variance(0.0)?;
@@ -70,7 +70,7 @@ impl Noise {
     }
 }
 
-pub(super) fn section(request: &Request) -> Result<Section, StudyError> {
+pub(super) fn section(request: &Request) -> Result<Section> {
     let mut noises = vec![];
     for row in TABLE_5 {
         noises.push(Noise::of(row.setting, request)?);

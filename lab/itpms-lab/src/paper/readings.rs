@@ -11,7 +11,7 @@ use super::data::Data;
 use super::section::Table;
 use super::standing::spread;
 use super::{CORNER, Request};
-use crate::runner::StudyError;
+use crate::runner::Result;
 use crate::score::stats::{ErrorSum, Spread};
 
 /// Name of a reading, and its settings.
@@ -31,7 +31,7 @@ fn readings() -> [(&'static str, FilterConfig<f64>); 7] {
 }
 
 /// RMSE over t > 3 s of every reading in one drive, kPa; infinite once diverged.
-fn drive(case: &Case, seed: u64) -> Result<Vec<f64>, StudyError> {
+fn drive(case: &Case, seed: u64) -> Result<Vec<f64>> {
     let corner = case.scenario.corner_config(CORNER)?;
     let mut filters = vec![];
     for (_, config) in readings() {
@@ -52,7 +52,7 @@ fn drive(case: &Case, seed: u64) -> Result<Vec<f64>, StudyError> {
     Ok(filters.iter().map(rmse).collect())
 }
 
-pub(super) fn table(request: &Request) -> Result<Table, StudyError> {
+pub(super) fn table(request: &Request) -> Result<Table> {
     let case = Case::simulation("paper-drop", request)?;
     let seed = |turn: usize| request.first_seed.wrapping_add(turn as u64);
     let drives = (0..request.seeds).into_par_iter().map(|turn| drive(&case, seed(turn)));

@@ -11,7 +11,7 @@ use super::outcome::Outcome;
 use super::published::SLOPE;
 use super::section::{Section, number};
 use super::{CORNER, Request};
-use crate::runner::StudyError;
+use crate::runner::Result;
 use crate::score::stats::Spread;
 use itpms_analysis::plot::{Axis, Figure, Ink, Panel, Stroke};
 use itpms_analysis::spectrum::{Psd, RoadFit, Welch, fit_power_law};
@@ -29,7 +29,7 @@ struct Spectrum {
     fit: RoadFit,
 }
 
-fn spectrum(road_m: &[f64], spacing_m: f64) -> Result<Option<Spectrum>, StudyError> {
+fn spectrum(road_m: &[f64], spacing_m: f64) -> Result<Option<Spectrum>> {
     let half = (0.5 * SEGMENT_M / spacing_m) as usize;
     let mut welch = Welch::new(2 * half, spacing_m)?;
     road_m.iter().for_each(|&height| welch.push(height));
@@ -38,7 +38,7 @@ fn spectrum(road_m: &[f64], spacing_m: f64) -> Result<Option<Spectrum>, StudyErr
     Ok(Some(Spectrum { psd, fit }))
 }
 
-fn slopes(request: &Request) -> Result<Vec<f64>, StudyError> {
+fn slopes(request: &Request) -> Result<Vec<f64>> {
     let case = Case::simulation("paper-drop", request)?;
     let one = |turn: usize| {
         let seed = request.first_seed.wrapping_add(turn as u64);
@@ -55,11 +55,7 @@ fn slopes(request: &Request) -> Result<Vec<f64>, StudyError> {
 }
 
 /// The section and the slopes over the seeds.
-pub(super) fn section(
-    request: &Request,
-    drop: &Outcome,
-    speed_m_s: f64,
-) -> Result<(Section, Spread), StudyError> {
+pub(super) fn section(request: &Request, drop: &Outcome, speed_m_s: f64) -> Result<(Section, Spread)> {
     let spacing_m = speed_m_s / drop.rate_hz;
     let slopes = Spread::of(slopes(request)?);
     let found = spectrum(&drop.truth.road_m, spacing_m)?;

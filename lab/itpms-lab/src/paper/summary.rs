@@ -13,7 +13,7 @@ use super::published::{
 use super::section::{Section, Table, number, signed};
 use super::standing::{spread, verdict};
 use super::tire::regression;
-use crate::runner::StudyError;
+use crate::runner::Result;
 use crate::score::stats::Spread;
 
 /// A row: where, what, the paper's number, ours, a comment.
@@ -60,7 +60,7 @@ impl Line {
     }
 }
 
-pub(super) fn section(outcomes: &Outcomes, slopes: Spread, drives: usize) -> Result<Section, StudyError> {
+pub(super) fn section(outcomes: &Outcomes, slopes: Spread, drives: usize) -> Result<Section> {
     let mut lines = regression_lines(slopes)?;
     lines.push(
         Line::errors("Fig. 7", "241.3 to 137.9 kPa in 2.5 s", FIG_7, outcomes.drop.informed_rmse())
@@ -107,7 +107,7 @@ pub(super) fn section(outcomes: &Outcomes, slopes: Spread, drives: usize) -> Res
     Ok(Section::new("summary", "Every number of the paper, and ours").table(table(&lines), caption))
 }
 
-fn regression_lines(slopes: Spread) -> Result<Vec<Line>, StudyError> {
+fn regression_lines(slopes: Spread) -> Result<Vec<Line>> {
     let (map, r2) = regression()?;
     let (slope, intercept, paper_r2) = REGRESSION;
     let off = |ours: f64, paper: f64| format!("Differs by {} %.", signed(100.0 * (ours / paper - 1.0), 2));

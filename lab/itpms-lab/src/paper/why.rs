@@ -7,13 +7,13 @@ use std::ops::ControlFlow;
 use super::data::Data;
 use super::section::{Section, Table, number};
 use crate::observability::{Car, Observability, Situation, Sources, Subject, Varied, study};
-use crate::runner::StudyError;
+use crate::runner::Result;
 
 /// When the bounds are printed, in s.
 const REPORTED_S: [f64; 3] = [2.0, 8.0, 40.0];
 
 /// The section; needs no drive. Errors: none for the paper's car.
-pub(super) fn section() -> Result<Section, StudyError> {
+pub(super) fn section() -> Result<Section> {
     let found = study(&Subject::paper(), &|_| ControlFlow::Continue(()))?;
     let mut figures = found.figures().into_iter();
     let mut section = Section::new("why", "Why: what two accelerations can tell, and what they cannot")

@@ -28,7 +28,7 @@ mod track;
 use itpms_paper::EstimatorKind;
 use serde::Serialize;
 
-use crate::runner::{Progress, Runner, StudyError, refused};
+use crate::runner::{Progress, Result, Runner, refused};
 use row::Row;
 
 itpms_core::labelled! {
@@ -183,7 +183,7 @@ fn labels<S: serde::Serializer>(kinds: &[EstimatorKind], serializer: S) -> Resul
 }
 
 /// Computes a score on all processors.
-pub fn score(request: &Request, progress: Progress<'_>) -> Result<Score, StudyError> {
+pub fn score(request: &Request, progress: Progress<'_>) -> Result<Score> {
     let (Some(&kind), true) = (request.estimators.first(), request.seeds > 0) else {
         return refused("0 seeds or no estimator, expected at least one of each");
     };

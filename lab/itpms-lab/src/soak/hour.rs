@@ -14,7 +14,7 @@ use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 
 use super::{Car, Plan};
-use crate::runner::StudyError;
+use crate::runner::{Result, StudyError};
 use crate::score::stats::ErrorSum;
 use crate::tuning::monitor;
 
@@ -142,7 +142,7 @@ impl Hour {
     }
 }
 
-pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) -> Result<Hour, StudyError> {
+pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) -> Result<Hour> {
     let begun = Instant::now();
     let scenario = scenario(plan)?;
     let mut car = monitored(&scenario)?;
@@ -181,7 +181,7 @@ pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) 
 }
 
 /// The drive, before its seed composes it.
-pub(super) fn scenario(plan: &Plan) -> Result<Scenario, StudyError> {
+pub(super) fn scenario(plan: &Plan) -> Result<Scenario> {
     let mut scenario = Scenario::builtin("drive-normal")?;
     scenario.rate_hz = plan.rate_hz;
     scenario.duration_s = plan.drive_s;
@@ -193,7 +193,7 @@ pub(super) fn scenario(plan: &Plan) -> Result<Scenario, StudyError> {
 }
 
 /// The same as its seed composes it, on the wheels of this car.
-fn driven(scenario: &Scenario, car: Car, seed: u64) -> Result<Scenario, StudyError> {
+fn driven(scenario: &Scenario, car: Car, seed: u64) -> Result<Scenario> {
     let mut driven = scenario.composed(seed)?;
     if car == Car::Quarters {
         driven.car = None;
@@ -204,13 +204,13 @@ fn driven(scenario: &Scenario, car: Car, seed: u64) -> Result<Scenario, StudyErr
 }
 
 /// The estimator and the monitor as they are shipped, given what the vehicle file says; the roads' heights are not read.
-fn monitored(scenario: &Scenario) -> Result<Box<MonitoredCar<f64>>, StudyError> {
+fn monitored(scenario: &Scenario) -> Result<Box<MonitoredCar<f64>>> {
     let config = monitor(&scenario.car_config()?);
     Ok(Box::new(MonitoredCar::new(&config, scenario.rate_hz)?))
 }
 
 /// Pressures in kPa below which a wheel is warned of.
-fn limits(scenario: &Scenario) -> Result<[f64; 4], StudyError> {
+fn limits(scenario: &Scenario) -> Result<[f64; 4]> {
     let share = Limits::<f64>::from(itpms_core::warning::Regulation::default()).low_share;
     let corners = scenario.car_config()?.corners;
     Ok(corners.map(|corner| corner.map_or(f64::NAN, |corner| share * corner.placard_kpa)))

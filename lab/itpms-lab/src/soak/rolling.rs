@@ -14,7 +14,7 @@ use itpms_sim::wheel_speeds::{DrivenWheels, WheelSpeedSpec};
 
 use super::hour::{ASK_ROWS, Hour, RadiusHour, note, scenario};
 use super::{Car, Plan};
-use crate::runner::StudyError;
+use crate::runner::{Result, StudyError};
 use crate::score::stats::HALF_95;
 use crate::sensors::{PulsedCar, Pulses, Sensors, wheel_speed_config};
 use crate::tuning::monitor;
@@ -24,7 +24,7 @@ const CALIBRATE_S: f64 = 600.0;
 /// By how many K its tires warm up at 90 km/h.
 const WARMS_BY_K: f64 = 20.0;
 
-pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) -> Result<Hour, StudyError> {
+pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) -> Result<Hour> {
     let begun = Instant::now();
     let scenario = rolling(plan, seed)?;
     let config = CarConfig { corners: [None; 4], wheelbase_m: None };
@@ -72,7 +72,7 @@ pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) 
 }
 
 /// The drive; every seed has another car and bus: driven axle, period, steps, and signals beside the speeds.
-fn rolling(plan: &Plan, seed: u64) -> Result<Scenario, StudyError> {
+fn rolling(plan: &Plan, seed: u64) -> Result<Scenario> {
     let mut scenario = scenario(plan)?;
     if let Some(journey) = &mut scenario.journey {
         journey.warms_by_k = WARMS_BY_K;

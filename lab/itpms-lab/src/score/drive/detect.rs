@@ -11,7 +11,7 @@ use rand_pcg::Pcg64;
 use super::super::row::{Column, Goal, Row};
 use super::super::stats::percentile;
 use super::{Drive, Plant, Setup};
-use crate::runner::{Runner, StudyError, Turn};
+use crate::runner::{Result, Runner, Turn};
 use itpms_sim::simulation::Simulation;
 
 /// Pressures in kPa, before and after.
@@ -103,7 +103,7 @@ impl Plan {
         self.cases.iter().map(|(_, drives)| *drives as u64).sum()
     }
 
-    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, StudyError> {
+    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>> {
         let found = runner.run(&self.cases, |(loss, setup), turn| drive(loss, setup, turn))?;
         let mut rows = vec![];
         for (((loss, setup), _), found) in self.cases.iter().zip(&found) {
@@ -166,7 +166,7 @@ fn row(name: String, loss: &Loss, found: &[Found]) -> Row {
 }
 
 /// The drive of a turn: wheels, classes and cars in turn, speeds and times at random.
-fn composed(loss: &Loss, turn: Turn) -> Result<(Drive, Found, f64), StudyError> {
+fn composed(loss: &Loss, turn: Turn) -> Result<(Drive, Found, f64)> {
     let mut random = Pcg64::seed_from_u64(turn.seed);
     let mut between = |[low, high]: [f64; 2]| low + (high - low) * random.random::<f64>();
     let (km_h, takes_s) = (between(SPEED_KM_H), between(loss.takes_s));
@@ -194,7 +194,7 @@ fn composed(loss: &Loss, turn: Turn) -> Result<(Drive, Found, f64), StudyError> 
     Ok((drive, found, loss.begins_s + takes_s))
 }
 
-fn drive(loss: &Loss, setup: &Setup, turn: Turn) -> Result<Found, StudyError> {
+fn drive(loss: &Loss, setup: &Setup, turn: Turn) -> Result<Found> {
     let (drive, mut found, complete_s) = composed(loss, turn)?;
     let drive = drive.with_setups(&[*setup]);
     let Some(mut car) = drive.cars(&drive.scenario)?.pop() else { return Ok(found) };

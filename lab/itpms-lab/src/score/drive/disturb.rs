@@ -8,7 +8,7 @@ use itpms_sim::scenario::CornerSpec;
 use itpms_sim::sensor::SensorSpec;
 
 use super::{Drive, Plant, Setup};
-use crate::runner::StudyError;
+use crate::runner::Result;
 
 const SPEEDS_KM_H: [f64; 2] = [80.0, 20.0];
 /// A car's way through bends: points [s, m/s²], to the left and to the right, before, in and after the drop.
@@ -75,7 +75,7 @@ const ALONE: [Disturbance; 31] = [
 const TOGETHER: Disturbance = disturbance("all together", together);
 
 /// The disturbed punctures under the whole car; all together under both cars.
-pub(super) fn drives() -> Result<Vec<(Drive, Option<f64>)>, StudyError> {
+pub(super) fn drives() -> Result<Vec<(Drive, Option<f64>)>> {
     let mut drives = vec![];
     for km_h in SPEEDS_KM_H {
         for disturbance in &ALONE {

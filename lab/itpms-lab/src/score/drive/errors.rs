@@ -8,7 +8,7 @@ use super::super::row::{Cell, Column, Goal, Row};
 use super::super::stats::{Mean, Spread, WindowErrors};
 use super::super::track;
 use super::{Drive, limit};
-use crate::runner::{Runner, StudyError, Turn};
+use crate::runner::{Result, Runner, Turn};
 
 /// Share of time within the 95 % interval.
 const COVERAGE: Goal = Goal::Between(0.93, 0.98);
@@ -35,7 +35,7 @@ const COVERED_HOLDING: Column = Column::new("holding_coverage_in_change", "drop*
 
 type Wheel = WindowErrors;
 
-fn errors(drive: &Drive, turn: Turn) -> Result<Vec<[Wheel; 4]>, StudyError> {
+fn errors(drive: &Drive, turn: Turn) -> Result<Vec<[Wheel; 4]>> {
     let mut errors = vec![[Wheel::default(); 4]; drive.setups.len()];
     let windows = [drive.judged, drive.before, drive.after, drive.change];
     drive.drive(turn.seed, |setup, row, estimate| {
@@ -81,7 +81,7 @@ impl Plan {
         self.cases.iter().map(|(_, drives)| *drives as u64).sum()
     }
 
-    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, StudyError> {
+    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>> {
         let found = runner.run(&self.cases, errors)?;
         let mut rows = vec![];
         for ((entry, (drive, drives)), found) in self.entries.iter().zip(&self.cases).zip(&found) {

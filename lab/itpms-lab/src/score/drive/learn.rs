@@ -10,7 +10,7 @@ use itpms_sim::time_profile::Pressure;
 use super::super::row::{Cell, Column, Goal, Row};
 use super::super::stats::{ValidErrors, percentile};
 use super::learned_car::{DrawnCar, PLACARD_KPA, Subject, estimator};
-use crate::runner::{Runner, StudyError, Turn};
+use crate::runner::{Result, Runner, Turn};
 use itpms_analysis::learn::{LearnedCorner, Parameter};
 
 /// Cars per seed asked for: 200 of forty.
@@ -81,7 +81,7 @@ impl Plan {
         self.subjects.iter().map(|(_, cars)| *cars as u64).sum()
     }
 
-    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, StudyError> {
+    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>> {
         let found = runner.run(&self.subjects, car)?;
         let mut rows = vec![];
         for ((subject, _), found) in self.subjects.iter().zip(&found) {
@@ -103,7 +103,7 @@ impl Plan {
     }
 }
 
-fn car(subject: &Subject, turn: Turn) -> Result<Found, StudyError> {
+fn car(subject: &Subject, turn: Turn) -> Result<Found> {
     let car = DrawnCar::draw(subject, turn.index, turn.seed)?;
     let (learned, calibration) = car.learn(subject)?;
     let corners = || {
@@ -142,7 +142,7 @@ fn car(subject: &Subject, turn: Turn) -> Result<Found, StudyError> {
 type Given<'a> = (&'a CarConfig<f64>, Option<&'a VehicleCalibration<f64>>);
 
 /// A later drive on which one tire after the other, from car to car, loses a fifth; estimated by all at once.
-fn later(car: &DrawnCar, turn: Turn, given: &[Option<Given<'_>>]) -> Result<Vec<Option<Later>>, StudyError> {
+fn later(car: &DrawnCar, turn: Turn, given: &[Option<Given<'_>>]) -> Result<Vec<Option<Later>>> {
     let [begins_s, takes_s, wait_s] = LOSS_S;
     let struck = Corner::ALL[turn.index % 4];
     let (mut scenario, seed) = car.later(turn.index + turn.index / 4, begins_s + takes_s + wait_s);

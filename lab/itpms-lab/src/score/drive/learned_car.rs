@@ -16,7 +16,7 @@ use rand_pcg::Pcg64;
 
 use super::real_list::two_passengers;
 use super::{Drive, Plant};
-use crate::runner::StudyError;
+use crate::runner::Result;
 use crate::tuning::monitor;
 use itpms_analysis::learn::{DriveReading, Learned, Listener, PASSES, learn};
 
@@ -101,7 +101,7 @@ impl Source {
 }
 
 impl DrawnCar {
-    pub(super) fn draw(subject: &Subject, index: usize, seed: u64) -> Result<Self, StudyError> {
+    pub(super) fn draw(subject: &Subject, index: usize, seed: u64) -> Result<Self> {
         let mut drive = Drive::puncture(Plant::Car, KM_H[0])?
             .each_corner(|_, spec| spec.pressure = Pressure::ConstantKpa(PLACARD_KPA));
         drive.scenario.rate_hz = RATE_HZ;
@@ -160,10 +160,7 @@ impl DrawnCar {
     }
 
     /// What its learning drives teach, and what a calibration with the learned car does in the first of them.
-    pub(super) fn learn(
-        &self,
-        subject: &Subject,
-    ) -> Result<(Learned, Option<VehicleCalibration<f64>>), StudyError> {
+    pub(super) fn learn(&self, subject: &Subject) -> Result<(Learned, Option<VehicleCalibration<f64>>)> {
         let drives: Vec<([f64; 4], Vec<_>)> = subject
             .pressures_kpa
             .iter()
@@ -176,7 +173,7 @@ impl DrawnCar {
                 let rows = Simulation::new(&scenario, seed)?.map(|row| row.car_sample()).collect();
                 Ok(([kpa; 4], rows))
             })
-            .collect::<Result<_, StudyError>>()?;
+            .collect::<Result<_>>()?;
         let mut config = self.file;
         let mut learned = None;
         for _ in 0..PASSES {
@@ -224,7 +221,7 @@ fn road(index: usize) -> RoadSpec {
 }
 
 /// An estimator of this car under its monitor, at [`RATE_HZ`].
-pub(super) fn estimator(config: &CarConfig<f64>) -> Result<Box<MonitoredCar<f64>>, StudyError> {
+pub(super) fn estimator(config: &CarConfig<f64>) -> Result<Box<MonitoredCar<f64>>> {
     let mut car = Box::new(MonitoredCar::unconfigured());
     car.configure(&monitor(config), RATE_HZ)?;
     Ok(car)

@@ -37,7 +37,7 @@ use itpms_sim::time_profile::Speed;
 use super::Part;
 use super::row::Row;
 use super::stats::Window;
-use crate::runner::{Runner, StudyError};
+use crate::runner::{Result, Runner};
 use crate::sensors::{equipped, wheel_speeds_beside};
 use crate::tuning::monitor;
 
@@ -96,7 +96,7 @@ struct Drive {
 
 impl Drive {
     /// `drive-puncture` under one of the two cars.
-    fn puncture(plant: Plant, km_h: f64) -> Result<Self, StudyError> {
+    fn puncture(plant: Plant, km_h: f64) -> Result<Self> {
         let mut scenario = Scenario::builtin("drive-puncture")?;
         scenario.speed = Speed::ConstantKmH(km_h);
         if plant == Plant::Quarters {
@@ -167,7 +167,7 @@ impl Drive {
         (!self.setups.is_empty()).then_some(self)
     }
 
-    fn file_config(&self) -> Result<CarConfig<f64>, StudyError> {
+    fn file_config(&self) -> Result<CarConfig<f64>> {
         Ok(CarConfig { wheelbase_m: Some(self.wheelbase_m), ..self.scenario.car_config()? })
     }
 
@@ -180,7 +180,7 @@ impl Drive {
     }
 
     /// An estimator for each setup, under its monitor as everywhere else: what is suspect is kept from it.
-    fn cars(&self, scenario: &Scenario) -> Result<Vec<Box<MonitoredCar<f64>>>, StudyError> {
+    fn cars(&self, scenario: &Scenario) -> Result<Vec<Box<MonitoredCar<f64>>>> {
         let config = self.file_config()?;
         let set_up = |setup: &Setup| {
             let options = EstimatorOptions { sources: setup.sources, ..EstimatorOptions::default() };
@@ -195,11 +195,7 @@ impl Drive {
     }
 
     /// Every row of the log with its truth and what the estimator of each setup, by its number, reported after it.
-    fn drive(
-        &self,
-        seed: u64,
-        mut look: impl FnMut(usize, &SimRow, &CarEstimate<f64>),
-    ) -> Result<(), StudyError> {
+    fn drive(&self, seed: u64, mut look: impl FnMut(usize, &SimRow, &CarEstimate<f64>)) -> Result<()> {
         let scenario = self.simulated(seed);
         let mut cars = self.cars(&scenario)?;
         for row in Simulation::new(&scenario, seed)? {
@@ -229,7 +225,7 @@ impl Plan {
         seeds: usize,
         only: Option<&str>,
         wheel_speeds: bool,
-    ) -> Result<Self, StudyError> {
+    ) -> Result<Self> {
         let mut errors = errors::Plan::default();
         if wanted(Part::Drive) {
             let beside = |(drive, goal): (Drive, _)| (Drive { wheel_speeds, ..drive }, goal);
@@ -257,7 +253,7 @@ impl Plan {
             + self.several.drives()
     }
 
-    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, StudyError> {
+    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>> {
         let mut rows = self.errors.rows(runner)?;
         rows.extend(self.detection.rows(runner)?);
         rows.extend(self.real.rows(runner)?);

@@ -14,7 +14,7 @@ use super::super::row::{Cell, Column, Row};
 use super::super::stats::{ValidErrors, percentile};
 use super::real_list::{Deviation, LIST};
 use super::{Drive, Plant, Setup};
-use crate::runner::{Runner, StudyError, Turn};
+use crate::runner::{Result, Runner, Turn};
 
 const KM_H: f64 = 80.0;
 const RATE_HZ: f64 = 200.0;
@@ -75,7 +75,7 @@ impl Plan {
         self.levels.iter().chain(&self.losses).map(|(_, drives)| *drives as u64).sum()
     }
 
-    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, StudyError> {
+    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>> {
         let levels = runner.run(&self.levels, levels)?;
         let losses = runner.run(&self.losses, loss)?;
         let mut rows = vec![];
@@ -99,7 +99,7 @@ impl Plan {
 }
 
 /// The deviating car on the road of a turn, its pressures as the placard says but for a tire that is flat from the start.
-fn composed(subject: &Subject, turn: Turn, setups: &[Setup]) -> Result<Drive, StudyError> {
+fn composed(subject: &Subject, turn: Turn, setups: &[Setup]) -> Result<Drive> {
     let mut drive = Drive::puncture(Plant::Car, KM_H)?.with_setups(setups);
     let class = CLASSES[turn.index % CLASSES.len()];
     // Deviations are those of a car that is known as most are.
@@ -112,7 +112,7 @@ fn composed(subject: &Subject, turn: Turn, setups: &[Setup]) -> Result<Drive, St
     Ok((subject.deviation.change)(drive, turn.seed))
 }
 
-fn levels(subject: &Subject, turn: Turn) -> Result<Vec<Level>, StudyError> {
+fn levels(subject: &Subject, turn: Turn) -> Result<Vec<Level>> {
     // No one calibrates on a flat tire.
     let setups: &[Setup] = if subject.deviation.flat.is_some() { &[UNKNOWN] } else { &[UNKNOWN, CALIBRATED] };
     let drive = composed(subject, turn, setups)?;
@@ -157,7 +157,7 @@ impl Level {
 
 /// A drive of its own for every tire that loses air, after a calibration; where one is flat from the start, that drive
 /// without a calibration.
-fn loss(subject: &Subject, turn: Turn) -> Result<Found, StudyError> {
+fn loss(subject: &Subject, turn: Turn) -> Result<Found> {
     let flat = subject.deviation.flat;
     let struck = flat.unwrap_or(Corner::ALL[turn.index % 4]);
     // Tires and classes in turn: twelve drives have them all.
@@ -308,17 +308,12 @@ mod tests {
 
     #[test]
     fn figures_are_means_over_valid_time() {
-        let wheel = |error: f64, sd: f64, valid: u64, rows: u64| {
+        let wheel = |error: f64, sd: f64, valid: u64| {
             let mut errors = ErrorSum::default();
             (0..valid).for_each(|_| errors.push(error, sd));
-            ValidErrors { errors, sds_kpa: sd * valid as f64, rows }
+            ValidErrors { errors, sds_kpa: sd * valid as f64, rows: 40 }
         };
-        let wheels = [
-            wheel(10.0, 4.0, 30, 40),
-            wheel(-2.0, 4.0, 10, 40),
-            wheel(0.0, 4.0, 0, 40),
-            wheel(6.0, 8.0, 20, 40),
-        ];
+        let wheels = [wheel(10.0, 4.0, 30), wheel(-2.0, 4.0, 10), wheel(0.0, 4.0, 0), wheel(6.0, 8.0, 20)];
         let level = Level { wheels, false_low: 2, sensors: 1 };
         let cells = level_cells(subject("as its file").deviation, &[level]);
         let value = |name: &str| cells.iter().find(|cell| cell.column.name == name).unwrap().value;

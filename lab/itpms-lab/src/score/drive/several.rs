@@ -12,7 +12,7 @@ use itpms_sim::time_profile::{Pressure, Speed};
 use super::super::row::{Column, Goal, Row};
 use super::super::stats::{ValidErrors, percentile};
 use super::learned_car::estimator;
-use crate::runner::{Runner, StudyError, Turn};
+use crate::runner::{Result, Runner, Turn};
 
 /// A fifth is lost from here on, in so many s; a quarter is missing from the start.
 const BEGINS_S: f64 = 300.0;
@@ -166,14 +166,14 @@ impl Plan {
         self.cases.iter().map(|(_, drives)| *drives as u64).sum()
     }
 
-    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, StudyError> {
+    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>> {
         let found = runner.run(&self.cases, drive)?;
         Ok(self.cases.iter().zip(&found).map(|((case, _), found)| row(*case, found)).collect())
     }
 }
 
 /// The car of a seed on the journey of another; the car of its file.
-fn car(turn: Turn) -> Result<(Scenario, CarConfig<f64>), StudyError> {
+fn car(turn: Turn) -> Result<(Scenario, CarConfig<f64>)> {
     let mut scenario = Scenario::builtin("drive-normal")?;
     let file = scenario.car_config()?;
     if let Some(journey) = &mut scenario.journey {
@@ -188,7 +188,7 @@ fn calibrated_before(
     scenario: &Scenario,
     file: &CarConfig<f64>,
     seed: u64,
-) -> Result<Option<VehicleCalibration<f64>>, StudyError> {
+) -> Result<Option<VehicleCalibration<f64>>> {
     let scenario = Scenario { duration_s: OTHER_DAY_S, ..scenario.clone() };
     let mut car = estimator(file)?;
     car.begin_calibration(OTHER_DAY_S)?;
@@ -199,7 +199,7 @@ fn calibrated_before(
     Ok(car.estimator().calibration().filter(|learned| learned.check().is_ok()))
 }
 
-fn drive(case: &Case, turn: Turn) -> Result<Found, StudyError> {
+fn drive(case: &Case, turn: Turn) -> Result<Found> {
     let (mut scenario, file) = car(turn)?;
     let mut car = estimator(&file)?;
     match case.known {

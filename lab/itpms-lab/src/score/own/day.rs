@@ -10,7 +10,7 @@ use itpms_sim::scenario::Scenario;
 use itpms_sim::time_profile::{Pressure, Speed};
 
 use super::car::{OwnCar, Source};
-use crate::runner::StudyError;
+use crate::runner::Result;
 use crate::sensors::wheel_speeds_beside;
 
 pub(super) const RATE_HZ: f64 = 200.0;
@@ -79,7 +79,7 @@ impl Day {
         car: &OwnCar,
         change: &Change,
         lost: Option<(Corner, Pressure)>,
-    ) -> Result<(Scenario, u64), StudyError> {
+    ) -> Result<(Scenario, u64)> {
         let mut scenario = Scenario::builtin("drive-puncture")?;
         scenario.rate_hz = RATE_HZ;
         scenario.duration_s = self.duration_s;
