@@ -3,7 +3,7 @@
 use itpms_core::model::Corner;
 use serde::{Deserialize, Serialize};
 
-use crate::error::{InvalidValue, not_negative, positive, within};
+use crate::error::{InvalidValue, Result, not_negative, positive, within};
 
 /// Which of a corner's sensors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -103,7 +103,7 @@ impl FaultSpec {
         SensorName { corner: self.corner, sensor: self.sensor }
     }
 
-    pub(crate) fn validate(&self) -> Result<(), InvalidValue> {
+    pub(crate) fn validate(&self) -> Result<()> {
         within("from_s", self.from_s, -1e6, 1e6, "a time in s")?;
         if let Some(to_s) = self.to_s {
             within("to_s", to_s, self.from_s, 1e6, "a time in s after from_s")?;

@@ -3,7 +3,7 @@
 use itpms_core::model::{Confidence, Corner, CornerConfig, ParameterUncertainty, PressureMap, QuarterCar};
 use serde::{Deserialize, Serialize};
 
-use crate::error::InvalidValue;
+use crate::error::Result;
 use crate::plant::Deviations;
 use crate::pressure_sensor::PressureSensorSpec;
 use crate::sensor::SensorSpec;
@@ -27,7 +27,7 @@ impl Default for TireSpec {
 
 impl TireSpec {
     /// The map from pressure to stiffness. Errors: a slope that is not positive or an intercept that is negative.
-    pub fn map(&self) -> Result<PressureMap<f64>, InvalidValue> {
+    pub fn map(&self) -> Result<PressureMap<f64>> {
         Ok(PressureMap::new(self.stiffness_per_kpa, self.stiffness_at_zero)?)
     }
 }
@@ -119,7 +119,7 @@ impl CornerSpec {
     }
 
     /// The quarter car the estimator is given. Errors: names the parameter that is not positive.
-    pub fn quarter_car(&self) -> Result<QuarterCar<f64>, InvalidValue> {
+    pub fn quarter_car(&self) -> Result<QuarterCar<f64>> {
         Ok(QuarterCar::new(
             self.sprung_mass_kg,
             self.unsprung_mass_kg,
@@ -128,11 +128,7 @@ impl CornerSpec {
         )?)
     }
 
-    pub(crate) fn config(
-        &self,
-        usual: &SensorSpec,
-        confidence: Confidence,
-    ) -> Result<CornerConfig<f64>, InvalidValue> {
+    pub(crate) fn config(&self, usual: &SensorSpec, confidence: Confidence) -> Result<CornerConfig<f64>> {
         let map = self.tire.map()?;
         let mut config = CornerConfig::new(self.quarter_car()?, map, self.placard_kpa)?;
         config.uncertainty = ParameterUncertainty::of(confidence);
@@ -150,7 +146,7 @@ impl CornerSpec {
         }
     }
 
-    pub(crate) fn validate(&self) -> Result<(), InvalidValue> {
+    pub(crate) fn validate(&self) -> Result<()> {
         self.config(&SensorSpec::default(), Confidence::default())?;
         self.pressure.profile_kpa().map_err(|e| e.within("pressure"))?;
         self.truth.validate().map_err(|e| e.within("truth"))?;

@@ -22,7 +22,7 @@ pub use tolerance::{Draw, ToleranceSpec};
 
 use crate::antialias::AntiAliasSpec;
 use crate::car::CarSpec;
-use crate::error::{InvalidValue, ScenarioError, within};
+use crate::error::{InvalidValue, Result, ScenarioError, within};
 use crate::fault::FaultSpec;
 use crate::road::{RoadSpec, Surface};
 use crate::sensor::SensorSpec;
@@ -135,7 +135,7 @@ impl Scenario {
     }
 
     /// Of a scenario with a journey: that it is one throughout, and one that can be driven.
-    fn first_invalid_of_journey(&self, journey: &JourneySpec) -> Result<(), InvalidValue> {
+    fn first_invalid_of_journey(&self, journey: &JourneySpec) -> Result<()> {
         within("duration_s", self.duration_s, 0.1, 1e6, "a duration from 0.1 to 1000000 s")?;
         journey.validate().map_err(|e| e.within("journey"))?;
         let found = "given beside a [journey]";
@@ -155,7 +155,7 @@ impl Scenario {
         }
     }
 
-    fn first_invalid(&self) -> Result<(), InvalidValue> {
+    fn first_invalid(&self) -> Result<()> {
         if let Some(journey) = &self.journey {
             return self.first_invalid_of_journey(journey);
         }

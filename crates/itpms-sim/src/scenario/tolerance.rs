@@ -12,7 +12,7 @@ use serde::de::{Error, MapAccess, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::Scenario;
-use crate::error::{InvalidValue, within};
+use crate::error::{Result, within};
 use crate::sensor::SensorSpec;
 use crate::streams::{Purpose, generator};
 use itpms_core::model::Corner;
@@ -89,7 +89,7 @@ impl ToleranceSpec {
         }
     }
 
-    pub(crate) fn validate(&self) -> Result<(), InvalidValue> {
+    pub(crate) fn validate(&self) -> Result<()> {
         for (name, share) in [
             ("sprung_mass", self.sprung_mass),
             ("unsprung_mass", self.unsprung_mass),

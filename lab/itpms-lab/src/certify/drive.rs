@@ -170,7 +170,9 @@ impl<'a> Run<'a> {
     fn park(&mut self) {
         let course = self.course;
         let step_s = 1.0 / course.scenario.rate_hz;
-        let mut noise = Noise::new(self.seed);
+        let mut random = Pcg64::seed_from_u64(self.seed);
+        // Uniform noise of 0.05 m/s² rms, which is its half width over the root of three.
+        let mut noise = || random.random_range(-1.0..1.0) * 0.05 * 3f64.sqrt();
         let mut faults = Faults::new(&course.scenario.fault, self.seed);
         let samples = (KEY_IN_S * course.scenario.rate_hz) as usize;
         let key_in_s = self.time_s + PARKED_S;
@@ -178,7 +180,7 @@ impl<'a> Run<'a> {
         for i in 0..samples {
             let since_s = i as f64 * step_s;
             let time_s = key_in_s + since_s;
-            let mut readings = Corner::ALL.map(|_| [noise.next(), noise.next()]);
+            let mut readings = Corner::ALL.map(|_| [noise(), noise()]);
             faults.spoil(time_s, &mut readings);
             self.time_s = time_s;
             self.car.stand(time_s, readings);
@@ -234,20 +236,6 @@ impl<'a> Run<'a> {
             self.trace.extend(self.car.trace(offset_s + row.time_s, row));
         }
         Ok(())
-    }
-}
-
-/// What accelerometers of a parked car say: uniform noise of 0.05 m/s² rms.
-struct Noise(Pcg64);
-
-impl Noise {
-    fn new(seed: u64) -> Self {
-        Self(Pcg64::seed_from_u64(seed))
-    }
-
-    fn next(&mut self) -> f64 {
-        // The rms of a uniform distribution is its half width over the root of three.
-        self.0.random_range(-1.0..1.0) * 0.05 * 3f64.sqrt()
     }
 }
 
