@@ -92,12 +92,12 @@ fn check(damping: &Estimate, units: Units) -> Result<()> {
     if units == Units::Trusted || (lowest..=highest).contains(&value) {
         return Ok(());
     }
-    Err(IdentifyError::Units {
-        what: "the damping",
-        found: format!("{} N s/m", plain(value)),
-        expected: "10 to 500 000 N s/m",
-        hint: if value < lowest { "; the force looks like kN" } else { "; is the displacement in m?" },
-    })
+    Err(IdentifyError::units(
+        "the damping",
+        format!("{} N s/m", plain(value)),
+        "10 to 500 000 N s/m",
+        if value < lowest { "; the force looks like kN" } else { "; is the displacement in m?" },
+    ))
 }
 
 /// All runs together, and each alone.

@@ -53,3 +53,14 @@ pub enum IdentifyError {
     #[error("{0} cannot be separated by these data")]
     Singular(&'static str),
 }
+
+impl IdentifyError {
+    pub(super) fn units(
+        what: &'static str,
+        found: String,
+        expected: &'static str,
+        hint: &'static str,
+    ) -> Self {
+        Self::Units { what, found, expected, hint }
+    }
+}

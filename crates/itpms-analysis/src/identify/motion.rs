@@ -93,12 +93,12 @@ fn check_amplitude(amplitude_m: f64, units: Units) -> Result<()> {
     if units == Units::Trusted || amplitude_m <= LARGEST_M {
         return Ok(());
     }
-    Err(IdentifyError::Units {
-        what: "the amplitude",
-        found: format!("{} m", plain(amplitude_m)),
-        expected: "at most 0.5 m",
-        hint: "; it looks like millimetres",
-    })
+    Err(IdentifyError::units(
+        "the amplitude",
+        format!("{} m", plain(amplitude_m)),
+        "at most 0.5 m",
+        "; it looks like millimetres",
+    ))
 }
 
 fn run(record: &SineRecord<'_>, rows: Range<usize>, unsettled: f64, units: Units) -> Result<Run> {
@@ -110,12 +110,12 @@ fn run(record: &SineRecord<'_>, rows: Range<usize>, unsettled: f64, units: Units
     let sine = sine::fit(t, x).ok_or(short)?;
     let frequency_hz = sine.omega / TAU;
     if units == Units::Checked && frequency_hz < SLOWEST_HZ {
-        return Err(IdentifyError::Units {
-            what: "the frequency",
-            found: format!("{} Hz", plain(frequency_hz)),
-            expected: "0.02 Hz or more",
-            hint: "; time_s looks like milliseconds",
-        });
+        return Err(IdentifyError::units(
+            "the frequency",
+            format!("{} Hz", plain(frequency_hz)),
+            "0.02 Hz or more",
+            "; time_s looks like milliseconds",
+        ));
     }
     let span = t.last().unwrap_or(&0.0) - t.first().unwrap_or(&0.0);
     let rows_per_period = (t.len() - 1) as f64 / (span * frequency_hz);

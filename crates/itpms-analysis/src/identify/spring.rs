@@ -142,12 +142,12 @@ pub fn spring(displacement_m: &[f64], load_n: &[f64], units: Units) -> Result<Sp
 
 fn check_travel(travel_m: f64, units: Units) -> Result<()> {
     if units == Units::Checked && travel_m > LONGEST_M {
-        return Err(IdentifyError::Units {
-            what: "the travel",
-            found: format!("{} m", plain(travel_m)),
-            expected: "at most 1 m",
-            hint: "; it looks like millimetres",
-        });
+        return Err(IdentifyError::units(
+            "the travel",
+            format!("{} m", plain(travel_m)),
+            "at most 1 m",
+            "; it looks like millimetres",
+        ));
     }
     Ok(())
 }
@@ -158,12 +158,7 @@ fn check_stiffness(value: f64, units: Units) -> Result<()> {
         return Ok(());
     }
     let hint = if value < lowest { "; the load looks like kN" } else { "; is the displacement in m?" };
-    Err(IdentifyError::Units {
-        what: "the stiffness",
-        found: format!("{} N/m", plain(value)),
-        expected: "500 to 10 000 000 N/m",
-        hint,
-    })
+    Err(IdentifyError::units("the stiffness", format!("{} N/m", plain(value)), "500 to 10 000 000 N/m", hint))
 }
 
 /// The rows of each stroke that friction has settled in.

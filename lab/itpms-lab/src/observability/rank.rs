@@ -26,26 +26,17 @@ enum Known {
     Road,
 }
 
-/// Observability of the first wheel's stiffness.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Stiffness {
-    /// Nothing is reported of it.
-    Free,
-    /// Only how much two stiffnesses differ.
-    DifferenceOnly,
-    Fixed,
-    Known,
-}
-
-impl Stiffness {
-    pub fn text(self) -> &'static str {
-        match self {
-            Stiffness::Free => "free",
-            Stiffness::DifferenceOnly => "difference only",
-            Stiffness::Fixed => "fixed",
-            Stiffness::Known => "known",
-        }
+itpms_core::labelled! {
+    /// Observability of the first wheel's stiffness.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Stiffness {
+        /// Nothing is reported of it.
+        Free = "free",
+        /// Only how much two stiffnesses differ.
+        DifferenceOnly = "difference only",
+        Fixed = "fixed",
+        Known = "known",
     }
 }
 

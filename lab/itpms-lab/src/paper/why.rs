@@ -81,7 +81,7 @@ fn ranks(found: &Observability) -> Table {
         .numbers("rank", all().map(|case| case.rank as f64))
         .numbers("missing", all().map(|case| case.missing as f64))
         .numbers("drifts", all().map(|case| case.drifts as f64))
-        .text("stiffness", all().map(|case| case.stiffness.text().to_owned()));
+        .text("stiffness", all().map(|case| case.stiffness.label().to_owned()));
     let head = ["Case", "Rank", "Missing", "Of these drift", "Stiffness"];
     all().fold(Table::new("Rank with the road as unknown input", &head, data), |table, case| {
         table.row([
@@ -89,7 +89,7 @@ fn ranks(found: &Observability) -> Table {
             format!("{} of {}", case.rank, case.unknowns),
             case.missing.to_string(),
             case.drifts.to_string(),
-            case.stiffness.text().to_owned(),
+            case.stiffness.label().to_owned(),
         ])
     })
 }

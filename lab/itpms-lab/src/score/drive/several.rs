@@ -34,25 +34,28 @@ const MOTORWAY_GD_N0_M3: f64 = 2e-6;
 const MOTORWAY_FRICTION_N: f64 = 50.0;
 const MOTORWAY_IMBALANCE_KG_M: f64 = 0.004;
 
-/// Which tires have lost air, and when.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Loss {
-    None,
-    One,
-    Side,
-    Axle,
-    All,
-    OneBefore,
-    /// One, on the motorway that shows least.
-    OneOnMotorway,
+itpms_core::labelled! {
+    /// Which tires have lost air, and when.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    enum Loss {
+        None = "nothing lost",
+        One = "one tire",
+        Side = "a side",
+        Axle = "an axle",
+        All = "all four",
+        OneBefore = "a quarter of one before the drive",
+        OneOnMotorway = "one on a very smooth motorway",
+    }
 }
 
-/// Knowledge of the car besides its file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Known {
-    File,
-    Calibrated,
-    OtherDay,
+itpms_core::labelled! {
+    /// Knowledge of the car besides its file.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    enum Known {
+        File = "file",
+        Calibrated = "calibrated",
+        OtherDay = "reference of another day",
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,21 +79,7 @@ impl Case {
     };
 
     fn name(self) -> String {
-        let loss = match self.loss {
-            Loss::None => "nothing lost",
-            Loss::One => "one tire",
-            Loss::Side => "a side",
-            Loss::Axle => "an axle",
-            Loss::All => "all four",
-            Loss::OneBefore => "a quarter of one before the drive",
-            Loss::OneOnMotorway => "one on a very smooth motorway",
-        };
-        let known = match self.known {
-            Known::File => "file",
-            Known::Calibrated => "calibrated",
-            Known::OtherDay => "reference of another day",
-        };
-        format!("{loss}, {known}")
+        format!("{}, {}", self.loss.label(), self.known.label())
     }
 
     fn goal_s(self) -> f64 {
