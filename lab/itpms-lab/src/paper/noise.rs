@@ -83,32 +83,22 @@ pub(super) fn section(request: &Request) -> Result<Section> {
         let bars = noise.bars();
         let normal: Vec<(f64, f64)> =
             (0..=100).map(|i| f64::from(i) * 0.05 - HALF_WIDTH).map(|x| (x, noise.normal(x))).collect();
+        let drawn = noise.points.iter().copied().filter(|p| p.0 <= DRAWN_S).collect();
+        let time = Axis::linear("Time", "s").within(0.0, DRAWN_S);
+        let density = Axis::linear("Density", "s²/m").within(0.0, 0.9);
+        let values = || Axis::linear("Noise", "m/s²").within(-HALF_WIDTH, HALF_WIDTH);
         figure = figure
+            .panel(Panel::new(letters[0], title("Noise"), time, values()).height(230.0).line(
+                "noise",
+                Ink::Light,
+                Stroke::Thin,
+                drawn,
+            ))
             .panel(
-                Panel::new(
-                    letters[0],
-                    title("Noise"),
-                    Axis::linear("Time", "s").within(0.0, DRAWN_S),
-                    Axis::linear("Noise", "m/s²").within(-HALF_WIDTH, HALF_WIDTH),
-                )
-                .height(230.0)
-                .line(
-                    "noise",
-                    Ink::Light,
-                    Stroke::Thin,
-                    noise.points.iter().copied().filter(|p| p.0 <= DRAWN_S).collect(),
-                ),
-            )
-            .panel(
-                Panel::new(
-                    letters[1],
-                    title("Histogram"),
-                    Axis::linear("Noise", "m/s²").within(-HALF_WIDTH, HALF_WIDTH),
-                    Axis::linear("Density", "s²/m").within(0.0, 0.9),
-                )
-                .height(230.0)
-                .bars("histogram", Ink::Light, bars.clone())
-                .line("normal distribution fitted", Ink::Default, Stroke::Solid, normal),
+                Panel::new(letters[1], title("Histogram"), values(), density)
+                    .height(230.0)
+                    .bars("histogram", Ink::Light, bars.clone())
+                    .line("normal distribution fitted", Ink::Default, Stroke::Solid, normal),
             );
         let suffix = letters[1];
         let file = if data.is_empty() { "figure-15".to_owned() } else { format!("figure-15-{suffix}") };
