@@ -238,10 +238,13 @@ impl Plan {
         if wanted(Part::Disturbances) {
             errors.add("disturbances", disturb::drives()?, seeds, only);
         }
-        let detection = wanted(Part::Detection).then(|| detect::Plan::new(seeds, only)).unwrap_or_default();
-        let real = wanted(Part::Car).then(|| real::Plan::new(seeds, only, wheel_speeds)).unwrap_or_default();
-        let learn = wanted(Part::Learn).then(|| learn::Plan::new(seeds, only)).unwrap_or_default();
-        let several = wanted(Part::Several).then(|| several::Plan::new(seeds, only)).unwrap_or_default();
+        let detection =
+            if wanted(Part::Detection) { detect::Plan::new(seeds, only) } else { Default::default() };
+        let real =
+            if wanted(Part::Car) { real::Plan::new(seeds, only, wheel_speeds) } else { Default::default() };
+        let learn = if wanted(Part::Learn) { learn::Plan::new(seeds, only) } else { Default::default() };
+        let several =
+            if wanted(Part::Several) { several::Plan::new(seeds, only) } else { Default::default() };
         Ok(Self { errors, detection, real, learn, several })
     }
 
