@@ -81,9 +81,10 @@ impl Recorded {
         let mut scenario = scenario.clone();
         let car = scenario.car_config()?;
         let mut pressure_kpa = [f64::NAN; 4];
-        for (i, (_, spec)) in scenario.corner.iter_mut().enumerate() {
-            pressure_kpa[i] = SHARES[i] * spec.placard_kpa;
-            spec.pressure = Pressure::ConstantKpa(pressure_kpa[i]);
+        for (corner, spec) in scenario.corner.iter_mut() {
+            let kpa = SHARES[corner.index()] * spec.placard_kpa;
+            pressure_kpa[corner.index()] = kpa;
+            spec.pressure = Pressure::ConstantKpa(kpa);
         }
         let rows: Vec<CarSample<f64>> =
             Simulation::new(&scenario, seed)?.map(|row| row.car_sample()).collect();
