@@ -165,7 +165,12 @@ fn check_columns(p: &[f64], k: &[f64], units: Units) -> Result<()> {
     };
     if let Some(hint) = hint {
         let found = format!("{} to {} kPa", plain(lowest), plain(highest));
-        return Err(IdentifyError::units("pressure_kpa", found, "80 to 2000 kPa at its highest", hint));
+        return Err(IdentifyError::Units {
+            what: "pressure_kpa",
+            found,
+            expected: "80 to 2000 kPa at its highest",
+            hint,
+        });
     }
     let (lowest, highest) = guard::range(k);
     let hint = match () {
@@ -176,12 +181,12 @@ fn check_columns(p: &[f64], k: &[f64], units: Units) -> Result<()> {
     };
     match hint {
         None => Ok(()),
-        Some(hint) => Err(IdentifyError::units(
-            "stiffness_n_per_m",
-            format!("{} to {} N/m", plain(lowest), plain(highest)),
-            "10 000 to 20 000 000 N/m",
+        Some(hint) => Err(IdentifyError::Units {
+            what: "stiffness_n_per_m",
+            found: format!("{} to {} N/m", plain(lowest), plain(highest)),
+            expected: "10 000 to 20 000 000 N/m",
             hint,
-        )),
+        }),
     }
 }
 
@@ -190,12 +195,7 @@ fn check_slope(slope: f64, units: Units) -> Result<()> {
     if units == Units::Trusted || (20.0..=20_000.0).contains(&slope) {
         return Ok(());
     }
-    Err(IdentifyError::units(
-        "the slope",
-        format!("{} N/m per kPa", plain(slope)),
-        "20 to 20 000 N/m per kPa",
-        "",
-    ))
+    Err(IdentifyError::units("the slope", (slope, "N/m per kPa"), "20 to 20 000 N/m per kPa", ""))
 }
 
 /// Different pressures with their stiffnesses, from low to high.

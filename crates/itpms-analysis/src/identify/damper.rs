@@ -8,7 +8,7 @@ use super::blocks::{Block, BlockFit, jackknife};
 use super::damper_result::{Consistency, DamperResult, RunResult};
 use super::distribution::chi_square_beyond;
 use super::estimate::Estimate;
-use super::guard::{Units, plain};
+use super::guard::Units;
 use super::motion::{Run, SineRecord, runs};
 use super::spring::UNSETTLED;
 use super::{IdentifyError, Result, doubts};
@@ -92,12 +92,8 @@ fn check(damping: &Estimate, units: Units) -> Result<()> {
     if units == Units::Trusted || (lowest..=highest).contains(&value) {
         return Ok(());
     }
-    Err(IdentifyError::units(
-        "the damping",
-        format!("{} N s/m", plain(value)),
-        "10 to 500 000 N s/m",
-        if value < lowest { "; the force looks like kN" } else { "; is the displacement in m?" },
-    ))
+    let hint = if value < lowest { "; the force looks like kN" } else { "; is the displacement in m?" };
+    Err(IdentifyError::units("the damping", (value, "N s/m"), "10 to 500 000 N s/m", hint))
 }
 
 /// All runs together, and each alone.

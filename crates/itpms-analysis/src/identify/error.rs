@@ -2,6 +2,8 @@
 
 use thiserror::Error;
 
+use super::guard::plain;
+
 pub type Result<T, E = IdentifyError> = std::result::Result<T, E>;
 
 /// Why an identification is refused.
@@ -57,10 +59,10 @@ pub enum IdentifyError {
 impl IdentifyError {
     pub(super) fn units(
         what: &'static str,
-        found: String,
+        (value, unit): (f64, &str),
         expected: &'static str,
         hint: &'static str,
     ) -> Self {
-        Self::Units { what, found, expected, hint }
+        Self::Units { what, found: format!("{} {unit}", plain(value)), expected, hint }
     }
 }

@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-use super::guard::{self, Units, plain};
+use super::guard::{self, Units};
 use super::sine::{self, Sine};
 use super::{IdentifyError, Result};
 
@@ -93,12 +93,8 @@ fn check_amplitude(amplitude_m: f64, units: Units) -> Result<()> {
     if units == Units::Trusted || amplitude_m <= LARGEST_M {
         return Ok(());
     }
-    Err(IdentifyError::units(
-        "the amplitude",
-        format!("{} m", plain(amplitude_m)),
-        "at most 0.5 m",
-        "; it looks like millimetres",
-    ))
+    let hint = "; it looks like millimetres";
+    Err(IdentifyError::units("the amplitude", (amplitude_m, "m"), "at most 0.5 m", hint))
 }
 
 fn run(record: &SineRecord<'_>, rows: Range<usize>, unsettled: f64, units: Units) -> Result<Run> {
@@ -110,12 +106,8 @@ fn run(record: &SineRecord<'_>, rows: Range<usize>, unsettled: f64, units: Units
     let sine = sine::fit(t, x).ok_or(short)?;
     let frequency_hz = sine.omega / TAU;
     if units == Units::Checked && frequency_hz < SLOWEST_HZ {
-        return Err(IdentifyError::units(
-            "the frequency",
-            format!("{} Hz", plain(frequency_hz)),
-            "0.02 Hz or more",
-            "; time_s looks like milliseconds",
-        ));
+        let hint = "; time_s looks like milliseconds";
+        return Err(IdentifyError::units("the frequency", (frequency_hz, "Hz"), "0.02 Hz or more", hint));
     }
     let span = t.last().unwrap_or(&0.0) - t.first().unwrap_or(&0.0);
     let rows_per_period = (t.len() - 1) as f64 / (span * frequency_hz);

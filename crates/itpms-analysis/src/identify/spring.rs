@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::blocks::{Block, jackknife, solve};
 use super::estimate::{ErrorBasis, Estimate};
-use super::guard::{self, Units, plain};
+use super::guard::{self, Units};
 use super::strokes::{Stroke, strokes};
 use super::{IdentifyError, Result, loops};
 
@@ -142,12 +142,8 @@ pub fn spring(displacement_m: &[f64], load_n: &[f64], units: Units) -> Result<Sp
 
 fn check_travel(travel_m: f64, units: Units) -> Result<()> {
     if units == Units::Checked && travel_m > LONGEST_M {
-        return Err(IdentifyError::units(
-            "the travel",
-            format!("{} m", plain(travel_m)),
-            "at most 1 m",
-            "; it looks like millimetres",
-        ));
+        let hint = "; it looks like millimetres";
+        return Err(IdentifyError::units("the travel", (travel_m, "m"), "at most 1 m", hint));
     }
     Ok(())
 }
@@ -158,7 +154,7 @@ fn check_stiffness(value: f64, units: Units) -> Result<()> {
         return Ok(());
     }
     let hint = if value < lowest { "; the load looks like kN" } else { "; is the displacement in m?" };
-    Err(IdentifyError::units("the stiffness", format!("{} N/m", plain(value)), "500 to 10 000 000 N/m", hint))
+    Err(IdentifyError::units("the stiffness", (value, "N/m"), "500 to 10 000 000 N/m", hint))
 }
 
 /// The rows of each stroke that friction has settled in.
