@@ -19,7 +19,8 @@ impl Study {
             "{:33} {:>24} {:>22} {:>35} {:>6} {:>6} {:>20}",
             "", "reported", "time until then", "wrong pressure shown: its + others", "other", "tires", "back"
         );
-        let head = "malfunction reported alike exactly median worst stated before after back reported warned of median worst";
+        let head = "malfunction reported alike exactly median worst stated before after back \
+                    reported warned of median worst";
         let _ = writeln!(text, "{}", columns(head.split(' ')));
         for row in &self.rows {
             let _ = writeln!(text, "{}", line(row));
