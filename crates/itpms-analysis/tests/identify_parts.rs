@@ -16,6 +16,14 @@ fn identified(test: &SpringTest, seed: u64) -> SpringResult {
     spring(&x, &load, Units::Checked).unwrap()
 }
 
+fn assert_begins(text: &str, beginning: &str) {
+    assert!(text.starts_with(beginning), "{text}");
+}
+
+fn assert_concern(concerns: &[String], beginning: &str) {
+    assert!(concerns.iter().any(|concern| concern.starts_with(beginning)), "{concerns:?}");
+}
+
 // --- spring ---
 
 #[test]
@@ -54,7 +62,7 @@ fn a_bend_is_reported_with_its_size() {
     for (tangent, share) in bend.tangent_n_per_m.iter().zip([0.906, 1.0, 1.094]) {
         assert!((tangent / SPRING_N_PER_M - share).abs() < 0.01, "{bend:?}");
     }
-    assert!(result.concerns[0].starts_with("not a straight line: 1."), "{:?}", result.concerns);
+    assert_begins(&result.concerns[0], "not a straight line: 1.");
     let straight = identified(&SpringTest::default(), 5).nonlinearity.unwrap();
     assert!(straight.percent < 0.1, "{straight:?}");
 }
@@ -78,8 +86,8 @@ fn a_table_of_weights_is_enough_and_says_what_it_lacks() {
     assert!((result.stiffness_n_per_m.standard_error / standard_error - 1.0).abs() < 1e-4);
     assert_eq!(result.error_basis, ErrorBasis::Independent);
     assert!(result.friction_n.is_none());
-    assert!(result.concerns[0].starts_with("only 1 stroke"), "{:?}", result.concerns);
-    assert!(result.concerns[1].starts_with("one direction only"), "{:?}", result.concerns);
+    assert_begins(&result.concerns[0], "only 1 stroke");
+    assert_begins(&result.concerns[1], "one direction only");
 }
 
 #[test]
@@ -88,11 +96,7 @@ fn a_loop_that_runs_backwards_is_noticed() {
     x.reverse();
     load.reverse();
     let result = spring(&x, &load, Units::Checked).unwrap();
-    assert!(
-        result.concerns.iter().any(|c| c.starts_with("the loop runs backwards")),
-        "{:?}",
-        result.concerns
-    );
+    assert_concern(&result.concerns, "the loop runs backwards");
 }
 
 #[test]
@@ -117,11 +121,7 @@ fn springs_that_cannot_be_identified_are_refused_with_the_reason() {
     );
     let mut dice = Dice::new(4);
     let noise: Vec<f64> = x.iter().map(|_| 100.0 * dice.normal()).collect();
-    assert!(
-        refused(&x, &noise).starts_with("the stiffness is not distinguishable from zero"),
-        "{}",
-        refused(&x, &noise)
-    );
+    assert_begins(&refused(&x, &noise), "the stiffness is not distinguishable from zero");
     // The user knows better.
     assert!(spring(&times(&x, 1e3), &load, Units::Trusted).is_ok());
 }
@@ -185,11 +185,7 @@ fn bump_and_rebound_are_told_apart() {
     let (bump, rebound) = (435.2 * 2.0 / 3.0, 435.2 * 4.0 / 3.0);
     assert!(result.rising_n_s_per_m.deviation(bump).abs() < 3.0, "{:?}", result.rising_n_s_per_m);
     assert!(result.falling_n_s_per_m.deviation(rebound).abs() < 3.0, "{:?}", result.falling_n_s_per_m);
-    assert!(
-        result.concerns.iter().any(|c| c.starts_with("bump and rebound differ")),
-        "{:?}",
-        result.concerns
-    );
+    assert_concern(&result.concerns, "bump and rebound differ");
 }
 
 #[test]
@@ -248,10 +244,10 @@ fn dampers_that_cannot_be_identified_are_refused_with_the_reason() {
     let refused = |sine: Sine| identify(&[sine], None).unwrap_err().to_string();
     let (t, x, f) = one(2.0, 0.02, 12, 200.0);
     let times = |values: &[f64], factor: f64| values.iter().map(|v| v * factor).collect::<Vec<_>>();
-    assert!(refused(one(2.0, 0.02, 4, 200.0)).starts_with("the longest stretch of one steady sine has "));
-    assert!(
-        refused(one(4.0, 0.02, 40, 50.0))
-            .starts_with("12.5 rows per period at 4.000 Hz, expected at least 20")
+    assert_begins(&refused(one(2.0, 0.02, 4, 200.0)), "the longest stretch of one steady sine has ");
+    assert_begins(
+        &refused(one(4.0, 0.02, 40, 50.0)),
+        "12.5 rows per period at 4.000 Hz, expected at least 20",
     );
     assert_eq!(refused((t.clone(), vec![0.01; t.len()], f.clone())), "displacement_m is constant (0.01)");
     assert!(refused((t.clone(), times(&x, 1e3), f.clone())).ends_with("it looks like millimetres"));
@@ -352,7 +348,7 @@ fn a_row_that_stands_out_is_named() {
     let mut k: Vec<f64> = p.iter().map(|p| 713.9 * p + 60_880.0 + 200.0 * dice.normal()).collect();
     k[7] += 4_000.0;
     let result = calibrate(&p, &k, Units::Checked).unwrap();
-    assert!(result.concerns.iter().any(|c| c.starts_with("row 8 (241.3 kPa")), "{:?}", result.concerns);
+    assert_concern(&result.concerns, "row 8 (241.3 kPa");
 }
 
 #[test]
@@ -368,18 +364,10 @@ fn tables_that_give_no_line_are_refused_with_the_reason() {
     assert!(refused(&times(&P, 1000.0), &K).contains("it looks like Pa"));
     assert!(refused(&P, &times(&K, 1e-3)).contains("it looks like N/mm or kN/m"));
     let falling: Vec<f64> = K.iter().rev().copied().collect();
-    assert!(
-        refused(&P, &falling).starts_with("stiffness falls with pressure (-713.7 ± "),
-        "{}",
-        refused(&P, &falling)
-    );
+    assert_begins(&refused(&P, &falling), "stiffness falls with pressure (-713.7 ± ");
     assert_eq!(refused(&[186.2, f64::NAN, 241.3], &K[..3]), "row 2 of pressure_kpa is not finite");
     let steep: Vec<f64> = P.iter().map(|p| 1500.0 * p - 60_000.0).collect();
-    assert!(
-        refused(&P, &steep).starts_with("the line meets zero pressure at -60000"),
-        "{}",
-        refused(&P, &steep)
-    );
+    assert_begins(&refused(&P, &steep), "the line meets zero pressure at -60000");
 }
 
 // --- examples ---

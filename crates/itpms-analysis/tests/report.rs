@@ -126,23 +126,8 @@ fn the_data_is_all_there_and_small() {
     assert!(t.len() > 1000 && t.len() <= 4200);
     assert_eq!(json["corners"].as_array().unwrap().len(), 1);
     let time = &json["corners"][0]["time"];
-    for curve in [
-        "p",
-        "notValid",
-        "lo",
-        "hi",
-        "truth",
-        "sd",
-        "error",
-        "bound",
-        "boundLo",
-        "boundHi",
-        "forgetting",
-        "nis",
-        "nisMean",
-        "gate",
-        "change",
-    ] {
+    let curves = "p notValid lo hi truth sd error bound boundLo boundHi forgetting nis nisMean gate change";
+    for curve in curves.split(' ') {
         assert_eq!(time[curve].as_array().unwrap().len(), t.len(), "{curve}");
     }
     let road = &json["corners"][0]["road"];
@@ -236,12 +221,8 @@ fn monitored(origin_s: f64) -> ReportData {
         };
         monitor.judge(&clock.take(time_s, f64::NAN), &mut estimate);
         collector.push_report(monitor.report());
-        let row = |estimate| CornerRow {
-            estimate,
-            truth_kpa: f64::NAN,
-            truth_road_m: f64::NAN,
-            sensor_kpa: f64::NAN,
-        };
+        let nan = f64::NAN;
+        let row = |estimate| CornerRow { estimate, truth_kpa: nan, truth_road_m: nan, sensor_kpa: nan };
         collector.push(time_s, 20.0, &estimate.corners.map(|corner| corner.map(row)));
     }
     collector.finish(Provenance::default())

@@ -109,10 +109,7 @@ pub fn take_vehicle(scenario: &mut Scenario, vehicle: &Vehicle) -> Result<(), Dr
 
 /// The vehicle file for a scenario's car. Errors: the scenario's corners are no car's.
 pub fn vehicle_of(scenario: &Scenario) -> Result<Vehicle, DriveError> {
-    let mut corners = [None; 4];
-    for (corner, _) in scenario.corner.iter() {
-        corners[corner.index()] = Some(scenario.corner_config(corner)?);
-    }
+    let corners = scenario.car_config()?.corners;
     let mut details = VehicleDetails { confidence: scenario.confidence, ..VehicleDetails::default() };
     if let (Some(wheels), Some(car)) = (&scenario.wheel_speeds, &scenario.car) {
         (details.track_front_m, details.track_rear_m) = (Some(car.track_front_m), Some(car.track_rear_m));

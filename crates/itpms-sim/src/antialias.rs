@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 use serde::{Deserialize, Serialize};
 
-use crate::error::{InvalidValue, within};
+use crate::error::{InvalidValue, Result, within};
 
 /// The filter as written in a scenario.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -26,7 +26,7 @@ impl Default for AntiAliasSpec {
 }
 
 impl AntiAliasSpec {
-    pub(crate) fn validate(&self) -> Result<(), InvalidValue> {
+    pub(crate) fn validate(&self) -> Result<()> {
         if !matches!(self.order, 0 | 2 | 4 | 6 | 8) {
             return Err(InvalidValue::new("order", self.order, "0, 2, 4, 6 or 8"));
         }

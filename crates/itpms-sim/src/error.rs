@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use itpms_core::model::ParameterError;
 use thiserror::Error;
 
+pub type Result<T, E = InvalidValue> = std::result::Result<T, E>;
+
 /// A value outside its range.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[error("{field} is {found}, expected {expected}")]
@@ -33,13 +35,7 @@ impl From<ParameterError> for InvalidValue {
 }
 
 /// `Ok` if `value` is finite and within `low..=high`; NaN is not.
-pub(crate) fn within(
-    field: &str,
-    value: f64,
-    low: f64,
-    high: f64,
-    expected: &'static str,
-) -> Result<(), InvalidValue> {
+pub(crate) fn within(field: &str, value: f64, low: f64, high: f64, expected: &'static str) -> Result<()> {
     if value >= low && value <= high && value.is_finite() {
         Ok(())
     } else {
@@ -48,7 +44,7 @@ pub(crate) fn within(
 }
 
 /// `Ok` if `value` is finite and positive; NaN is not.
-pub(crate) fn positive(field: &str, value: f64) -> Result<(), InvalidValue> {
+pub(crate) fn positive(field: &str, value: f64) -> Result<()> {
     if value > 0.0 && value.is_finite() {
         Ok(())
     } else {
@@ -57,7 +53,7 @@ pub(crate) fn positive(field: &str, value: f64) -> Result<(), InvalidValue> {
 }
 
 /// `Ok` if `value` is finite and not negative; NaN is not.
-pub(crate) fn not_negative(field: &str, value: f64) -> Result<(), InvalidValue> {
+pub(crate) fn not_negative(field: &str, value: f64) -> Result<()> {
     within(field, value, 0.0, f64::MAX, "a finite number, zero or more")
 }
 

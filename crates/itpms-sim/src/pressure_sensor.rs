@@ -7,7 +7,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 
-use crate::error::{InvalidValue, not_negative};
+use crate::error::{Result, not_negative};
 use crate::streams::{Purpose, generator};
 
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -22,7 +22,7 @@ pub struct PressureSensorSpec {
 }
 
 impl PressureSensorSpec {
-    pub(crate) fn validate(&self) -> Result<(), InvalidValue> {
+    pub(crate) fn validate(&self) -> Result<()> {
         not_negative("time_constant_s", self.time_constant_s)?;
         not_negative("noise_kpa", self.noise_kpa)?;
         not_negative("resolution_kpa", self.resolution_kpa)

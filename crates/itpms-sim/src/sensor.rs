@@ -7,7 +7,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 
-use crate::error::{InvalidValue, not_negative, positive, within};
+use crate::error::{Result, not_negative, positive, within};
 use crate::streams::{Purpose, generator};
 
 /// An accelerometer as written in a scenario.
@@ -58,7 +58,7 @@ impl SensorSpec {
         Self { noise_m_s2, ..Self::default() }
     }
 
-    pub(crate) fn validate(&self) -> Result<(), InvalidValue> {
+    pub(crate) fn validate(&self) -> Result<()> {
         not_negative("noise_m_s2", self.noise_m_s2)?;
         within("bias_m_s2", self.bias_m_s2, -1e3, 1e3, "a bias within 1000 m/s2")?;
         within("gain_error", self.gain_error, -0.9, 9.0, "a share from -0.9 to 9")?;

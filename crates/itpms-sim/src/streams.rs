@@ -77,23 +77,11 @@ mod tests {
     fn every_purpose_and_index_has_its_own_stream() {
         let mut first = Vec::new();
         for seed in [0, 1] {
-            for purpose in [
-                Purpose::Road,
-                Purpose::SensorNoise,
-                Purpose::Dropout,
-                Purpose::Clock,
-                Purpose::PressureNoise,
-                Purpose::RoadBeside,
-                Purpose::Imbalance,
-                Purpose::Journey,
-                Purpose::Fault,
-                Purpose::Tolerance,
-                Purpose::WheelCar,
-                Purpose::WheelSpeeds,
-                Purpose::WarmUp,
-                Purpose::WheelConditions,
-                Purpose::DrawnConditions,
-            ] {
+            use Purpose::*;
+            let sensors = [SensorNoise, Dropout, Clock, PressureNoise, Fault];
+            let roads = [Road, RoadBeside, Imbalance, Journey, Tolerance];
+            let wheels = [WheelCar, WheelSpeeds, WarmUp, WheelConditions, DrawnConditions];
+            for purpose in [sensors, roads, wheels].concat() {
                 for index in [[0, 0], [0, 1], [1, 0]] {
                     first.push(generator(seed, purpose, index).next_u64());
                     assert_eq!(first.last(), Some(&generator(seed, purpose, index).next_u64()));

@@ -7,7 +7,7 @@ use std::cell::Cell;
 
 use serde::{Deserialize, Serialize};
 
-use crate::error::{InvalidValue, not_negative, within};
+use crate::error::{InvalidValue, Result, not_negative, within};
 
 /// A continuous function of time, straight between its points, with its integral.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,7 +38,7 @@ impl TimeProfile {
     }
 
     /// Through `[time_s, value]` points, at least one. Errors: names the point that is not finite or whose time does not increase.
-    pub fn new(points: &[[f64; 2]]) -> Result<Self, InvalidValue> {
+    pub fn new(points: &[[f64; 2]]) -> Result<Self> {
         if points.is_empty() {
             return Err(InvalidValue::new("points", "empty", "at least one [time_s, value] point"));
         }
@@ -129,7 +129,7 @@ pub enum Speed {
 
 impl Speed {
     /// Speed in m/s over time; its integral is the distance in m. Errors: speeds are finite and from 0 to 500 km/h, times increase.
-    pub fn profile_m_s(&self) -> Result<TimeProfile, InvalidValue> {
+    pub fn profile_m_s(&self) -> Result<TimeProfile> {
         let points = match self {
             Speed::ConstantKmH(v) => vec![[0.0, *v]],
             Speed::PointsSKmH(points) => points.clone(),
@@ -161,7 +161,7 @@ impl Pressure {
     }
 
     /// Pressure in kPa over time. Errors: pressures are finite and not negative, times increase.
-    pub fn profile_kpa(&self) -> Result<TimeProfile, InvalidValue> {
+    pub fn profile_kpa(&self) -> Result<TimeProfile> {
         let points = match self {
             Pressure::ConstantKpa(p) => vec![[0.0, *p]],
             Pressure::PointsSKpa(points) => points.clone(),

@@ -10,12 +10,10 @@ use itpms_sim::sensor::SensorSpec;
 use itpms_sim::simulation::{CornerRow, Simulation};
 use itpms_sim::time_profile::{Pressure, Speed};
 
+use crate::drive::builtin;
+
 /// Samples of a segment: 0.66 s at 500 Hz.
 const SEGMENT: usize = 330;
-
-fn scenario(name: &str) -> Scenario {
-    Scenario::builtin(name).unwrap()
-}
 
 fn corner(scenario: &mut Scenario) -> &mut CornerSpec {
     scenario.corner.get_mut(Corner::FrontLeft).unwrap()
@@ -53,7 +51,7 @@ fn the_scenarios_are_those_of_the_contract() {
         ),
         ("bench-slow", 220.0, [(0.0, 220.0), (5.0, 220.0), (20.0, 190.0), (35.0, 160.0), (39.9, 160.0)]),
     ] {
-        let s = scenario(name);
+        let s = builtin(name);
         let rows = drive(&s, 1);
         for (time_s, pressure) in times_and_pressures {
             let found = rows[(time_s * 500.0_f64).round() as usize].pressure_kpa;
@@ -69,7 +67,7 @@ fn the_scenarios_are_those_of_the_contract() {
 
 #[test]
 fn the_road_repeats_after_0_66_s_and_holds_nothing_but_harmonics() {
-    let rows = drive(&scenario("bench-drop"), 3);
+    let rows = drive(&builtin("bench-drop"), 3);
     let road: Vec<f64> = rows.iter().map(|r| r.road_m).collect();
     let rms = (road.iter().map(|z| z * z).sum::<f64>() / road.len() as f64).sqrt();
     assert!(rms > 1e-4, "{rms}");
@@ -86,7 +84,7 @@ fn the_road_repeats_after_0_66_s_and_holds_nothing_but_harmonics() {
 #[test]
 fn a_seam_is_no_step() {
     // Without an actuator that could smooth it.
-    let mut s = scenario("bench-drop");
+    let mut s = builtin("bench-drop");
     bench(&mut s).actuator = Actuator { natural_frequency_hz: 1e4, damping_ratio: 0.7 };
     for seed in 0..10 {
         let mut road = Road::at_speed(&s.road, Side::Left, seed, 0.005, 20.0 / 3.6).unwrap();
@@ -111,7 +109,7 @@ fn nodes(scenario: &Scenario, seed: u64) -> Vec<f64> {
 
 #[test]
 fn the_actuator_answers_as_its_closed_form() {
-    let [mut wanted, mut played] = [scenario("bench-drop"), scenario("bench-drop")];
+    let [mut wanted, mut played] = [builtin("bench-drop"), builtin("bench-drop")];
     let stiff = Actuator { natural_frequency_hz: 1e4, damping_ratio: 0.7 };
     let actuator = Actuator { natural_frequency_hz: 18.0, damping_ratio: 0.5 };
     (bench(&mut wanted).actuator, bench(&mut played).actuator) = (stiff, actuator);
@@ -131,7 +129,7 @@ fn the_actuator_answers_as_its_closed_form() {
 #[test]
 fn the_actuators_differential_equation_holds_in_time() {
     // z'' + 2 ζ ω z' + ω² z = ω² demand, by differences of the road on a fine grid in time.
-    let s = scenario("bench-drop");
+    let s = builtin("bench-drop");
     let mut demand = s.clone();
     bench(&mut demand).actuator = Actuator { natural_frequency_hz: 1e4, damping_ratio: 0.7 };
     let speed = 20.0 / 3.6;
@@ -155,7 +153,7 @@ fn the_actuators_differential_equation_holds_in_time() {
 #[test]
 fn the_wheel_sensors_noise_has_the_stated_variances() {
     for variance in [0.248, 0.274, 0.380] {
-        let mut noisy = scenario("bench-drop");
+        let mut noisy = builtin("bench-drop");
         corner(&mut noisy).wheel_sensor = Some(SensorSpec::with_noise(f64::sqrt(variance)));
         let mut quiet = noisy.clone();
         corner(&mut quiet).wheel_sensor = Some(SensorSpec::with_noise(0.0));
@@ -172,13 +170,13 @@ fn the_wheel_sensors_noise_has_the_stated_variances() {
         let configured = noisy.corner_config(Corner::FrontLeft).unwrap().accel_noise_m_s2.unwrap();
         assert!((configured * configured - 0.248).abs() < 1e-5, "{configured}");
     }
-    let nominal = scenario("bench-drop").corner.fl.unwrap().wheel_sensor.unwrap().noise_m_s2;
+    let nominal = builtin("bench-drop").corner.fl.unwrap().wheel_sensor.unwrap().noise_m_s2;
     assert!((nominal * nominal - 0.248).abs() < 1e-5);
 }
 
 #[test]
 fn another_load_is_carried_and_not_configured() {
-    let mut s = scenario("bench-drop");
+    let mut s = builtin("bench-drop");
     s.duration_s = 5.0;
     for kg in [220.0, 260.0] {
         corner(&mut s).truth.sprung_mass_factor = kg / 240.0;
@@ -203,7 +201,7 @@ fn another_load_is_carried_and_not_configured() {
 
 #[test]
 fn a_log_holds_the_slow_sensors_reading_and_the_truth_stays_beside_it() {
-    let mut s = scenario("bench-drop");
+    let mut s = builtin("bench-drop");
     let sensor = s.corner.fl.as_ref().unwrap().pressure_sensor.unwrap();
     assert_eq!(sensor.time_constant_s, 0.15);
     let rows = drive(&s, 1);
@@ -226,20 +224,17 @@ fn a_log_holds_the_slow_sensors_reading_and_the_truth_stays_beside_it() {
 #[test]
 fn a_test_bed_needs_one_speed() {
     for speed in [Speed::ConstantKmH(0.0), Speed::PointsSKmH(vec![[0.0, 20.0], [5.0, 30.0]])] {
-        let mut s = scenario("bench-slow");
+        let mut s = builtin("bench-slow");
         s.speed = speed;
-        let message = s.validate().unwrap_err().to_string();
-        assert!(
-            message.contains("road.surface.bench is given with a speed that changes or is 0"),
-            "{message}"
-        );
+        let error = s.validate().unwrap_err().to_string();
+        assert!(error.contains("road.surface.bench is given with a speed that changes or is 0"), "{error}");
     }
-    let s = scenario("bench-slow");
-    let message = Road::new(&s.road, Side::Left, 1, 0.005).unwrap_err().to_string();
-    assert!(message.contains("expected a constant speed above 0"), "{message}");
-    let mut s = scenario("bench-slow");
+    let s = builtin("bench-slow");
+    let error = Road::new(&s.road, Side::Left, 1, 0.005).unwrap_err().to_string();
+    assert!(error.contains("expected a constant speed above 0"), "{error}");
+    let mut s = builtin("bench-slow");
     corner(&mut s).pressure = Pressure::ConstantKpa(200.0);
     corner(&mut s).pressure_sensor.as_mut().unwrap().noise_kpa = f64::NAN;
-    let message = s.validate().unwrap_err().to_string();
-    assert!(message.contains("corner.fl.pressure_sensor.noise_kpa is NaN"), "{message}");
+    let error = s.validate().unwrap_err().to_string();
+    assert!(error.contains("corner.fl.pressure_sensor.noise_kpa is NaN"), "{error}");
 }

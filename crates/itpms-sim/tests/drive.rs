@@ -10,11 +10,11 @@ use itpms_sim::sensor::SensorSpec;
 use itpms_sim::simulation::{CornerRow, SimRow, Simulation};
 use itpms_sim::time_profile::{Pressure, Speed};
 
-fn builtin(name: &str) -> Scenario {
+pub(crate) fn builtin(name: &str) -> Scenario {
     Scenario::builtin(name).unwrap()
 }
 
-fn drive(scenario: &Scenario, seed: u64) -> Vec<SimRow> {
+pub(crate) fn drive(scenario: &Scenario, seed: u64) -> Vec<SimRow> {
     Simulation::new(scenario, seed).unwrap().collect()
 }
 
@@ -128,9 +128,8 @@ fn on_one_road_with_a_dynamic_index_of_one_a_car_is_four_quarter_cars() {
     let mut s = silent(12.0);
     s.road = RoadSpec { surface: Surface::Profile(profile), contact_length_m: 0.1, ..RoadSpec::default() };
     s.speed = Speed::PointsSKmH(vec![[0.0, 0.0], [4.0, 60.0], [7.0, 60.0], [10.0, 0.0]]);
-    for c in Corner::ALL {
-        let pressure = Pressure::ramp(241.3, 150.0, 5.0, 3.0);
-        *s.corner.get_mut(c).unwrap() = CornerSpec::paper(pressure);
+    for (_, spec) in s.corner.iter_mut() {
+        *spec = CornerSpec::paper(Pressure::ramp(241.3, 150.0, 5.0, 3.0));
     }
     s.car = Some(CarSpec {
         cg_height_m: 0.0,
@@ -160,12 +159,10 @@ fn standing_still_nothing_moves_but_noise() {
     s.car = Some(CarSpec {
         lateral_points_s_m_s2: vec![[0.0, 1.0]],
         rear_offset_m: 0.03,
-        payload: vec![PayloadSpec { behind_front_m: 2.0, left_m: 0.4, points_s_kg: vec![[0.0, 80.0]] }],
+        payload: vec![PayloadSpec::constant([2.0, 0.4], 80.0)],
         ..CarSpec::default()
     });
-    for c in Corner::ALL {
-        s.corner.get_mut(c).unwrap().truth.imbalance_kg_m = 0.01;
-    }
+    s.corner.iter_mut().for_each(|(_, spec)| spec.truth.imbalance_kg_m = 0.01);
     s.settle_s = 15.0;
     for row in drive(&s, 1) {
         assert_eq!((row.speed_m_s, row.distance_m), (0.0, 0.0));
@@ -274,14 +271,7 @@ fn what_makes_no_sense_is_refused_with_its_name() {
             "car.lateral_points_s_m_s2.m/s2 is 20",
         ),
         (
-            CarSpec {
-                payload: vec![PayloadSpec {
-                    behind_front_m: 1.0,
-                    left_m: 0.0,
-                    points_s_kg: vec![[0.0, -1.0]],
-                }],
-                ..CarSpec::default()
-            },
+            CarSpec { payload: vec![PayloadSpec::constant([1.0, 0.0], -1.0)], ..CarSpec::default() },
             "car.payload.kg is -1",
         ),
     ] {
@@ -327,8 +317,8 @@ fn a_tire_with_a_contact_length_needs_no_finer_grid() {
     s.road = RoadSpec { contact_length_m: 0.1, ..RoadSpec::iso8608(RoadClass::B, 2.0) };
     s.speed = Speed::ConstantKmH(120.0);
     s.antialias.order = 0;
-    for corner in Corner::ALL {
-        s.corner.get_mut(corner).unwrap().truth = Deviations { friction_n: 10.0, ..Deviations::default() };
+    for (_, spec) in s.corner.iter_mut() {
+        spec.truth = Deviations { friction_n: 10.0, ..Deviations::default() };
     }
     // 1.6 kHz beside 12.8 kHz, at the same instants.
     let (coarse, fine) = (Scenario { rate_hz: 200.0, ..s.clone() }, Scenario { rate_hz: 1600.0, ..s });

@@ -12,7 +12,7 @@ use itpms_sim::simulation::Simulation;
 use itpms_sim::time_profile::Speed;
 use nalgebra::{Complex, SMatrix, SVector};
 
-const H: f64 = 1.0 / 4000.0;
+pub(crate) const H: f64 = 1.0 / 4000.0;
 const K_T: [f64; 4] = [233_000.0, 220_000.0, 205_000.0, 190_000.0];
 
 /// A lopsided family car.
@@ -28,7 +28,7 @@ pub(crate) fn body() -> Body {
     }
 }
 
-fn corners() -> [(QuarterCar<f64>, Deviations); 4] {
+pub(crate) fn corners() -> [(QuarterCar<f64>, Deviations); 4] {
     let corner = |m_w, c, k| (QuarterCar::new(228.4, m_w, c, k).unwrap(), Deviations::default());
     [
         corner(56.9, 925.8, 29_114.0),
@@ -38,7 +38,7 @@ fn corners() -> [(QuarterCar<f64>, Deviations); 4] {
     ]
 }
 
-fn at_rest(road_m: [f64; 4]) -> CarInput {
+pub(crate) fn at_rest(road_m: [f64; 4]) -> CarInput {
     CarInput {
         road_m: road_m.map(|r| [r; 3]),
         stiffness_n_per_m: K_T.map(|k| [k; 2]),
@@ -125,12 +125,10 @@ fn simulated(f: f64, settle_s: f64, input: impl Fn(f64) -> CarInput) -> [[Comple
     sums
 }
 
-fn assert_close(
-    simulated: [[Complex<f64>; 2]; 4],
-    exact: [[Complex<f64>; 2]; 4],
-    tolerance: f64,
-    what: &str,
-) {
+/// Accelerations of body and wheel at each corner, in a sine.
+type Lines = [[Complex<f64>; 2]; 4];
+
+pub(crate) fn assert_close(simulated: Lines, exact: Lines, tolerance: f64, what: &str) {
     let largest = exact.iter().flatten().map(|x| x.norm()).fold(0.0, f64::max);
     for (s, e) in simulated.iter().flatten().zip(exact.iter().flatten()) {
         assert!((s - e).norm() < tolerance * largest, "{what}: {s} {e}");
@@ -149,12 +147,8 @@ fn the_transfer_from_each_wheels_road_is_the_linear_systems() {
         force[3 + wheel] = 1e-3 * K_T[wheel];
         // A millimeter keeps the tires on the road. RK4: (ωh)^4/120 per radian, 7e-6 at 60 Hz. What started the car has decayed to exp(-1.5 * 10) of 1 mm at 1 Hz,
         // where accelerations are 0.04 m/s2.
-        assert_close(
-            got,
-            corner_accelerations(f, response(f, force)),
-            1e-4,
-            &format!("wheel {wheel}, {f} Hz"),
-        );
+        let exact = corner_accelerations(f, response(f, force));
+        assert_close(got, exact, 1e-4, &format!("wheel {wheel}, {f} Hz"));
     }
 }
 

@@ -13,7 +13,8 @@ use itpms_sim::simulation::Simulation;
 use itpms_sim::time_profile::{Pressure, Speed};
 use nalgebra::{Complex, Matrix2, SMatrix, SVector, Vector2};
 
-const H: f64 = 1.0 / 4000.0;
+use crate::full_car::{H, assert_close, at_rest};
+
 const K_T: f64 = 220_000.0;
 
 /// Fourier coefficient of `a = Re(A e^{iωt})`, a value for every step, from after `skip` steps on.
@@ -76,13 +77,12 @@ const TWIST: Bending = Bending {
 const HOP: [f64; 3] = [4.0, 11.0, 0.15];
 
 fn corners(truth: Deviations) -> [(QuarterCar<f64>, Deviations); 4] {
-    let corner = |m_w, c, k| (QuarterCar::new(228.4, m_w, c, k).unwrap(), truth);
-    [
-        corner(56.9, 925.8, 29_114.0),
-        corner(56.9, 1000.0, 28_000.0),
-        corner(50.0, 900.0, 27_000.0),
-        corner(50.0, 980.0, 26_000.0),
-    ]
+    crate::full_car::corners().map(|(configured, _)| (configured, truth))
+}
+
+fn hop_damped(hop_damper_ratio: f64) -> Deviations {
+    let [hop_damper_kg, hop_damper_hz, _] = HOP;
+    Deviations { hop_damper_kg, hop_damper_hz, hop_damper_ratio, ..Deviations::default() }
 }
 
 /// Accelerations of tops and wheels to a cosine of 1 mm under one wheel, from Lagrange's equations of heave, pitch, roll,
@@ -142,15 +142,7 @@ fn simulated(f: f64, wheel: usize, b: &Body, truth: Deviations, k_t: f64) -> [[C
         let t = i as f64 * H;
         let mut road_m = [[0.0; 3]; 4];
         road_m[wheel] = [0.0, 0.5, 1.0].map(|part| 1e-3 * (TAU * f * (t + part * H)).cos());
-        car.step(
-            H,
-            &CarInput {
-                road_m,
-                stiffness_n_per_m: [[k_t; 2]; 4],
-                wheel_force_n: [[0.0; 3]; 4],
-                car_m_s2: [[0.0; 2]; 3],
-            },
-        );
+        car.step(H, &CarInput { road_m, stiffness_n_per_m: [[k_t; 2]; 4], ..at_rest([0.0; 4]) });
         if i >= skip {
             let accelerations = car.accelerations_m_s2();
             let pairs = lines.iter_mut().flatten().zip(accelerations.iter().flatten());
@@ -160,29 +152,19 @@ fn simulated(f: f64, wheel: usize, b: &Body, truth: Deviations, k_t: f64) -> [[C
     lines.map(|corner| corner.map(|line| line.0))
 }
 
-fn assert_close(got: [[Complex<f64>; 2]; 4], exact: [[Complex<f64>; 2]; 4], what: &str) {
-    let largest = exact.iter().flatten().map(|x| x.norm()).fold(0.0, f64::max);
-    for (g, e) in got.iter().flatten().zip(exact.iter().flatten()) {
-        // As for the rigid car: RK4, and what is left of the start.
-        assert!((g - e).norm() < 2e-4 * largest, "{what}: {g} {e}");
-    }
-}
+/// As for the rigid car: RK4, and what is left of the start.
+const TOLERANCE: f64 = 2e-4;
 
 #[test]
 fn a_body_that_twists_and_hop_dampers_are_the_linear_systems() {
-    let hop = Deviations {
-        hop_damper_kg: HOP[0],
-        hop_damper_hz: HOP[1],
-        hop_damper_ratio: HOP[2],
-        ..Deviations::default()
-    };
+    let hop = hop_damped(HOP[2]);
     for f in [1.5, 9.0, 11.0, 13.0, 22.0, 30.0] {
         for (what, bending, truth) in
             [("twist", Some(TWIST), Deviations::default()), ("hop", None, hop), ("both", Some(TWIST), hop)]
         {
             let b = body(bending);
             let expected = exact(f, 2, &b, [K_T; 4], truth.hop_damper_kg);
-            assert_close(simulated(f, 2, &b, truth, K_T), expected, &format!("{what}, {f} Hz"));
+            assert_close(simulated(f, 2, &b, truth, K_T), expected, TOLERANCE, &format!("{what}, {f} Hz"));
         }
     }
 }
@@ -190,13 +172,7 @@ fn a_body_that_twists_and_hop_dampers_are_the_linear_systems() {
 #[test]
 fn a_tuned_mass_makes_two_modes_of_one() {
     // Den Hartog: an undamped absorber tuned to the frequency forced holds its wheel still.
-    let truth = Deviations {
-        hop_damper_kg: 4.0,
-        hop_damper_hz: 11.0,
-        hop_damper_ratio: 0.0,
-        ..Deviations::default()
-    };
-    let held = simulated(11.0, 0, &body(None), truth, K_T)[0][1].norm();
+    let held = simulated(11.0, 0, &body(None), hop_damped(0.0), K_T)[0][1].norm();
     let free = simulated(11.0, 0, &body(None), Deviations::default(), K_T)[0][1].norm();
     assert!(held < 1e-3 * free, "{held} {free}");
 }
@@ -212,18 +188,12 @@ fn on_its_rim_a_wheel_is_as_stiff_as_rubber_and_rim_together() {
     let b = body(None);
     // 2.8 kN on 61 kN/m would sink by 46 mm: every wheel rests on its rim, and presses it by 5.8 mm, more than it swings.
     for f in [5.0, 12.0, 18.0] {
-        assert_close(
-            simulated(f, 1, &b, truth(0.002), rubber),
-            exact(f, 1, &b, [rubber + rim; 4], 0.0),
-            "rim",
-        );
+        let expected = exact(f, 1, &b, [rubber + rim; 4], 0.0);
+        assert_close(simulated(f, 1, &b, truth(0.002), rubber), expected, TOLERANCE, "rim");
     }
     // With 233 kN/m and 30 mm none does, and what it swings does not reach it.
-    assert_close(
-        simulated(11.0, 1, &b, truth(0.03), 233_000.0),
-        exact(11.0, 1, &b, [233_000.0; 4], 0.0),
-        "full",
-    );
+    let expected = exact(11.0, 1, &b, [233_000.0; 4], 0.0);
+    assert_close(simulated(11.0, 1, &b, truth(0.03), 233_000.0), expected, TOLERANCE, "full");
 }
 
 /// A corner of its own at 20 m/s, without noise and filter.

@@ -15,8 +15,8 @@ fn heights(spec: &RoadSpec, side: Side, seed: u64, from_m: f64, count: usize) ->
     (0..count).map(|i| road.height_m(from_m + i as f64 * SPACING_M)).collect()
 }
 
-/// One-sided Welch spectrum in m³: Hann windows of `n` points, half overlapped, means taken out.
-fn welch(x: &[f64], n: usize) -> Vec<f64> {
+/// One-sided Welch spectrum: Hann windows of `n` points, half overlapped, means taken out.
+pub(crate) fn welch(x: &[f64], n: usize, spacing: f64) -> Vec<f64> {
     let forward = itpms_fourier::forward(n);
     let window: Vec<f64> = (0..n).map(|i| 0.5 - 0.5 * (TAU * i as f64 / n as f64).cos()).collect();
     let power: f64 = window.iter().map(|w| w * w).sum();
@@ -26,7 +26,7 @@ fn welch(x: &[f64], n: usize) -> Vec<f64> {
         let mut windowed: Vec<f64> = segment.iter().zip(&window).map(|(x, w)| (x - mean) * w).collect();
         let mut bins = forward.make_output_vec();
         forward.process(&mut windowed, &mut bins).unwrap();
-        sum.iter_mut().zip(&bins).for_each(|(s, b)| *s += 2.0 * b.norm_sqr() * SPACING_M / power);
+        sum.iter_mut().zip(&bins).for_each(|(s, b)| *s += 2.0 * b.norm_sqr() * spacing / power);
         count += 1.0;
     }
     sum.into_iter().map(|s| s / count).collect()
@@ -61,7 +61,7 @@ fn the_spectrum_is_the_standards_line() {
         let iso = Iso8608::new(class, slope);
         let spec = RoadSpec::iso8608(class, slope);
         let x = heights(&spec, Side::Left, 11, -50.0, 1_280_000);
-        let spectrum = welch(&x, n);
+        let spectrum = welch(&x, n, SPACING_M);
         let (level, fitted) = fit(&spectrum, n, &iso);
         // About 310 segments, half of them independent, and 100 decades-weighted bins: a per cent or two.
         assert!((level - 1.0).abs() < 0.05, "class {class}, w {slope}: level {level}");
@@ -179,7 +179,7 @@ fn a_contact_length_takes_away_short_waves() {
         .map(|x| (road.height_m(x), road.contact_height_m(x)))
         .unzip();
     let n = 4096;
-    let (point, contact) = (welch(&point, n), welch(&contact, n));
+    let (point, contact) = (welch(&point, n, SPACING_M), welch(&contact, n, SPACING_M));
     // The same road in both, so the ratio hardly scatters; 1.95 to 2.05 cycles/m is bins 80 to 84.
     let ratio = (80..=84).map(|k| contact[k] / point[k]).sum::<f64>() / 5.0;
     assert!((ratio / (2.0 / PI).powi(2) - 1.0).abs() < 0.03, "{ratio}");
@@ -237,7 +237,7 @@ fn bad_roads_are_refused_with_the_fields_name() {
 /// Welch cross-spectrum of two profiles over their own spectra: the real part of the coherence by bin, and the spectra.
 fn welch_coherence(a: &[f64], b: &[f64], n: usize) -> Vec<f64> {
     let sum: Vec<f64> = a.iter().zip(b).map(|(a, b)| a + b).collect();
-    let [saa, sbb, scc] = [a, b, &sum].map(|x| welch(x, n));
+    let [saa, sbb, scc] = [a, b, &sum].map(|x| welch(x, n, SPACING_M));
     // |A + B|² = |A|² + |B|² + 2 Re A B*.
     (0..n / 2).map(|k| 0.5 * (scc[k] - saa[k] - sbb[k]) / (saa[k] * sbb[k]).sqrt()).collect()
 }
@@ -284,7 +284,7 @@ fn tracks_and_offsets_are_as_coherent_as_on_an_isotropic_surface() {
         // Every line is a road of the spectrum itself.
         let iso = Iso8608::new(RoadClass::B, w);
         for line in [&on_right, &beside_left, &beside_right] {
-            let (level, slope) = fit(&welch(line, n), n, &iso);
+            let (level, slope) = fit(&welch(line, n, SPACING_M), n, &iso);
             assert!((level - 1.0).abs() < 0.06 && (slope - w).abs() < 0.05, "w {w}: {level} {slope}");
         }
     }

@@ -9,16 +9,15 @@ use itpms_sim::sensor::SensorSpec;
 use itpms_sim::simulation::{CornerRow, SimRow, Simulation};
 use itpms_sim::time_profile::{Pressure, Speed};
 
+use crate::drive::drive;
+use crate::road::welch;
+
 fn paper_drop() -> Scenario {
     Scenario::builtin("paper-drop").unwrap()
 }
 
 fn short(duration_s: f64) -> Scenario {
     Scenario { duration_s, ..paper_drop() }
-}
-
-fn drive(scenario: &Scenario, seed: u64) -> Vec<SimRow> {
-    Simulation::new(scenario, seed).unwrap().collect()
 }
 
 fn fl(row: &SimRow) -> CornerRow {
@@ -155,22 +154,11 @@ fn power_transfer(f: f64, k_t: f64) -> [f64; 2] {
     [gain * (z_re * z_re + z_im * z_im), gain * ((z_re - m_b * w * w).powi(2) + z_im * z_im)]
 }
 
-/// One-sided Welch spectrum of both accelerations: Hann windows of `n` samples, half overlapped.
+/// Of both accelerations, in segments of `n` samples.
 fn spectra(rows: &[SimRow], rate_hz: f64, n: usize) -> [Vec<f64>; 2] {
     [0, 1].map(|sensor| {
         let signal = |r: &SimRow| if sensor == 0 { fl(r).body_accel_m_s2 } else { fl(r).wheel_accel_m_s2 };
-        let forward = itpms_fourier::forward(n);
-        let window: Vec<f64> = (0..n).map(|i| 0.5 - 0.5 * (TAU * i as f64 / n as f64).cos()).collect();
-        let power: f64 = window.iter().map(|w| w * w).sum();
-        let (mut sum, mut count) = (vec![0.0; n / 2], 0.0);
-        for segment in rows.windows(n).step_by(n / 2) {
-            let mut x: Vec<f64> = segment.iter().zip(&window).map(|(r, w)| signal(r) * w).collect();
-            let mut bins = forward.make_output_vec();
-            forward.process(&mut x, &mut bins).unwrap();
-            sum.iter_mut().zip(&bins).for_each(|(s, b)| *s += 2.0 * b.norm_sqr() / (power * rate_hz));
-            count += 1.0;
-        }
-        sum.into_iter().map(|s| s / count).collect()
+        welch(&rows.iter().map(signal).collect::<Vec<_>>(), n, 1.0 / rate_hz)
     })
 }
 
@@ -273,11 +261,8 @@ fn rear_wheels_of_quarter_cars_run_beside_the_front_ones_track_where_told() {
     s.rear_offset_m = 2.0;
     assert!(s.validate().unwrap_err().to_string().contains("rear_offset_m is 2, expected"));
     let car = Scenario { rear_offset_m: 0.02, ..Scenario::builtin("drive-puncture").unwrap() };
-    let message = car.validate().unwrap_err().to_string();
-    assert!(
-        message.contains("rear_offset_m is 0.02 beside a [car], expected car.rear_offset_m"),
-        "{message}"
-    );
+    let error = car.validate().unwrap_err().to_string();
+    assert!(error.contains("rear_offset_m is 0.02 beside a [car], expected car.rear_offset_m"), "{error}");
 }
 
 #[test]

@@ -24,6 +24,13 @@ pub mod sensors;
 pub mod soak;
 pub mod tuning;
 
+/// That a tire is low, for tests.
+#[cfg(test)]
+fn low(corner: itpms_core::model::Corner) -> itpms_core::warning::Alert<f64> {
+    let cause = itpms_core::warning::Cause::UnderInflated(LOW);
+    itpms_core::warning::Alert { wheels: corner.into(), since_s: 0.0, reported_s: 0.0, cause }
+}
+
 /// Of a tire that is low, for tests.
 #[cfg(test)]
 const LOW: itpms_core::warning::Reading<f64> = itpms_core::warning::Reading {

@@ -1,6 +1,6 @@
 //! Sensors that show gravity: a car on a road so rough that its wheels leave it is read as if they did not.
 
-use itpms_core::model::{CarConfig, CarEstimate};
+use itpms_core::model::CarEstimate;
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_sim::road::{RoadClass, RoadSpec};
 use itpms_sim::scenario::Scenario;
@@ -12,10 +12,7 @@ fn shown(gravity_m_s2: f64) -> Vec<CarEstimate<f64>> {
     let mut scenario = Scenario::builtin("drive-puncture").unwrap();
     scenario.road = RoadSpec { contact_length_m: 0.1, ..RoadSpec::iso8608(RoadClass::D, 2.0) };
     (scenario.rate_hz, scenario.duration_s) = (200.0, 30.0);
-    let mut config = CarConfig { corners: [None; 4], wheelbase_m: Some(scenario.wheelbase_m) };
-    for (corner, _) in scenario.corner.iter() {
-        config.corners[corner.index()] = Some(scenario.corner_config(corner).unwrap());
-    }
+    let config = scenario.car_config().unwrap();
     let mut car = Box::new(MonitoredCar::new(&MonitorConfig::new(&config), scenario.rate_hz).unwrap());
     let mut seconds = vec![];
     for (i, row) in Simulation::new(&scenario, 1).unwrap().enumerate() {

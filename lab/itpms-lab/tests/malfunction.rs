@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use itpms_lab::malfunction::{Request, kinds, study};
-use itpms_lab::runner::StudyError;
+use itpms_lab::runner::{StudyError, UNWATCHED};
 
 fn request(only: &str) -> Request {
     Request { drives: 1, first_seed: 6, only: Some(only.to_owned()) }
@@ -11,8 +11,7 @@ fn request(only: &str) -> Request {
 
 #[test]
 fn malfunctions_are_reported_in_time_and_no_other_is() {
-    let go = |_, _| ControlFlow::Continue(());
-    let study = study(&request("wheel swapped"), &go).unwrap();
+    let study = study(&request("wheel swapped"), UNWATCHED).unwrap();
     assert_eq!(study.rows.len(), 2);
     for row in &study.rows {
         assert_eq!((row.drives, row.in_time, row.named), (1, 1, 1), "{row:?}");
@@ -31,8 +30,7 @@ fn malfunctions_are_reported_in_time_and_no_other_is() {
 /// wheel there, as if they were swapped. (It was reported after 32 s as long as that kept it from being compared with its like.)
 #[test]
 fn noise_on_a_smooth_road_is_reported_as_noise() {
-    let go = |_, _| ControlFlow::Continue(());
-    let study = study(&Request { first_seed: 39, ..request("noise") }, &go).unwrap();
+    let study = study(&Request { first_seed: 39, ..request("noise") }, UNWATCHED).unwrap();
     assert_eq!(study.rows.len(), 2);
     for row in &study.rows {
         assert_eq!((row.drives, row.in_time, row.named), (1, 1, 1), "{row:?}");
@@ -46,8 +44,7 @@ fn noise_on_a_smooth_road_is_reported_as_noise() {
 /// anti-roll bar. (The left tires were read up to 100 kPa too high, for minutes, as long as that passed for their road.)
 #[test]
 fn a_hole_beside_a_sensor_that_is_stuck_is_no_road_of_the_other_side() {
-    let go = |_, _| ControlFlow::Continue(());
-    let study = study(&Request { first_seed: 32, ..request("stuck, body") }, &go).unwrap();
+    let study = study(&Request { first_seed: 32, ..request("stuck, body") }, UNWATCHED).unwrap();
     let [row] = study.rows.as_slice() else { panic!("{:?}", study.rows) };
     assert_eq!((row.in_time, row.recovered), (1, 1), "{row:?}");
     assert_eq!(
@@ -61,8 +58,7 @@ fn a_hole_beside_a_sensor_that_is_stuck_is_no_road_of_the_other_side() {
 /// front right tire 70 kPa too low: warned of, and shown for twenty seconds, as long as it was not rolled back.)
 #[test]
 fn a_gain_that_changes_is_no_leak_of_the_other_tire() {
-    let go = |_, _| ControlFlow::Continue(());
-    let study = study(&Request { first_seed: 13, ..request("gain 2, wheel") }, &go).unwrap();
+    let study = study(&Request { first_seed: 13, ..request("gain 2, wheel") }, UNWATCHED).unwrap();
     let [row] = study.rows.as_slice() else { panic!("{:?}", study.rows) };
     assert_eq!((row.in_time, row.recovered), (1, 1), "{row:?}");
     assert_eq!(row.tire_warnings_during.total() + row.tire_warnings_after.total(), 0, "{row:?}");
@@ -74,9 +70,8 @@ fn a_gain_that_changes_is_no_leak_of_the_other_tire() {
 /// is shown of it and of the other tire of its side until then, and for some seconds more, is wrong.
 #[test]
 fn a_gain_that_is_a_quarter_off_is_reported() {
-    let go = |_, _| ControlFlow::Continue(());
     for name in ["gain 0.75", "gain 1.35"] {
-        let study = study(&request(name), &go).unwrap();
+        let study = study(&request(name), UNWATCHED).unwrap();
         let [row] = study.rows.as_slice() else { panic!("{:?}", study.rows) };
         assert_eq!((row.in_time, row.named, row.recovered), (1, 1, row.awaited), "{row:?}");
         assert_eq!(row.wrong_after_s, 0.0, "{row:?}");
@@ -86,10 +81,9 @@ fn a_gain_that_is_a_quarter_off_is_reported() {
 
 #[test]
 fn requests_that_make_no_sense_are_refused_and_a_break_stops() {
-    let go = |_, _| ControlFlow::Continue(());
-    let refused = study(&Request { drives: 0, ..request("stuck") }, &go).unwrap_err().to_string();
+    let refused = study(&Request { drives: 0, ..request("stuck") }, UNWATCHED).unwrap_err().to_string();
     assert!(refused.starts_with("0 drives"), "{refused}");
-    let unknown = study(&request("rusty"), &go).unwrap_err().to_string();
+    let unknown = study(&request("rusty"), UNWATCHED).unwrap_err().to_string();
     assert!(
         unknown.starts_with("no malfunction is called `rusty`, expected a part of one of: stuck, wheel; ")
     );

@@ -26,7 +26,7 @@ fn ranks_are_those_of_the_page() {
             format!("{} of {}", case.rank, case.unknowns),
             case.missing.to_string(),
             case.drifts.to_string(),
-            case.stiffness.text().to_owned(),
+            case.stiffness.label().to_owned(),
         ];
         assert_eq!(row[1..], expected);
     }

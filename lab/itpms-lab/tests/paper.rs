@@ -4,13 +4,13 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use itpms_lab::paper::{Request, reproduce};
-use itpms_lab::runner::StudyError;
+use itpms_lab::runner::{StudyError, UNWATCHED};
 
 #[test]
 fn what_diverges_is_shown_as_diverged() {
     // With this noise the published forgetting factor lets the stiffness walk until the filter is lost, within seconds.
     let request = Request { seeds: 1, noise_m_s2: 0.5, rate_hz: 500.0, ..Request::default() };
-    let study = reproduce(&request, &|_, _| ControlFlow::Continue(())).unwrap();
+    let study = reproduce(&request, UNWATCHED).unwrap();
     let files = study.files().unwrap();
     let file = |name: &str| &files.iter().find(|file| file.name == name).unwrap().content;
     let svg = file("figure-07.svg");
@@ -52,6 +52,6 @@ fn a_break_ends_the_study() {
 #[test]
 fn statistics_of_nothing_are_refused() {
     let request = Request { seeds: 0, ..Request::default() };
-    let error = reproduce(&request, &|_, _| ControlFlow::Continue(())).unwrap_err();
+    let error = reproduce(&request, UNWATCHED).unwrap_err();
     assert_eq!(error.to_string(), "0 seeds, expected at least one");
 }

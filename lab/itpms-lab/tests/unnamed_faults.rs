@@ -1,6 +1,6 @@
 //! Sensors that are wrong in ways no detector looks for: what no pressure of a tire explains must not become one.
 
-use itpms_core::model::{CarConfig, CarSample, Corner, Misfit};
+use itpms_core::model::{CarSample, Corner, Misfit};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_core::warning::WheelState;
 use itpms_sim::scenario::{Scenario, ToleranceSpec};
@@ -58,10 +58,7 @@ struct Found {
 
 fn drive(spoil: Spoil, seed: u64) -> Found {
     let mut scenario = Scenario::builtin("drive-normal").unwrap();
-    let mut file = CarConfig { corners: [None; 4], wheelbase_m: Some(scenario.wheelbase_m) };
-    for (corner, _) in scenario.corner.iter() {
-        file.corners[corner.index()] = Some(scenario.corner_config(corner).unwrap());
-    }
+    let file = scenario.car_config().unwrap();
     scenario.journey.as_mut().unwrap().tolerances = None;
     ToleranceSpec::typical().apply(seed, &mut scenario);
     scenario.duration_s = DRIVE_S;

@@ -7,10 +7,10 @@
 use itpms_core::model::{PressureMap, RegressionError};
 use serde::Serialize;
 
-use super::IdentifyError;
 use super::blocks::{Block, solve};
 use super::distribution::{f_beyond, t_quantile};
 use super::guard::{self, Units, plain};
+use super::{IdentifyError, Result};
 
 /// Rows needed for a line with a standard error.
 const FEWEST_ROWS: usize = 3;
@@ -78,11 +78,7 @@ impl Test {
 }
 
 /// Fits a tire's line to gauge pressures in kPa and stiffnesses in N/m; a pressure may be there several times.
-pub fn calibrate(
-    pressure_kpa: &[f64],
-    stiffness_n_per_m: &[f64],
-    units: Units,
-) -> Result<Calibration, IdentifyError> {
+pub fn calibrate(pressure_kpa: &[f64], stiffness_n_per_m: &[f64], units: Units) -> Result<Calibration> {
     let (p, k) = (pressure_kpa, stiffness_n_per_m);
     guard::pair(("pressure_kpa", p), ("stiffness_n_per_m", k))?;
     if p.len() < FEWEST_ROWS {
@@ -155,7 +151,7 @@ fn refusal(error: RegressionError, p: &[f64], k: &[f64]) -> IdentifyError {
     }
 }
 
-fn check_columns(p: &[f64], k: &[f64], units: Units) -> Result<(), IdentifyError> {
+fn check_columns(p: &[f64], k: &[f64], units: Units) -> Result<()> {
     if units == Units::Trusted {
         return Ok(());
     }
@@ -195,16 +191,11 @@ fn check_columns(p: &[f64], k: &[f64], units: Units) -> Result<(), IdentifyError
 }
 
 /// A vehicle file takes 20 to 20 000 N/m per kPa.
-fn check_slope(slope: f64, units: Units) -> Result<(), IdentifyError> {
+fn check_slope(slope: f64, units: Units) -> Result<()> {
     if units == Units::Trusted || (20.0..=20_000.0).contains(&slope) {
         return Ok(());
     }
-    Err(IdentifyError::Units {
-        what: "the slope",
-        found: format!("{} N/m per kPa", plain(slope)),
-        expected: "20 to 20 000 N/m per kPa",
-        hint: "",
-    })
+    Err(IdentifyError::units("the slope", (slope, "N/m per kPa"), "20 to 20 000 N/m per kPa", ""))
 }
 
 /// Different pressures with their stiffnesses, from low to high.

@@ -8,10 +8,10 @@ use super::blocks::{Block, BlockFit, jackknife};
 use super::damper_result::{Consistency, DamperResult, RunResult};
 use super::distribution::chi_square_beyond;
 use super::estimate::Estimate;
-use super::guard::{Units, plain};
+use super::guard::Units;
 use super::motion::{Run, SineRecord, runs};
 use super::spring::UNSETTLED;
-use super::{IdentifyError, doubts};
+use super::{IdentifyError, Result, doubts};
 
 /// Damping in N s/m beyond which the unit is doubted.
 const PLAUSIBLE_N_S_PER_M: (f64, f64) = (10.0, 500_000.0);
@@ -28,11 +28,7 @@ const FIRST_DISPLACEMENT: usize = 3;
 
 /// Identifies a damper. `spring_n_per_m` is a spring that works in parallel, already known; it is subtracted, and tells
 /// the sign of the force.
-pub fn damper(
-    records: &[SineRecord<'_>],
-    spring_n_per_m: Option<f64>,
-    units: Units,
-) -> Result<DamperResult, IdentifyError> {
+pub fn damper(records: &[SineRecord<'_>], spring_n_per_m: Option<f64>, units: Units) -> Result<DamperResult> {
     let runs = runs(records, UNSETTLED, units)?;
     let fastest = runs.iter().map(Run::velocity_m_s).fold(0.0, f64::max);
     let raw = Fit::new(&runs, fastest, 1.0, 0.0)?;
@@ -83,7 +79,7 @@ fn slow_to_turn(records: &[SineRecord<'_>], result: &DamperResult, fastest: f64)
     })
 }
 
-fn check(damping: &Estimate, units: Units) -> Result<(), IdentifyError> {
+fn check(damping: &Estimate, units: Units) -> Result<()> {
     let Estimate { value, standard_error, .. } = *damping;
     if !(value.abs() > 3.0 * standard_error) {
         let what = "the damping";
@@ -96,12 +92,8 @@ fn check(damping: &Estimate, units: Units) -> Result<(), IdentifyError> {
     if units == Units::Trusted || (lowest..=highest).contains(&value) {
         return Ok(());
     }
-    Err(IdentifyError::Units {
-        what: "the damping",
-        found: format!("{} N s/m", plain(value)),
-        expected: "10 to 500 000 N s/m",
-        hint: if value < lowest { "; the force looks like kN" } else { "; is the displacement in m?" },
-    })
+    let hint = if value < lowest { "; the force looks like kN" } else { "; is the displacement in m?" };
+    Err(IdentifyError::units("the damping", (value, "N s/m"), "10 to 500 000 N s/m", hint))
 }
 
 /// All runs together, and each alone.
@@ -117,7 +109,7 @@ struct Fit {
 
 impl Fit {
     /// Force times `sign`, less a spring, over velocity and displacement.
-    fn new(runs: &[Run], fastest: f64, sign: f64, spring: f64) -> Result<Self, IdentifyError> {
+    fn new(runs: &[Run], fastest: f64, sign: f64, spring: f64) -> Result<Self> {
         let singular = || IdentifyError::Singular("damping and friction");
         let width = FIRST_DISPLACEMENT + runs.len();
         let mut alone = Vec::new();

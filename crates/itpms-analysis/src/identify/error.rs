@@ -2,6 +2,10 @@
 
 use thiserror::Error;
 
+use super::guard::plain;
+
+pub type Result<T, E = IdentifyError> = std::result::Result<T, E>;
+
 /// Why an identification is refused.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
@@ -50,4 +54,15 @@ pub enum IdentifyError {
     NegativeIntercept { value: f64, standard_error: f64 },
     #[error("{0} cannot be separated by these data")]
     Singular(&'static str),
+}
+
+impl IdentifyError {
+    pub(super) fn units(
+        what: &'static str,
+        (value, unit): (f64, &str),
+        expected: &'static str,
+        hint: &'static str,
+    ) -> Self {
+        Self::Units { what, found: format!("{} {unit}", plain(value)), expected, hint }
+    }
 }

@@ -22,33 +22,22 @@ impl SpringResult {
         let k = sign * self.stiffness_n_per_m.value;
         let line = |x: f64| (1e3 * x, self.load_at_zero_n + k * x);
         let millimetres = || Axis::linear("Displacement", "mm");
-        let data = Panel::new("a", "Load and displacement", millimetres(), Axis::linear("Load", "N"))
-            .dots(
-                "measured",
-                Ink::Default,
-                spread(&self.used).map(|(x, load, _)| (1e3 * x, load, 0.0)).collect(),
-            )
+        let measured = spread(&self.used).map(|(x, load, _)| (1e3 * x, load, 0.0)).collect();
+        let mut data = Panel::new("a", "Load and displacement", millimetres(), Axis::linear("Load", "N"))
+            .dots("measured", Ink::Default, measured)
             .line("best line", Ink::Truth, Stroke::Solid, vec![line(self.travel_m.0), line(self.travel_m.1)]);
         let ends = |offset: f64| {
             [self.travel_m.0, self.travel_m.1].map(|x| (line(x).0, line(x).1 + offset)).to_vec()
         };
-        let data = match &self.friction_n {
-            Some(f) => data.line("line ± friction", Ink::Muted, Stroke::Dashed, ends(f.value)).line(
-                "",
-                Ink::Muted,
-                Stroke::Dashed,
-                ends(-f.value),
-            ),
-            None => data,
-        };
-        let left = Panel::new(
-            "b",
-            "Residual, each stroke about its own offset",
-            millimetres(),
-            Axis::linear("Residual", "N"),
-        )
-        .dots("", Ink::Default, spread(&self.used).map(|(x, _, e)| (1e3 * x, e, 0.0)).collect())
-        .level(Ink::Truth, 0.0, "");
+        if let Some(friction) = &self.friction_n {
+            for (name, offset) in [("line ± friction", friction.value), ("", -friction.value)] {
+                data = data.line(name, Ink::Muted, Stroke::Dashed, ends(offset));
+            }
+        }
+        let residual = Axis::linear("Residual", "N");
+        let left = Panel::new("b", "Residual, each stroke about its own offset", millimetres(), residual)
+            .dots("", Ink::Default, spread(&self.used).map(|(x, _, e)| (1e3 * x, e, 0.0)).collect())
+            .level(Ink::Truth, 0.0, "");
         Figure::new("identify-spring", "Spring stiffness from load and displacement")
             .describe(format!(
                 "ks = {:.0} ± {:.1} N/m from {} strokes, friction left between the line and the data.",
@@ -63,12 +52,8 @@ impl DamperResult {
     /// Force over velocity, damping by run, and the residuals.
     pub fn figure(&self) -> Figure {
         let velocity = || Axis::linear("Velocity", "m/s");
-        let mut data = Panel::new(
-            "a",
-            "Force without its share of displacement",
-            velocity(),
-            Axis::linear("Force", "N"),
-        );
+        let force = Axis::linear("Force", "N");
+        let mut data = Panel::new("a", "Force without its share of displacement", velocity(), force);
         let mut left =
             Panel::new("b", "Residual", velocity(), Axis::linear("Residual", "N")).level(Ink::Truth, 0.0, "");
         let share = |v: f64| {
@@ -136,31 +121,19 @@ impl Calibration {
                 .collect()
         };
         let line = |p: f64| self.map.stiffness_n_per_m(p);
+        let ends = [0, 60].map(|i| (at(i), 1e-3 * line(at(i)))).to_vec();
+        let rows = self.rows.iter();
+        let measured = rows.clone().map(|row| (row.pressure_kpa, 1e-3 * row.stiffness_n_per_m, 0.0));
+        let residuals = rows.map(|row| (row.pressure_kpa, row.residual_n_per_m, 0.0));
         let data =
             Panel::new("a", "Tire stiffness and pressure", pressure(), Axis::linear("Stiffness", "kN/m"))
                 .band("95 % band of the line", Ink::Light, band(&line, 1e-3))
-                .line(
-                    "least squares",
-                    Ink::Truth,
-                    Stroke::Solid,
-                    vec![(at(0), 1e-3 * line(at(0))), (at(60), 1e-3 * line(at(60)))],
-                )
-                .dots(
-                    "measured",
-                    Ink::Default,
-                    self.rows
-                        .iter()
-                        .map(|row| (row.pressure_kpa, 1e-3 * row.stiffness_n_per_m, 0.0))
-                        .collect(),
-                );
+                .line("least squares", Ink::Truth, Stroke::Solid, ends)
+                .dots("measured", Ink::Default, measured.collect());
         let left = Panel::new("b", "Residual", pressure(), Axis::linear("Measured less line", "N/m"))
             .band("", Ink::Light, band(&|_| 0.0, 1.0))
             .level(Ink::Truth, 0.0, "")
-            .dots(
-                "",
-                Ink::Default,
-                self.rows.iter().map(|row| (row.pressure_kpa, row.residual_n_per_m, 0.0)).collect(),
-            );
+            .dots("", Ink::Default, residuals.collect());
         Figure::new("calibrate", "Pressure-stiffness line of a tire")
             .describe(format!(
                 "{:.3} N/m per kPa and {:.1} N/m at zero, R² {:.5}.",

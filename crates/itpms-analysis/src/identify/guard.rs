@@ -1,6 +1,6 @@
 //! Looks at a column before anything is computed from it. Called by the identifications.
 
-use super::IdentifyError;
+use super::{IdentifyError, Result};
 
 /// Share of rows at one extreme from which a signal counts as clipped. A sine or a triangle resolved to a hundredth of
 /// its amplitude stays there for 4.5 % or 0.5 % of the time; cut at 95 % of its amplitude, a sine stays 10 %.
@@ -16,10 +16,7 @@ pub enum Units {
 }
 
 /// Finite, and as long as the other column.
-pub(super) fn pair(
-    (x_name, x): (&'static str, &[f64]),
-    (y_name, y): (&'static str, &[f64]),
-) -> Result<(), IdentifyError> {
+pub(super) fn pair((x_name, x): (&'static str, &[f64]), (y_name, y): (&'static str, &[f64])) -> Result<()> {
     if x.len() != y.len() {
         return Err(IdentifyError::Lengths { first: x.len(), second: y.len() });
     }
@@ -44,7 +41,7 @@ pub(super) fn range(values: &[f64]) -> (f64, f64) {
     values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(*v), high.max(*v)))
 }
 
-pub(super) fn varies(what: &'static str, values: &[f64]) -> Result<(f64, f64), IdentifyError> {
+pub(super) fn varies(what: &'static str, values: &[f64]) -> Result<(f64, f64)> {
     let (low, high) = range(values);
     // A span below the rounding of the values is none.
     if !(high - low > 1e-9 * low.abs().max(high.abs())) {
@@ -54,7 +51,7 @@ pub(super) fn varies(what: &'static str, values: &[f64]) -> Result<(f64, f64), I
 }
 
 /// The signal does not rest at one of its ends.
-pub(super) fn not_clipped(what: &'static str, values: &[f64]) -> Result<(), IdentifyError> {
+pub(super) fn not_clipped(what: &'static str, values: &[f64]) -> Result<()> {
     let (low, high) = range(values);
     for (value, end) in [(high, "maximum"), (low, "minimum")] {
         // One visit to the end is longer than a chance meeting of two rows.

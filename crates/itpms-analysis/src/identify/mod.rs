@@ -38,7 +38,7 @@ pub use bump::{BumpCorner, BumpFit, BumpMasses, BumpParts, BumpResult, BumpSigna
 pub use calibrate::{Calibration, CalibrationRow, Coefficient, Test, calibrate};
 pub use damper::damper;
 pub use damper_result::{Consistency, DamperResult, RunResult};
-pub use error::IdentifyError;
+pub use error::{IdentifyError, Result};
 pub use estimate::{ErrorBasis, Estimate};
 pub use guard::Units;
 pub use motion::SineRecord;

@@ -4,9 +4,9 @@
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-use super::IdentifyError;
-use super::guard::{self, Units, plain};
+use super::guard::{self, Units};
 use super::sine::{self, Sine};
+use super::{IdentifyError, Result};
 
 /// Rows needed in a period.
 const FEWEST_PER_PERIOD: usize = 20;
@@ -59,11 +59,7 @@ impl Run {
 }
 
 /// All runs of all records, in their order. `unsettled` is the share of a stroke after a turn that is left out.
-pub(super) fn runs(
-    records: &[SineRecord<'_>],
-    unsettled: f64,
-    units: Units,
-) -> Result<Vec<Run>, IdentifyError> {
+pub(super) fn runs(records: &[SineRecord<'_>], unsettled: f64, units: Units) -> Result<Vec<Run>> {
     let mut out = Vec::new();
     let mut none = None;
     for record in records {
@@ -93,24 +89,15 @@ pub(super) fn runs(
     }
 }
 
-fn check_amplitude(amplitude_m: f64, units: Units) -> Result<(), IdentifyError> {
+fn check_amplitude(amplitude_m: f64, units: Units) -> Result<()> {
     if units == Units::Trusted || amplitude_m <= LARGEST_M {
         return Ok(());
     }
-    Err(IdentifyError::Units {
-        what: "the amplitude",
-        found: format!("{} m", plain(amplitude_m)),
-        expected: "at most 0.5 m",
-        hint: "; it looks like millimetres",
-    })
+    let hint = "; it looks like millimetres";
+    Err(IdentifyError::units("the amplitude", (amplitude_m, "m"), "at most 0.5 m", hint))
 }
 
-fn run(
-    record: &SineRecord<'_>,
-    rows: Range<usize>,
-    unsettled: f64,
-    units: Units,
-) -> Result<Run, IdentifyError> {
+fn run(record: &SineRecord<'_>, rows: Range<usize>, unsettled: f64, units: Units) -> Result<Run> {
     let (t, x, force) =
         (&record.time_s[rows.clone()], &record.displacement_m[rows.clone()], &record.force_n[rows]);
     guard::not_clipped("displacement_m", x)?;
@@ -119,12 +106,8 @@ fn run(
     let sine = sine::fit(t, x).ok_or(short)?;
     let frequency_hz = sine.omega / TAU;
     if units == Units::Checked && frequency_hz < SLOWEST_HZ {
-        return Err(IdentifyError::Units {
-            what: "the frequency",
-            found: format!("{} Hz", plain(frequency_hz)),
-            expected: "0.02 Hz or more",
-            hint: "; time_s looks like milliseconds",
-        });
+        let hint = "; time_s looks like milliseconds";
+        return Err(IdentifyError::units("the frequency", (frequency_hz, "Hz"), "0.02 Hz or more", hint));
     }
     let span = t.last().unwrap_or(&0.0) - t.first().unwrap_or(&0.0);
     let rows_per_period = (t.len() - 1) as f64 / (span * frequency_hz);

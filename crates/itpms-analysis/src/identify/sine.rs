@@ -7,7 +7,7 @@ use std::ops::Range;
 use nalgebra::{SMatrix, SVector};
 
 use super::strokes::strokes;
-use super::{IdentifyError, guard};
+use super::{IdentifyError, Result, guard};
 
 /// Periods a stretch must have.
 pub(super) const FEWEST_PERIODS: usize = 5;
@@ -42,7 +42,7 @@ impl Sine {
 }
 
 /// Stretches of one steady sine in a record, as rows, and the rows that belong to none.
-pub(super) fn stretches(time_s: &[f64], x: &[f64]) -> Result<Vec<Range<usize>>, IdentifyError> {
+pub(super) fn stretches(time_s: &[f64], x: &[f64]) -> Result<Vec<Range<usize>>> {
     let mut found = Vec::new();
     let mut longest = 0;
     for piece in pieces(time_s)? {
@@ -67,7 +67,7 @@ pub(super) fn stretches(time_s: &[f64], x: &[f64]) -> Result<Vec<Range<usize>>, 
 }
 
 /// Parts of a record without a pause.
-fn pieces(time_s: &[f64]) -> Result<Vec<Range<usize>>, IdentifyError> {
+fn pieces(time_s: &[f64]) -> Result<Vec<Range<usize>>> {
     let mut steps: Vec<f64> = time_s.windows(2).map(|w| w[1] - w[0]).collect();
     if let Some(i) = steps.iter().position(|step| !(*step > 0.0)) {
         return Err(IdentifyError::TimeOrder { row: i + 2, from_s: time_s[i], to_s: time_s[i + 1] });

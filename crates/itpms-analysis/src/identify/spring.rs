@@ -7,9 +7,9 @@ use serde::Serialize;
 
 use super::blocks::{Block, jackknife, solve};
 use super::estimate::{ErrorBasis, Estimate};
-use super::guard::{self, Units, plain};
+use super::guard::{self, Units};
 use super::strokes::{Stroke, strokes};
-use super::{IdentifyError, loops};
+use super::{IdentifyError, Result, loops};
 
 const FEWEST_ROWS: usize = 6;
 /// Share of the travel by which the displacement must come back to have turned.
@@ -81,7 +81,7 @@ struct Used {
 }
 
 /// Identifies a spring from displacement in m and load in N, in the order in which they were measured.
-pub fn spring(displacement_m: &[f64], load_n: &[f64], units: Units) -> Result<SpringResult, IdentifyError> {
+pub fn spring(displacement_m: &[f64], load_n: &[f64], units: Units) -> Result<SpringResult> {
     guard::pair(("displacement_m", displacement_m), ("load_n", load_n))?;
     if load_n.len() < FEWEST_ROWS {
         return Err(IdentifyError::TooFew { what: "rows", found: load_n.len(), expected: FEWEST_ROWS });
@@ -140,30 +140,21 @@ pub fn spring(displacement_m: &[f64], load_n: &[f64], units: Units) -> Result<Sp
     Ok(result)
 }
 
-fn check_travel(travel_m: f64, units: Units) -> Result<(), IdentifyError> {
+fn check_travel(travel_m: f64, units: Units) -> Result<()> {
     if units == Units::Checked && travel_m > LONGEST_M {
-        return Err(IdentifyError::Units {
-            what: "the travel",
-            found: format!("{} m", plain(travel_m)),
-            expected: "at most 1 m",
-            hint: "; it looks like millimetres",
-        });
+        let hint = "; it looks like millimetres";
+        return Err(IdentifyError::units("the travel", (travel_m, "m"), "at most 1 m", hint));
     }
     Ok(())
 }
 
-fn check_stiffness(value: f64, units: Units) -> Result<(), IdentifyError> {
+fn check_stiffness(value: f64, units: Units) -> Result<()> {
     let (lowest, highest) = PLAUSIBLE_N_PER_M;
     if units == Units::Trusted || (lowest..=highest).contains(&value) {
         return Ok(());
     }
     let hint = if value < lowest { "; the load looks like kN" } else { "; is the displacement in m?" };
-    Err(IdentifyError::Units {
-        what: "the stiffness",
-        found: format!("{} N/m", plain(value)),
-        expected: "500 to 10 000 000 N/m",
-        hint,
-    })
+    Err(IdentifyError::units("the stiffness", (value, "N/m"), "500 to 10 000 000 N/m", hint))
 }
 
 /// The rows of each stroke that friction has settled in.
@@ -194,7 +185,7 @@ fn block(stroke: &Used, middle: f64, half: f64) -> Block {
 }
 
 /// Signed slope and what its standard error rests on.
-fn stiffness(used: &[Used], middle: f64, half: f64) -> Result<(Estimate, ErrorBasis), IdentifyError> {
+fn stiffness(used: &[Used], middle: f64, half: f64) -> Result<(Estimate, ErrorBasis)> {
     let blocks: Vec<Block> = used.iter().map(|stroke| block(stroke, middle, half)).collect();
     if used.len() >= STROKES_TO_COMPARE {
         let fit = jackknife(&blocks).ok_or(IdentifyError::Singular("load and preload"))?;

@@ -34,6 +34,11 @@ pub(super) fn line(out: &mut String, name: &str, value: &str, remark: &str) {
     let _ = writeln!(out, "{}", text.trim_end());
 }
 
+pub(super) fn estimate_line(out: &mut String, name: &str, estimate: &Estimate, unit: &str) {
+    let value = format!("{} {unit}", shown(estimate));
+    line(out, name, value.trim_end(), &interval(estimate.interval_95(), estimate.standard_error));
+}
+
 pub(super) fn ending(out: &mut String, concerns: &[String]) {
     if concerns.is_empty() {
         line(out, "concerns", "none", "");
@@ -46,22 +51,12 @@ pub(super) fn ending(out: &mut String, concerns: &[String]) {
 impl SpringResult {
     pub fn table(&self) -> String {
         let mut out = String::new();
-        let k = &self.stiffness_n_per_m;
-        line(
-            &mut out,
-            "spring stiffness ks",
-            &format!("{} N/m", shown(k)),
-            &interval(k.interval_95(), k.standard_error),
-        );
+        estimate_line(&mut out, "spring stiffness ks", &self.stiffness_n_per_m, "N/m");
         if let Some(friction) = &self.friction_n {
             line(&mut out, "friction", &format!("{} N", shown(friction)), "half the height of the loop");
         }
-        line(
-            &mut out,
-            "load at zero",
-            &format!("{:.1} N", self.load_at_zero_n),
-            "preload, midway between the directions",
-        );
+        let load = format!("{:.1} N", self.load_at_zero_n);
+        line(&mut out, "load at zero", &load, "preload, midway between the directions");
         if let (Some(up), Some(down)) = self.rising_falling_n_per_m {
             line(&mut out, "rising / falling", &format!("{up:.0} / {down:.0} N/m"), "stiffness by direction");
         }
@@ -90,13 +85,7 @@ impl DamperResult {
     /// A block about the damper and a line per run.
     pub fn table(&self) -> String {
         let mut out = String::new();
-        let c = &self.damping_n_s_per_m;
-        line(
-            &mut out,
-            "damping cs",
-            &format!("{} N s/m", shown(c)),
-            &interval(c.interval_95(), c.standard_error),
-        );
+        estimate_line(&mut out, "damping cs", &self.damping_n_s_per_m, "N s/m");
         line(&mut out, "displacement grows", &format!("{} N s/m", shown(&self.rising_n_s_per_m)), "");
         line(&mut out, "displacement falls", &format!("{} N s/m", shown(&self.falling_n_s_per_m)), "");
         line(&mut out, "friction", &format!("{} N", shown(&self.friction_n)), "");
@@ -104,10 +93,8 @@ impl DamperResult {
             let value =
                 format!("chi² {:.2}, dof {}, p {:.3}", test.chi_square, test.degrees_of_freedom, test.p);
             line(&mut out, "runs agree: damping", &value, "a linear damper has p above 0.01");
-            let value = format!(
-                "chi² {:.2}, dof {}, p {:.3}",
-                test.friction_chi_square, test.degrees_of_freedom, test.friction_p
-            );
+            let (friction, dof) = (test.friction_chi_square, test.degrees_of_freedom);
+            let value = format!("chi² {friction:.2}, dof {dof}, p {:.3}", test.friction_p);
             line(&mut out, "runs agree: friction", &value, "");
         }
         if let Some(spring) = self.spring_n_per_m {
@@ -115,12 +102,8 @@ impl DamperResult {
         }
         let rows = format!("{} used, {} left out", self.rows, self.rows_left_out);
         line(&mut out, "rows", &rows, "left out: after turning points, between runs");
-        line(
-            &mut out,
-            "standard error from",
-            &format!("how much {} blocks disagree", self.blocks),
-            "blocks of whole periods",
-        );
+        let basis = format!("how much {} blocks disagree", self.blocks);
+        line(&mut out, "standard error from", &basis, "blocks of whole periods");
         if self.opposite_signs {
             line(&mut out, "signs", "opposite", "the force counts against the displacement");
         }
@@ -181,12 +164,8 @@ impl Calibration {
         line(&mut out, "correlation", &format!("{:.4}", self.correlation), "of the two");
         line(&mut out, "R²", &format!("{:.6}", self.r_squared), "");
         let residual = format!("{:.1} N/m", self.residual_sd_n_per_m);
-        line(
-            &mut out,
-            "residual",
-            &residual,
-            &format!("standard deviation; {:.2} kPa", self.residual_sd_kpa),
-        );
+        let in_kpa = format!("standard deviation; {:.2} kPa", self.residual_sd_kpa);
+        line(&mut out, "residual", &residual, &in_kpa);
         line(&mut out, "rows", &format!("{}, {} pressures", self.rows.len(), self.pressures), "");
         for (name, test, remark) in [
             ("lack of fit", &self.lack_of_fit, "means of repeats about the line"),

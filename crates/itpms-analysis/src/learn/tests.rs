@@ -113,8 +113,7 @@ fn drives_that_show_nothing_are_named() {
 fn a_tire_that_is_far_from_its_file_is_read_at_its_known_pressure() {
     let mut scenario = Scenario::builtin("drive-puncture").unwrap();
     (scenario.duration_s, scenario.rate_hz) = (150.0, 200.0);
-    for corner in Corner::ALL {
-        let Some(spec) = scenario.corner.get_mut(corner) else { unreachable!() };
+    for (_, spec) in scenario.corner.iter_mut() {
         spec.pressure = Pressure::ConstantKpa(spec.placard_kpa);
     }
     let truth = Corner::ALL.map(|corner| scenario.corner_config(corner).unwrap());
@@ -123,10 +122,7 @@ fn a_tire_that_is_far_from_its_file_is_read_at_its_known_pressure() {
         let Some(spec) = file.corner.get_mut(corner) else { unreachable!() };
         spec.unsprung_mass_kg *= 2.0;
     }
-    let config = CarConfig {
-        corners: Corner::ALL.map(|corner| Some(file.corner_config(corner).unwrap())),
-        wheelbase_m: Some(scenario.wheelbase_m),
-    };
+    let config = file.car_config().unwrap();
     let pressures_kpa = truth.map(|corner| corner.placard_kpa);
     let mut off = Vec::new();
     for seed in 1..=5 {

@@ -177,15 +177,11 @@ mod tests {
         for damping in [[2_600.0, 1_100.0], [1_300.0, 2_200.0]] {
             let mut scenario = Scenario::builtin("drive-puncture").unwrap();
             (scenario.duration_s, scenario.rate_hz) = (120.0, 200.0);
-            for (i, corner) in Corner::ALL.into_iter().enumerate() {
-                let Some(spec) = scenario.corner.get_mut(corner) else { unreachable!() };
-                spec.damping_n_s_per_m = damping[i / 2];
+            for (corner, spec) in scenario.corner.iter_mut() {
+                spec.damping_n_s_per_m = damping[corner.index() / 2];
                 spec.pressure = Pressure::ConstantKpa(spec.placard_kpa);
             }
-            let file = CarConfig {
-                corners: Corner::ALL.map(|corner| Some(scenario.corner_config(corner).unwrap())),
-                wheelbase_m: None,
-            };
+            let file = CarConfig { wheelbase_m: None, ..scenario.car_config().unwrap() };
             let simulation = Simulation::new(&scenario, 1).unwrap();
             let mut listener = WheelbaseListener::new(&file, scenario.rate_hz);
             simulation.for_each(|row| listener.take(&row.car_sample()));

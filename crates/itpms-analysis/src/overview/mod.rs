@@ -42,7 +42,7 @@ pub struct CornerSignals {
     pub road_m: f64,
 }
 
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Overview {
     step_s: f64,
     rows: u64,
@@ -115,15 +115,7 @@ struct Tracks {
 impl Overview {
     /// Empty, for rows that usually are `step_s` apart.
     pub fn new(step_s: f64) -> Self {
-        Self {
-            step_s,
-            rows: 0,
-            span_s: None,
-            steps: None,
-            speed: None,
-            wheels: None,
-            corners: [const { None }; 4],
-        }
+        Self { step_s, ..Self::default() }
     }
 
     /// Takes the next row. A corner that the first row does not have is not looked at.

@@ -140,6 +140,7 @@ fn signal(name: &str, s: &Statistics) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::CornerSignals;
     use super::super::tests::{minute, noise};
 
     #[test]
@@ -154,59 +155,46 @@ mod tests {
             assert!(doubts.iter().any(|doubt| doubt.contains(words)), "{words}: {doubts:?}");
             assert_eq!(doubts.len(), 1, "{doubts:?}");
         };
-        expect_text(
-            minute(0.2, |_, signals| {
-                std::mem::swap(&mut signals.body_accel_m_s2, &mut signals.wheel_accel_m_s2)
-            }),
+        let expect_of_all = |edit: fn(&mut CornerSignals), words: &str| {
+            expect_text(minute(0.2, |_, signals| edit(signals)), words);
+        };
+        expect_of_all(
+            |s| std::mem::swap(&mut s.body_accel_m_s2, &mut s.wheel_accel_m_s2),
             "fr: the body moves more than the wheel where wheels hop (8 to 20 Hz)",
         );
-        expect_text(
-            minute(0.2, |_, signals| signals.body_accel_m_s2 = signals.wheel_accel_m_s2),
-            "one and the same signal",
-        );
-        expect_text(
-            minute(0.2, |_, signals| signals.body_accel_m_s2 += 9.81),
-            "fr, body: its mean is 9.8 m/s², so gravity is in it",
-        );
-        expect_text(
-            minute(0.2, |_, signals| {
-                signals.body_accel_m_s2 += 9.81;
-                signals.wheel_accel_m_s2 += 9.81;
-            }),
+        expect_of_all(|s| s.body_accel_m_s2 = s.wheel_accel_m_s2, "one and the same signal");
+        expect_of_all(|s| s.body_accel_m_s2 += 9.81, "fr, body: its mean is 9.8 m/s², so gravity is in it");
+        expect_of_all(
+            |s| {
+                s.body_accel_m_s2 += 9.81;
+                s.wheel_accel_m_s2 += 9.81;
+            },
             "fr, body, and 1 more: their means are 9.8 m/s² and the like, so gravity is in them",
         );
-        expect_text(minute(0.2, |_, signals| signals.body_accel_m_s2 = 1.5), "fr, body: always 1.5");
-        expect_text(
-            minute(0.2, |_, signals| signals.wheel_accel_m_s2 = f64::NAN),
-            "fr, wheel: never has a value",
-        );
-        expect_text(
-            minute(0.2, |_, signals| signals.wheel_accel_m_s2 = signals.wheel_accel_m_s2.clamp(-3.5, 3.5)),
+        expect_of_all(|s| s.body_accel_m_s2 = 1.5, "fr, body: always 1.5");
+        expect_of_all(|s| s.wheel_accel_m_s2 = f64::NAN, "fr, wheel: never has a value");
+        expect_of_all(
+            |s| s.wheel_accel_m_s2 = s.wheel_accel_m_s2.clamp(-3.5, 3.5),
             "fr, wheel: stays at its limits (-3.5000 and 3.5000 m/s²) for",
         );
         expect_text(
-            minute(0.2, |i, signals| {
+            minute(0.2, |i, s| {
                 if (3_000..3_600).contains(&i) {
-                    signals.wheel_accel_m_s2 = f64::NAN;
+                    s.wheel_accel_m_s2 = f64::NAN;
                 }
             }),
             "fr, wheel: 5 % of its values are missing",
         );
-        expect_text(
-            minute(0.2, |_, signals| {
-                signals.body_accel_m_s2 = (signals.body_accel_m_s2 / 0.16).round() * 0.16
-            }),
+        expect_of_all(
+            |s| s.body_accel_m_s2 = (s.body_accel_m_s2 / 0.16).round() * 0.16,
             "moves in steps of 0.16",
         );
     }
 
     #[test]
     fn what_is_the_same_of_several_corners_is_reported_once() {
-        let exchanged = || {
-            minute(0.2, |_, signals| {
-                std::mem::swap(&mut signals.body_accel_m_s2, &mut signals.wheel_accel_m_s2)
-            })
-        };
+        let exchanged =
+            || minute(0.2, |_, s| std::mem::swap(&mut s.body_accel_m_s2, &mut s.wheel_accel_m_s2));
         let mut found = exchanged();
         let mut other = exchanged().corners.remove(0);
         other.label = "rl";
@@ -224,7 +212,7 @@ mod tests {
             state.set(now);
             value
         };
-        let found = minute(0.0, |_, signals| signals.body_accel_m_s2 = random());
+        let found = minute(0.0, |_, s| s.body_accel_m_s2 = random());
         let doubts = found.doubts();
         assert!(doubts.len() == 1 && doubts[0].contains("the body does not follow this wheel"), "{doubts:?}");
     }

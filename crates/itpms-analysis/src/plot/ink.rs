@@ -99,17 +99,10 @@ impl Stroke {
 mod tests {
     use super::*;
 
-    const ALL: [Ink; 9] = [
-        Ink::Truth,
-        Ink::Default,
-        Ink::Mended,
-        Ink::Adaptive,
-        Ink::Plain,
-        Ink::Paper,
-        Ink::Extra,
-        Ink::Light,
-        Ink::Muted,
-    ];
+    const ALL: [Ink; 9] = {
+        use Ink::{Adaptive, Default, Extra, Light, Mended, Muted, Paper, Plain, Truth};
+        [Truth, Default, Mended, Adaptive, Plain, Paper, Extra, Light, Muted]
+    };
 
     /// Relative luminance of WCAG 2.2.
     fn luminance(color: &str) -> f64 {

@@ -124,22 +124,16 @@ impl Panel {
     }
 
     fn heading(&self, svg: &mut Svg) {
+        let mut head = |at_x: f64, weight: u32, text: &str| {
+            let style = format!(" font-size=\"{TITLE_SIZE}\" font-weight=\"{weight}\"");
+            svg.text((at_x, 16.0), Anchor::Start, style, text);
+        };
         let mut start = 0.0;
         if !self.letter.is_empty() {
-            svg.text(
-                (0.0, 16.0),
-                Anchor::Start,
-                format_args!(" font-size=\"{TITLE_SIZE}\" font-weight=\"700\""),
-                &self.letter,
-            );
+            head(0.0, 700, &self.letter);
             start = width(&self.letter, TITLE_SIZE) + 9.0;
         }
-        svg.text(
-            (start, 16.0),
-            Anchor::Start,
-            format_args!(" font-size=\"{TITLE_SIZE}\" font-weight=\"600\""),
-            &self.title,
-        );
+        head(start, 600, &self.title);
         svg.text((0.0, 36.0), Anchor::Start, " fill=\"#4a4f57\"", &self.y.caption());
     }
 

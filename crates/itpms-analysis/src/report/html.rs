@@ -336,19 +336,9 @@ mod tests {
 
     #[test]
     fn the_template_names_every_part_once() {
-        for name in [
-            "contents",
-            "headline",
-            "subline",
-            "cards",
-            "alerts",
-            "suspension",
-            "roads",
-            "figures",
-            "corners",
-            "wheels",
-            "parameters",
-        ] {
+        let names =
+            "contents headline subline cards alerts suspension roads figures corners wheels parameters";
+        for name in names.split(' ') {
             assert_eq!(TEMPLATE.matches(&format!("{{{{{name}}}}}")).count(), 1, "{name}");
         }
         assert!(!PLOT_LICENSE.contains("*/"));

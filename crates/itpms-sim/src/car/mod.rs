@@ -8,7 +8,7 @@ pub(crate) mod motion;
 
 use serde::{Deserialize, Serialize};
 
-use crate::error::{InvalidValue, within};
+use crate::error::{Result, within};
 use crate::plant::{Bending, Body, Load};
 use crate::time_profile::TimeProfile;
 
@@ -80,7 +80,7 @@ impl Default for CarSpec {
 }
 
 impl CarSpec {
-    pub(crate) fn validate(&self) -> Result<(), InvalidValue> {
+    pub(crate) fn validate(&self) -> Result<()> {
         for (name, track_m) in [("track_front_m", self.track_front_m), ("track_rear_m", self.track_rear_m)] {
             within(name, track_m, 0.5, 4.0, "a width from 0.5 to 4 m")?;
         }
@@ -97,13 +97,8 @@ impl CarSpec {
             within(name, bar, 0.0, 500_000.0, "from 0 to 500000 N m/rad")?;
         }
         within("rear_offset_m", self.rear_offset_m, -1.0, 1.0, "a distance from -1 to 1 m")?;
-        within(
-            "rear_slip_rad_per_m_s2",
-            self.rear_slip_rad_per_m_s2,
-            0.0,
-            0.05,
-            "from 0 to 0.05 rad per m/s2",
-        )?;
+        let slip = self.rear_slip_rad_per_m_s2;
+        within("rear_slip_rad_per_m_s2", slip, 0.0, 0.05, "from 0 to 0.05 rad per m/s2")?;
         within("tightest_radius_m", self.tightest_radius_m, 3.0, 100.0, "a radius from 3 to 100 m")?;
         within("rise_s", self.rise_s, 0.01, 5.0, "a time from 0.01 to 5 s")?;
         self.lateral_m_s2().map_err(|e| e.within("lateral_points_s_m_s2"))?;
@@ -112,7 +107,7 @@ impl CarSpec {
     }
 
     /// Lateral acceleration in m/s² over time, as asked for.
-    pub(crate) fn lateral_m_s2(&self) -> Result<TimeProfile, InvalidValue> {
+    pub(crate) fn lateral_m_s2(&self) -> Result<TimeProfile> {
         if self.lateral_points_s_m_s2.is_empty() {
             return Ok(TimeProfile::constant(0.0));
         }
@@ -160,7 +155,12 @@ impl CarSpec {
 }
 
 impl PayloadSpec {
-    fn validate(&self) -> Result<(), InvalidValue> {
+    /// At so many m behind the front axle and to the left.
+    pub fn constant([behind_front_m, left_m]: [f64; 2], mass_kg: f64) -> Self {
+        Self { behind_front_m, left_m, points_s_kg: vec![[0.0, mass_kg]] }
+    }
+
+    fn validate(&self) -> Result<()> {
         within("behind_front_m", self.behind_front_m, -2.0, 8.0, "a distance from -2 to 8 m")?;
         within("left_m", self.left_m, -2.0, 2.0, "a distance from -2 to 2 m")?;
         for [_, kg] in &self.points_s_kg {
@@ -169,7 +169,7 @@ impl PayloadSpec {
         self.mass_kg().map(|_| ())
     }
 
-    pub(crate) fn mass_kg(&self) -> Result<TimeProfile, InvalidValue> {
+    pub(crate) fn mass_kg(&self) -> Result<TimeProfile> {
         TimeProfile::new(&self.points_s_kg)
     }
 }
@@ -183,14 +183,14 @@ pub(crate) struct Payload {
 
 impl Payload {
     /// Places are taken from the body's center of gravity.
-    pub(crate) fn new(spec: &CarSpec, body: &Body) -> Result<Self, InvalidValue> {
+    pub(crate) fn new(spec: &CarSpec, body: &Body) -> Result<Self> {
         let front = 0.5 * (body.struts_m[0][0] + body.struts_m[1][0]);
         let middle = 0.5 * (body.struts_m[0][1] + body.struts_m[1][1]);
         let items = spec
             .payload
             .iter()
             .map(|p| Ok((p.mass_kg()?, [front - p.behind_front_m, middle + p.left_m])))
-            .collect::<Result<Vec<_>, InvalidValue>>()?;
+            .collect::<Result<Vec<_>>>()?;
         Ok(Self { masses_kg: vec![0.0; items.len()], items })
     }
 

@@ -4,7 +4,7 @@
 //! Called by the simulation, step by step in time. It knows nothing of roads or springs.
 
 use super::CarSpec;
-use crate::error::InvalidValue;
+use crate::error::Result;
 use crate::time_profile::TimeProfile;
 
 #[derive(Debug, Clone)]
@@ -21,11 +21,7 @@ pub(crate) struct Motion {
 }
 
 impl Motion {
-    pub(crate) fn new(
-        spec: &CarSpec,
-        speed_m_s: &TimeProfile,
-        wheelbase_m: f64,
-    ) -> Result<Self, InvalidValue> {
+    pub(crate) fn new(spec: &CarSpec, speed_m_s: &TimeProfile, wheelbase_m: f64) -> Result<Self> {
         Ok(Self {
             speed_m_s: speed_m_s.clone(),
             lateral_m_s2: spec.lateral_m_s2()?,

@@ -96,13 +96,8 @@ mod tests {
     const CLEAN: Readings = [[0.1, 1.0], [0.2, 2.0], [0.3, 3.0], [0.4, 4.0]];
 
     fn fault(kind: FaultKind) -> FaultSpec {
-        FaultSpec {
-            kind,
-            corner: Corner::FrontRight.into(),
-            sensor: FaultPlace::Wheel,
-            from_s: 1.0,
-            to_s: Some(101.0),
-        }
+        let lasting = FaultSpec::lasting(Corner::FrontRight, FaultPlace::Wheel, 1.0, kind);
+        FaultSpec { to_s: Some(101.0), ..lasting }
     }
 
     /// Readings of the faulty sensor over 102 s at 100 Hz; all others are checked to be as they were.

@@ -3,7 +3,7 @@
 use itpms_core::model::Corner;
 use serde::{Deserialize, Serialize};
 
-use crate::error::{InvalidValue, not_negative, positive, within};
+use crate::error::{InvalidValue, Result, not_negative, positive, within};
 
 /// Which of a corner's sensors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -94,11 +94,16 @@ pub struct FaultSpec {
 }
 
 impl FaultSpec {
+    /// From a time on, for good.
+    pub fn lasting(corner: Corner, sensor: FaultPlace, from_s: f64, kind: FaultKind) -> Self {
+        Self { corner: corner.into(), sensor, from_s, to_s: None, kind }
+    }
+
     pub fn at(&self) -> SensorName {
         SensorName { corner: self.corner, sensor: self.sensor }
     }
 
-    pub(crate) fn validate(&self) -> Result<(), InvalidValue> {
+    pub(crate) fn validate(&self) -> Result<()> {
         within("from_s", self.from_s, -1e6, 1e6, "a time in s")?;
         if let Some(to_s) = self.to_s {
             within("to_s", to_s, self.from_s, 1e6, "a time in s after from_s")?;

@@ -4,7 +4,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::error::{InvalidValue, positive, within};
+use crate::error::{Result, positive, within};
 
 /// A mode of the body, free in the air.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -24,7 +24,7 @@ fn usual_ratio() -> f64 {
 }
 
 impl Bending {
-    pub(crate) fn validate(&self) -> Result<(), InvalidValue> {
+    pub(crate) fn validate(&self) -> Result<()> {
         within("frequency_hz", self.frequency_hz, 5.0, 100.0, "a frequency from 5 to 100 Hz")?;
         within("damping_ratio", self.damping_ratio, 0.0, 0.5, "a ratio from 0 to 0.5")?;
         positive("modal_mass_kg", self.modal_mass_kg)?;

@@ -5,7 +5,7 @@
 use itpms_core::model::{ParameterError, QuarterCar};
 use serde::{Deserialize, Serialize};
 
-use crate::error::{InvalidValue, not_negative, within};
+use crate::error::{InvalidValue, Result, not_negative, within};
 
 /// How the true corner differs from what its estimator is given, as written in a scenario.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -85,7 +85,7 @@ impl Default for Deviations {
 }
 
 impl Deviations {
-    pub(crate) fn validate(&self) -> Result<(), InvalidValue> {
+    pub(crate) fn validate(&self) -> Result<()> {
         for (name, factor) in [
             ("sprung_mass_factor", self.sprung_mass_factor),
             ("unsprung_mass_factor", self.unsprung_mass_factor),
@@ -95,13 +95,8 @@ impl Deviations {
         ] {
             within(name, factor, 0.1, 10.0, "a factor from 0.1 to 10")?;
         }
-        within(
-            "tire_damping_n_s_per_m",
-            self.tire_damping_n_s_per_m,
-            0.0,
-            5000.0,
-            "a damping from 0 to 5000 N s/m",
-        )?;
+        let damping = self.tire_damping_n_s_per_m;
+        within("tire_damping_n_s_per_m", damping, 0.0, 5000.0, "a damping from 0 to 5000 N s/m")?;
         within("damper_asymmetry", self.damper_asymmetry, -1.0, 1.0, "a share from -1 to 1")?;
         within("damper_digression_s_per_m", self.damper_digression_s_per_m, 0.0, 50.0, "from 0 to 50 s/m")?;
         within("spring_progression_per_m", self.spring_progression_per_m, 0.0, 20.0, "from 0 to 20 per m")?;
@@ -112,7 +107,7 @@ impl Deviations {
         within("rolling_radius_m", self.rolling_radius_m, 0.1, 1.0, "a radius from 0.1 to 1 m")
     }
 
-    fn validate_parts(&self) -> Result<(), InvalidValue> {
+    fn validate_parts(&self) -> Result<()> {
         let mount_n_per_m = self.damper_mount_n_per_m;
         if mount_n_per_m != 0.0 {
             within("damper_mount_n_per_m", mount_n_per_m, 1e4, 1e8, "0, or from 10000 to 100000000 N/m")?;
@@ -125,7 +120,7 @@ impl Deviations {
         within("rim_stiffness_n_per_m", self.rim_stiffness_n_per_m, 1e4, 5e6, rim)
     }
 
-    fn validate_friction(&self) -> Result<(), InvalidValue> {
+    fn validate_friction(&self) -> Result<()> {
         not_negative("friction_n", self.friction_n)?;
         for distance_m in self.friction_presliding_m {
             within("friction_presliding_m", distance_m, 1e-5, 0.05, "distances from 0.00001 to 0.05 m")?;

@@ -7,7 +7,7 @@ use itpms_fourier::Complex;
 use serde::{Deserialize, Serialize};
 
 use super::iso8608::{Amplitude, Iso8608, Roughness};
-use crate::error::{InvalidValue, within};
+use crate::error::{Result, within};
 
 /// A hydraulic actuator that follows a demanded height as a mass on a damped spring follows its foot:
 /// `H(f) = 1 / (1 - (f/f0)² + 2 i ζ f/f0)`.
@@ -33,14 +33,9 @@ impl Actuator {
         Complex::new(1.0 - ratio * ratio, 2.0 * self.damping_ratio * ratio).inv()
     }
 
-    fn validate(&self) -> Result<(), InvalidValue> {
-        within(
-            "natural_frequency_hz",
-            self.natural_frequency_hz,
-            1.0,
-            1e4,
-            "a frequency from 1 to 10000 Hz",
-        )?;
+    fn validate(&self) -> Result<()> {
+        let natural_hz = self.natural_frequency_hz;
+        within("natural_frequency_hz", natural_hz, 1.0, 1e4, "a frequency from 1 to 10000 Hz")?;
         within("damping_ratio", self.damping_ratio, 0.05, 5.0, "a ratio from 0.05 to 5")
     }
 }
@@ -63,7 +58,7 @@ pub struct BenchRoad {
 }
 
 impl BenchRoad {
-    pub(crate) fn validate(&self) -> Result<(), InvalidValue> {
+    pub(crate) fn validate(&self) -> Result<()> {
         within("repeat_every_s", self.repeat_every_s, 0.05, 60.0, "a time from 0.05 to 60 s")?;
         self.demand().validate()?;
         self.actuator.validate().map_err(|e| e.within("actuator"))

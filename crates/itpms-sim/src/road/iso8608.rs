@@ -6,7 +6,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::error::{InvalidValue, positive, within};
+use crate::error::{Result, positive, within};
 
 /// Reference spatial frequency `n0` in cycles/m (ISO 8608:2016, 5.1.2).
 pub const REFERENCE_CYCLES_PER_M: f64 = 0.1;
@@ -147,7 +147,7 @@ impl Iso8608 {
         self.roughness.gd_n0_m3() * (cycles_per_m / REFERENCE_CYCLES_PER_M).powf(-self.slope)
     }
 
-    pub(crate) fn validate(&self) -> Result<(), InvalidValue> {
+    pub(crate) fn validate(&self) -> Result<()> {
         positive("roughness", self.roughness.gd_n0_m3())?;
         within("slope", self.slope, 0.5, 4.0, "a number from 0.5 to 4")?;
         match self.repeat_every_m {

@@ -33,7 +33,7 @@ pub use profile::{Extension, MeasuredProfile, ProfileSpec, Trend};
 pub use recurring::{Sleepers, Washboard};
 pub use segments::{AfterLast, Segment, Segments};
 
-use crate::error::{InvalidValue, ProfileError, positive, within};
+use crate::error::{InvalidValue, ProfileError, Result, positive, within};
 pub(crate) use grid::cubic;
 use grid::{CHUNK_NODES, Chunk};
 use surface::SurfaceRun;
@@ -97,7 +97,7 @@ impl RoadSpec {
     }
 
     /// Checks every number; files are read only when the road is built. Errors: names the first value that is out of range.
-    pub fn validate(&self) -> Result<(), InvalidValue> {
+    pub fn validate(&self) -> Result<()> {
         within("contact_length_m", self.contact_length_m, 0.0, 1.0, "a length from 0 to 1 m")?;
         match &self.surface {
             Surface::Flat | Surface::Profile(_) => Ok(()),

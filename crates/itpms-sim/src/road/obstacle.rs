@@ -5,7 +5,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::Side;
-use crate::error::{InvalidValue, not_negative, within};
+use crate::error::{Result, not_negative, within};
 
 /// Which wheels meet an obstacle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -65,7 +65,7 @@ impl Pothole {
         -self.depth_m * rise(x_m - self.at_m, self.edge_m) * rise(end_m - x_m, self.edge_m)
     }
 
-    pub(crate) fn validate(&self) -> Result<(), InvalidValue> {
+    pub(crate) fn validate(&self) -> Result<()> {
         within("at_m", self.at_m, -1e7, 1e7, "a distance in m")?;
         within("length_m", self.length_m, 0.01, 100.0, "a length from 0.01 to 100 m")?;
         within("depth_m", self.depth_m, -1.0, 1.0, "a depth from -1 to 1 m")?;
@@ -78,7 +78,7 @@ impl Step {
         self.height_m * rise(x_m - self.at_m, self.edge_m)
     }
 
-    pub(crate) fn validate(&self) -> Result<(), InvalidValue> {
+    pub(crate) fn validate(&self) -> Result<()> {
         within("at_m", self.at_m, -1e7, 1e7, "a distance in m")?;
         within("height_m", self.height_m, -1.0, 1.0, "a height from -1 to 1 m")?;
         not_negative("edge_m", self.edge_m)

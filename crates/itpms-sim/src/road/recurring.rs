@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use serde::{Deserialize, Serialize};
 
 use super::{Pothole, Tracks};
-use crate::error::{InvalidValue, within};
+use crate::error::{Result, within};
 
 /// Beyond any drive, in m.
 const FAR_M: f64 = 1e7;
@@ -70,7 +70,7 @@ fn within_period_m(x_m: f64, period_m: f64, [from_m, to_m]: [f64; 2]) -> Option<
     (begin_m >= from_m - SAME_M && begin_m + period_m <= to_m + SAME_M).then_some(x_m - begin_m)
 }
 
-fn validate_stretch(from_m: f64, to_m: f64) -> Result<(), InvalidValue> {
+fn validate_stretch(from_m: f64, to_m: f64) -> Result<()> {
     within("from_m", from_m, -FAR_M, FAR_M, "a distance in m")?;
     within("to_m", to_m, from_m, FAR_M, "a distance in m no less than from_m")
 }
@@ -81,7 +81,7 @@ impl Washboard {
         along_m.map_or(0.0, |along_m| self.amplitude_m * (TAU * along_m / self.wavelength_m).sin())
     }
 
-    pub(crate) fn validate(&self) -> Result<(), InvalidValue> {
+    pub(crate) fn validate(&self) -> Result<()> {
         within("wavelength_m", self.wavelength_m, 0.05, 100.0, "a length from 0.05 to 100 m")?;
         within("amplitude_m", self.amplitude_m, 0.0, 0.5, "an amplitude from 0 to 0.5 m")?;
         validate_stretch(self.from_m, self.to_m)
@@ -97,7 +97,7 @@ impl Sleepers {
         })
     }
 
-    pub(crate) fn validate(&self) -> Result<(), InvalidValue> {
+    pub(crate) fn validate(&self) -> Result<()> {
         within("spacing_m", self.spacing_m, 0.1, 1000.0, "a distance from 0.1 to 1000 m")?;
         within("length_m", self.length_m, 0.01, self.spacing_m, "a length from 0.01 m to the spacing")?;
         within("height_m", self.height_m, -0.5, 0.5, "a height from -0.5 to 0.5 m")?;

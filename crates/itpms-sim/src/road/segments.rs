@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::iso8608::{Amplitude, Iso8608, Roughness};
 use super::lateral::Line;
 use super::spectral::SpectralRoad;
-use crate::error::{InvalidValue, within};
+use crate::error::{InvalidValue, Result, within};
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -47,7 +47,7 @@ pub struct Segments {
 }
 
 impl Segments {
-    pub(crate) fn validate(&self) -> Result<(), InvalidValue> {
+    pub(crate) fn validate(&self) -> Result<()> {
         if self.list.is_empty() {
             return Err(InvalidValue::new("list", "empty", "at least one segment"));
         }

@@ -3,7 +3,7 @@
 use itpms_core::model::{Confidence, Corner, CornerConfig, ParameterUncertainty, PressureMap, QuarterCar};
 use serde::{Deserialize, Serialize};
 
-use crate::error::InvalidValue;
+use crate::error::Result;
 use crate::plant::Deviations;
 use crate::pressure_sensor::PressureSensorSpec;
 use crate::sensor::SensorSpec;
@@ -27,7 +27,7 @@ impl Default for TireSpec {
 
 impl TireSpec {
     /// The map from pressure to stiffness. Errors: a slope that is not positive or an intercept that is negative.
-    pub fn map(&self) -> Result<PressureMap<f64>, InvalidValue> {
+    pub fn map(&self) -> Result<PressureMap<f64>> {
         Ok(PressureMap::new(self.stiffness_per_kpa, self.stiffness_at_zero)?)
     }
 }
@@ -119,7 +119,7 @@ impl CornerSpec {
     }
 
     /// The quarter car the estimator is given. Errors: names the parameter that is not positive.
-    pub fn quarter_car(&self) -> Result<QuarterCar<f64>, InvalidValue> {
+    pub fn quarter_car(&self) -> Result<QuarterCar<f64>> {
         Ok(QuarterCar::new(
             self.sprung_mass_kg,
             self.unsprung_mass_kg,
@@ -128,11 +128,7 @@ impl CornerSpec {
         )?)
     }
 
-    pub(crate) fn config(
-        &self,
-        usual: &SensorSpec,
-        confidence: Confidence,
-    ) -> Result<CornerConfig<f64>, InvalidValue> {
+    pub(crate) fn config(&self, usual: &SensorSpec, confidence: Confidence) -> Result<CornerConfig<f64>> {
         let map = self.tire.map()?;
         let mut config = CornerConfig::new(self.quarter_car()?, map, self.placard_kpa)?;
         config.uncertainty = ParameterUncertainty::of(confidence);
@@ -150,7 +146,7 @@ impl CornerSpec {
         }
     }
 
-    pub(crate) fn validate(&self) -> Result<(), InvalidValue> {
+    pub(crate) fn validate(&self) -> Result<()> {
         self.config(&SensorSpec::default(), Confidence::default())?;
         self.pressure.profile_kpa().map_err(|e| e.within("pressure"))?;
         self.truth.validate().map_err(|e| e.within("truth"))?;
@@ -178,26 +174,21 @@ pub struct Corners {
 impl Corners {
     /// A corner, if the scenario has it.
     pub fn get(&self, corner: Corner) -> Option<&CornerSpec> {
-        match corner {
-            Corner::FrontLeft => self.fl.as_ref(),
-            Corner::FrontRight => self.fr.as_ref(),
-            Corner::RearLeft => self.rl.as_ref(),
-            Corner::RearRight => self.rr.as_ref(),
-        }
+        [&self.fl, &self.fr, &self.rl, &self.rr][corner.index()].as_ref()
     }
 
     /// A corner to change, if the scenario has it.
     pub fn get_mut(&mut self, corner: Corner) -> Option<&mut CornerSpec> {
-        match corner {
-            Corner::FrontLeft => self.fl.as_mut(),
-            Corner::FrontRight => self.fr.as_mut(),
-            Corner::RearLeft => self.rl.as_mut(),
-            Corner::RearRight => self.rr.as_mut(),
-        }
+        self.iter_mut().find_map(|(other, spec)| (other == corner).then_some(spec))
     }
 
     /// The corners there are, in the order of [`Corner::ALL`].
     pub fn iter(&self) -> impl Iterator<Item = (Corner, &CornerSpec)> {
         Corner::ALL.into_iter().filter_map(|corner| self.get(corner).map(|spec| (corner, spec)))
+    }
+
+    pub fn iter_mut(&mut self) -> impl Iterator<Item = (Corner, &mut CornerSpec)> {
+        let all = [&mut self.fl, &mut self.fr, &mut self.rl, &mut self.rr];
+        Corner::ALL.into_iter().zip(all).filter_map(|(corner, spec)| Some((corner, spec.as_mut()?)))
     }
 }

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use super::tolerance::named_or_table;
 use super::{ToleranceSpec, is_one, is_zero};
 use crate::car::PayloadSpec;
-use crate::error::{InvalidValue, within};
+use crate::error::{Result, within};
 use crate::road::{AfterLast, Amplitude, RoadClass, Segment, Segments};
 use crate::streams::{Purpose, generator};
 
@@ -98,7 +98,7 @@ pub(crate) struct Journey {
 }
 
 impl JourneySpec {
-    pub(crate) fn validate(&self) -> Result<(), InvalidValue> {
+    pub(crate) fn validate(&self) -> Result<()> {
         let [shortest, longest] = self.stretch_s;
         within("stretch_s", shortest, 10.0, 1e5, "a time from 10 to 100000 s")?;
         within("stretch_s", longest, shortest, 1e5, "a longest time no less than the shortest")?;

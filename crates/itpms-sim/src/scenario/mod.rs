@@ -14,7 +14,7 @@ mod warm_up;
 
 use serde::{Deserialize, Serialize};
 
-use itpms_core::model::{Confidence, Corner, CornerConfig};
+use itpms_core::model::{CarConfig, Confidence, Corner, CornerConfig};
 
 pub use corner::{CornerSpec, Corners, TireSpec};
 pub use journey::JourneySpec;
@@ -22,7 +22,7 @@ pub use tolerance::{Draw, ToleranceSpec};
 
 use crate::antialias::AntiAliasSpec;
 use crate::car::CarSpec;
-use crate::error::{InvalidValue, ScenarioError, within};
+use crate::error::{InvalidValue, Result, ScenarioError, within};
 use crate::fault::FaultSpec;
 use crate::road::{RoadSpec, Surface};
 use crate::sensor::SensorSpec;
@@ -135,7 +135,7 @@ impl Scenario {
     }
 
     /// Of a scenario with a journey: that it is one throughout, and one that can be driven.
-    fn first_invalid_of_journey(&self, journey: &JourneySpec) -> Result<(), InvalidValue> {
+    fn first_invalid_of_journey(&self, journey: &JourneySpec) -> Result<()> {
         within("duration_s", self.duration_s, 0.1, 1e6, "a duration from 0.1 to 1000000 s")?;
         journey.validate().map_err(|e| e.within("journey"))?;
         let found = "given beside a [journey]";
@@ -155,7 +155,7 @@ impl Scenario {
         }
     }
 
-    fn first_invalid(&self) -> Result<(), InvalidValue> {
+    fn first_invalid(&self) -> Result<()> {
         if let Some(journey) = &self.journey {
             return self.first_invalid_of_journey(journey);
         }
@@ -232,5 +232,14 @@ impl Scenario {
             None => Err(InvalidValue::new(format!("corner.{}", corner.label()), "missing", "a corner")),
         };
         config.map_err(|source| ScenarioError::Invalid { scenario: self.name.clone(), source })
+    }
+
+    /// The same of all corners there are.
+    pub fn car_config(&self) -> Result<CarConfig<f64>, ScenarioError> {
+        let mut config = CarConfig { corners: [None; 4], wheelbase_m: Some(self.wheelbase_m) };
+        for (corner, _) in self.corner.iter() {
+            config.corners[corner.index()] = Some(self.corner_config(corner)?);
+        }
+        Ok(config)
     }
 }

@@ -12,7 +12,7 @@ use serde::de::{Error, MapAccess, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::Scenario;
-use crate::error::{InvalidValue, within};
+use crate::error::{Result, within};
 use crate::sensor::SensorSpec;
 use crate::streams::{Purpose, generator};
 use itpms_core::model::Corner;
@@ -89,7 +89,7 @@ impl ToleranceSpec {
         }
     }
 
-    pub(crate) fn validate(&self) -> Result<(), InvalidValue> {
+    pub(crate) fn validate(&self) -> Result<()> {
         for (name, share) in [
             ("sprung_mass", self.sprung_mass),
             ("unsprung_mass", self.unsprung_mass),
@@ -301,10 +301,7 @@ mod tests {
         if let Some(journey) = &mut scenario.journey {
             journey.tolerances = Some(ToleranceSpec { gain: f64::NAN, ..ToleranceSpec::default() });
         }
-        let message = scenario.validate().unwrap_err().to_string();
-        assert!(
-            message.contains("journey.tolerances.gain is NaN, expected a share from 0 to 0.5"),
-            "{message}"
-        );
+        let error = scenario.validate().unwrap_err().to_string();
+        assert!(error.contains("journey.tolerances.gain is NaN, expected a share from 0 to 0.5"), "{error}");
     }
 }

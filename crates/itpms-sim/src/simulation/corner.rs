@@ -8,7 +8,7 @@ use super::fore_aft::ForeAft;
 use super::history::History;
 use super::row::CornerRow;
 use crate::antialias::LowPass;
-use crate::error::InvalidValue;
+use crate::error::Result;
 use crate::plant::StepInput;
 use crate::pressure_sensor::PressureSensor;
 use crate::road::{Lane, Side};
@@ -54,7 +54,7 @@ impl CornerRun {
         spec: &CornerSpec,
         seed: u64,
         fine_hz: f64,
-    ) -> Result<Self, InvalidValue> {
+    ) -> Result<Self> {
         let filter = LowPass::new(&scenario.antialias, scenario.rate_hz, fine_hz);
         let number = 2 * corner.index() as u64;
         let body = spec.body_sensor.unwrap_or(scenario.sensor);

@@ -7,7 +7,7 @@ use rand::RngExt;
 
 use crate::car::motion::Motion;
 use crate::car::{CarSpec, Payload};
-use crate::error::InvalidValue;
+use crate::error::Result;
 use crate::plant::{CarInput, Deviations, FullCar, Plant, StepInput};
 use crate::scenario::Scenario;
 use crate::streams::{Purpose, generator};
@@ -39,7 +39,7 @@ impl Ride {
         seed: u64,
         start_s: f64,
         places: [[f64; 2]; 4],
-    ) -> Result<Self, InvalidValue> {
+    ) -> Result<Self> {
         if let Some(car) = &scenario.car {
             return Ok(Ride::Car(Box::new(CarRide::new(scenario, car, speed_m_s, seed, start_s, places)?)));
         }
@@ -141,7 +141,7 @@ impl CarRide {
         seed: u64,
         start_s: f64,
         places: [[f64; 2]; 4],
-    ) -> Result<Self, InvalidValue> {
+    ) -> Result<Self> {
         let mut corners = [(QuarterCar::paper_table_2(), Deviations::default()); 4];
         for (corner, of) in scenario.corner.iter() {
             corners[corner.index()] = (of.quarter_car()?, of.truth);

@@ -48,7 +48,7 @@ impl SimRow {
 }
 
 impl CornerRow {
-    fn sample(&self) -> CornerSample<f64> {
+    pub fn sample(&self) -> CornerSample<f64> {
         CornerSample { body_accel_m_s2: self.body_accel_m_s2, wheel_accel_m_s2: self.wheel_accel_m_s2 }
     }
 }

@@ -61,7 +61,7 @@ impl Trailer {
 }
 
 /// How the car moves at an instant.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Moving {
     pub(crate) speed_m_s: f64,
     pub(crate) accel_m_s2: [f64; 2],
@@ -78,15 +78,7 @@ impl Moving {
     /// At a speed on a flat road.
     #[cfg(test)]
     pub(crate) fn still(speed_m_s: f64) -> Self {
-        Self {
-            speed_m_s,
-            accel_m_s2: [0.0; 2],
-            grade: 0.0,
-            cross_slope: 0.0,
-            wind_m_s: 0.0,
-            side_wind_m_s: 0.0,
-            rolling: [0.0; 2],
-        }
+        Self { speed_m_s, ..Self::default() }
     }
 
     pub(crate) fn side_n(&self) -> f64 {

@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::error::{InvalidValue, within};
+use crate::error::{Result, within};
 
 /// Fault of the yaw rate on the bus.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -113,7 +113,7 @@ impl ConditionsSpec {
         yaw_fault: YawFault::None,
     };
 
-    pub(crate) fn validate(&self) -> Result<(), InvalidValue> {
+    pub(crate) fn validate(&self) -> Result<()> {
         let shares = [
             ("wet_share", self.wet_share),
             ("snow_share", self.snow_share),

@@ -14,7 +14,7 @@ use super::spec::{DrivenWheels, WheelSpeedSpec};
 use super::surface::{Ground, Surfaces};
 use super::tire::slip;
 use crate::car::motion::Motion;
-use crate::error::InvalidValue;
+use crate::error::Result;
 use crate::scenario::Scenario;
 use crate::streams::{Purpose, generator};
 use crate::time_profile::TimeProfile;
@@ -133,7 +133,7 @@ pub(crate) struct WheelSpeedRun {
 
 impl WheelSpeedRun {
     /// Of a scenario without a journey; `None` where it has no wheel speeds.
-    pub(crate) fn new(scenario: &Scenario, seed: u64) -> Result<Option<Self>, InvalidValue> {
+    pub(crate) fn new(scenario: &Scenario, seed: u64) -> Result<Option<Self>> {
         let (Some(spec), Some(car)) = (scenario.wheel_speeds, &scenario.car) else { return Ok(None) };
         let of = &scenario.corner;
         let (Some(fl), Some(fr), Some(rl), Some(rr)) = (&of.fl, &of.fr, &of.rl, &of.rr) else {
@@ -158,7 +158,7 @@ impl WheelSpeedRun {
             motion: Motion::new(car, &speed_m_s, scenario.wheelbase_m)?,
             distance_m: speed_m_s.integral(-1e-3 * spec.latency_ms),
             speed_m_s,
-            payload: payload.collect::<Result<_, InvalidValue>>()?,
+            payload: payload.collect::<Result<_>>()?,
             pressures_kpa: [p0?, p1?, p2?, p3?],
             radius_m: corners.map(|corner| corner.truth.rolling_radius_m),
             rough: Rough::new(&scenario.road),

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::conditions::ConditionsSpec;
-use crate::error::{InvalidValue, within};
+use crate::error::{Result, within};
 
 /// Which wheels the engine turns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -110,7 +110,7 @@ impl WheelSpeedSpec {
         conditions: ConditionsSpec::OFF,
     };
 
-    pub(crate) fn validate(&self) -> Result<(), InvalidValue> {
+    pub(crate) fn validate(&self) -> Result<()> {
         within("locking_n", self.locking_n, 0.0, 1e5, "a force from 0 to 100000 N")?;
         within("locking_share", self.locking_share, 0.0, 10.0, "a share from 0 to 10")?;
         within("period_ms", self.period_ms, 1.0, 100.0, "a time from 1 to 100 ms")?;
@@ -123,13 +123,8 @@ impl WheelSpeedSpec {
             within("radius_offsets", offset, -0.3, 0.3, "shares from -0.3 to 0.3")?;
         }
         within("wear_per_km", self.wear_per_km, 0.0, 1e-3, "a share from 0 to 0.001")?;
-        within(
-            "slip_stiffness_per_load",
-            self.slip_stiffness_per_load,
-            5.0,
-            500.0,
-            "a number from 5 to 500",
-        )?;
+        let stiffness = self.slip_stiffness_per_load;
+        within("slip_stiffness_per_load", stiffness, 5.0, 500.0, "a number from 5 to 500")?;
         for (name, sd) in [
             ("radius_sd", self.radius_sd),
             ("brake_imbalance", self.brake_imbalance),

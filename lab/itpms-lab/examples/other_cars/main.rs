@@ -246,19 +246,9 @@ fn main() {
             );
         }
     }
-    for why in [
-        "Short",
-        "Smooth",
-        "Rough",
-        "Unexplained",
-        "reference Short",
-        "reference Smooth",
-        "reference Rough",
-        "reference Unexplained",
-    ] {
-        println!(
-            "not read, {why}: {}",
-            all.iter().filter(|o| o.read.as_ref().is_err_and(|e| e == why)).count()
-        );
+    let reasons = ["Short", "Smooth", "Rough", "Unexplained"];
+    for why in reasons.map(str::to_owned).into_iter().chain(reasons.map(|why| format!("reference {why}"))) {
+        let is_it = |o: &&Out| o.read.as_ref().is_err_and(|e| *e == why);
+        println!("not read, {why}: {}", all.iter().filter(is_it).count());
     }
 }

@@ -3,7 +3,6 @@
 //!
 //! Called by `drive`. Knows the regulations' numbers, nothing of estimators.
 
-use itpms_core::model::Corner;
 use itpms_sim::error::ScenarioError;
 use itpms_sim::scenario::Scenario;
 use itpms_sim::time_profile::{Pressure, Speed};
@@ -102,8 +101,7 @@ impl Course {
             wrong_at_s += DEFLATE_S;
             test_kpa = Some(rule.test_pressure_kpa(test, warm_kpa, placard_kpa));
         }
-        for corner in Corner::ALL {
-            let Some(spec) = scenario.corner.get_mut(corner) else { continue };
+        for (corner, spec) in scenario.corner.iter_mut() {
             let mut points = warming(spec.placard_kpa, learning_s);
             if let Some(test_kpa) = test_kpa.filter(|_| procedure.low_wheels().contains(corner)) {
                 points.extend([[wrong_from_s, warm_kpa], [wrong_at_s, test_kpa]]);
@@ -159,10 +157,8 @@ fn recovery(scenario: &Scenario, band_km_h: [f64; 2]) -> Scenario {
     if let Some(car) = &mut recovery.car {
         car.lateral_points_s_m_s2 = bends(recovery.duration_s);
     }
-    for corner in Corner::ALL {
-        if let Some(spec) = recovery.corner.get_mut(corner) {
-            spec.pressure = Pressure::ConstantKpa(spec.placard_kpa);
-        }
+    for (_, spec) in recovery.corner.iter_mut() {
+        spec.pressure = Pressure::ConstantKpa(spec.placard_kpa);
     }
     recovery
 }

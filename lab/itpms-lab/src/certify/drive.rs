@@ -16,7 +16,7 @@ use super::telltale::{Lamp, Wrong, wrong};
 use super::test_case::Test;
 use super::watched::Watched;
 use super::{Odometer, StatedLoads};
-use crate::runner::StudyError;
+use crate::runner::Result;
 use crate::sensors::Sensors;
 
 /// After the tell-tale has come on the drive goes on so many s: it has to stay lit.
@@ -41,7 +41,7 @@ pub(super) fn drive(
     seed: u64,
     (sensors, loads): (Sensors, StatedLoads),
     odometer: &Odometer<'_>,
-) -> Result<Outcome, StudyError> {
+) -> Result<Outcome> {
     let mut car = Watched::new(procedure, course, loads, sensors)?;
     car.begin_calibration(course.learning_s)?;
     let mut run = Run::new(procedure, course, seed, car, odometer);
@@ -96,7 +96,7 @@ impl<'a> Run<'a> {
     }
 
     /// Learning, standstill, detection, until the tell-tale comes on or the time is over.
-    fn test(&mut self) -> Result<(), StudyError> {
+    fn test(&mut self) -> Result<()> {
         let course = self.course;
         let (mut counted_s, mut last_s) = (0.0, 0.0);
         self.car.roll(&course.scenario, self.seed)?;
@@ -170,7 +170,9 @@ impl<'a> Run<'a> {
     fn park(&mut self) {
         let course = self.course;
         let step_s = 1.0 / course.scenario.rate_hz;
-        let mut noise = Noise::new(self.seed);
+        let mut random = Pcg64::seed_from_u64(self.seed);
+        // Uniform noise of 0.05 m/s² rms, which is its half width over the root of three.
+        let mut noise = || random.random_range(-1.0..1.0) * 0.05 * 3f64.sqrt();
         let mut faults = Faults::new(&course.scenario.fault, self.seed);
         let samples = (KEY_IN_S * course.scenario.rate_hz) as usize;
         let key_in_s = self.time_s + PARKED_S;
@@ -178,7 +180,7 @@ impl<'a> Run<'a> {
         for i in 0..samples {
             let since_s = i as f64 * step_s;
             let time_s = key_in_s + since_s;
-            let mut readings = Corner::ALL.map(|_| [noise.next(), noise.next()]);
+            let mut readings = Corner::ALL.map(|_| [noise(), noise()]);
             faults.spoil(time_s, &mut readings);
             self.time_s = time_s;
             self.car.stand(time_s, readings);
@@ -189,7 +191,7 @@ impl<'a> Run<'a> {
     }
 
     /// Tires filled, plugs put in, and a reset where tires were touched: the lamp has to go out.
-    fn recover(&mut self) -> Result<(), StudyError> {
+    fn recover(&mut self) -> Result<()> {
         let offset_s = self.time_s + PARKED_S;
         let quiet_s = if self.low { NEW_RESET_S } else { 0.0 };
         if self.low {
@@ -222,7 +224,7 @@ impl<'a> Run<'a> {
     }
 
     /// A point of the trace now and then, and a word of how far it is.
-    fn keep(&mut self, row: &SimRow, offset_s: f64) -> Result<(), StudyError> {
+    fn keep(&mut self, row: &SimRow, offset_s: f64) -> Result<()> {
         let before_s = self.simulated_s;
         self.simulated_s += 1.0 / self.course.scenario.rate_hz;
         let passed = |every_s: f64| (before_s / every_s).floor() < (self.simulated_s / every_s).floor();
@@ -234,20 +236,6 @@ impl<'a> Run<'a> {
             self.trace.extend(self.car.trace(offset_s + row.time_s, row));
         }
         Ok(())
-    }
-}
-
-/// What accelerometers of a parked car say: uniform noise of 0.05 m/s² rms.
-struct Noise(Pcg64);
-
-impl Noise {
-    fn new(seed: u64) -> Self {
-        Self(Pcg64::seed_from_u64(seed))
-    }
-
-    fn next(&mut self) -> f64 {
-        // The rms of a uniform distribution is its half width over the root of three.
-        self.0.random_range(-1.0..1.0) * 0.05 * 3f64.sqrt()
     }
 }
 

@@ -32,12 +32,10 @@ mod test_case;
 mod tests;
 mod watched;
 
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::runner::{Progress, StudyError, pool, refused};
+use crate::runner::{Odometer, Progress, Result, pool, refused};
 use crate::sensors::Sensors;
 
 pub use outcome::{FalseAlert, Outcome, Phase, TracePoint, Verdict};
@@ -88,7 +86,7 @@ pub struct Certificate {
 }
 
 /// The tests of a request, in order. Errors: none has such a name.
-pub fn procedures(request: &Request) -> Result<Vec<Procedure>, StudyError> {
+pub fn procedures(request: &Request) -> Result<Vec<Procedure>> {
     let all = Procedure::all(request.extent, request.sensors);
     let Some(part) = &request.only else { return Ok(all) };
     let chosen: Vec<Procedure> = all.iter().filter(|p| p.name().contains(part.as_str())).copied().collect();
@@ -101,7 +99,7 @@ pub fn procedures(request: &Request) -> Result<Vec<Procedure>, StudyError> {
 
 /// Drives the tests on all processors. The same request gives the same result, however many there are.
 /// Errors: no such test, a stop, or a scenario that cannot be driven.
-pub fn certify(request: &Request, progress: Progress<'_>) -> Result<Certificate, StudyError> {
+pub fn certify(request: &Request, progress: Progress<'_>) -> Result<Certificate> {
     let mut runs = vec![];
     for procedure in procedures(request)? {
         for again in 0..u64::from(request.repeats.max(1)) {
@@ -117,8 +115,8 @@ pub fn certify(request: &Request, progress: Progress<'_>) -> Result<Certificate,
         }
     }
     let total_s = runs.iter().map(|(_, course, _)| course.longest_s() as u64).sum();
-    let odometer = Odometer { done_s: AtomicU64::new(0), total_s, stopped: AtomicBool::new(false), progress };
-    let outcomes: Result<Vec<Outcome>, StudyError> = pool()?.install(|| {
+    let odometer = Odometer::new(total_s, progress);
+    let outcomes: Result<Vec<Outcome>> = pool()?.install(|| {
         let one = |(procedure, course, seed): &(Procedure, course::Course, u64)| {
             drive::drive(procedure, course, *seed, (request.sensors, request.loads), &odometer)
         };
@@ -140,22 +138,4 @@ pub fn certify(request: &Request, progress: Progress<'_>) -> Result<Certificate,
         patterns,
         outcomes,
     })
-}
-
-/// Counts simulated seconds over all threads and asks whether to go on.
-struct Odometer<'a> {
-    done_s: AtomicU64,
-    total_s: u64,
-    stopped: AtomicBool,
-    progress: Progress<'a>,
-}
-
-impl Odometer<'_> {
-    fn advance(&self, seconds: u64) -> Result<(), StudyError> {
-        let done_s = self.done_s.fetch_add(seconds, Ordering::Relaxed) + seconds;
-        if (self.progress)(done_s.min(self.total_s), self.total_s).is_break() {
-            self.stopped.store(true, Ordering::Relaxed);
-        }
-        if self.stopped.load(Ordering::Relaxed) { Err(StudyError::Stopped) } else { Ok(()) }
-    }
 }

@@ -215,7 +215,6 @@ impl TracePoint {
 mod tests {
     use super::*;
     use itpms_core::model::Corner;
-    use itpms_core::warning::Cause;
 
     fn good() -> Findings {
         Findings {
@@ -242,18 +241,12 @@ mod tests {
     #[test]
     fn another_lamp_or_wheel_fails_a_test_and_is_kept_once() {
         let [fl, fr, ..] = Corner::ALL;
-        let low = |corner: Corner| Alert {
-            wheels: corner.into(),
-            since_s: 0.0,
-            reported_s: 0.0,
-            cause: Cause::UnderInflated(crate::LOW),
-        };
         let mut findings = good();
-        findings.keep_false_alert(1500.0, Phase::Detection, Wrong::Wheel, &low(fr));
-        findings.keep_false_alert(1600.0, Phase::Recovery, Wrong::Wheel, &low(fr));
+        findings.keep_false_alert(1500.0, Phase::Detection, Wrong::Wheel, &crate::low(fr));
+        findings.keep_false_alert(1600.0, Phase::Recovery, Wrong::Wheel, &crate::low(fr));
         assert_eq!(Verdict::of(&findings, 600.0), Verdict::WrongWheel);
         // While parked the other lamp, too; that is the graver one.
-        findings.keep_false_alert(1900.0, Phase::KeyIn, Wrong::Lamp, &low(fl));
+        findings.keep_false_alert(1900.0, Phase::KeyIn, Wrong::Lamp, &crate::low(fl));
         assert_eq!(Verdict::of(&findings, 600.0), Verdict::OtherLamp);
         let kept: Vec<(f64, &str)> =
             findings.false_alerts.iter().map(|e| (e.time_s, e.wheels.as_str())).collect();

@@ -49,19 +49,7 @@ pub(super) fn relit(outcome: &Outcome) -> &'static str {
 impl Certificate {
     /// A table of all tests and a line that sums up.
     pub fn table(&self) -> String {
-        let head = [
-            "",
-            "clause",
-            "test",
-            "kPa",
-            "warned",
-            "limit",
-            "wheels named",
-            "lit again",
-            "out after",
-            "also reported, at",
-            "verdict",
-        ];
+        let head = "|clause|test|kPa|warned|limit|wheels named|lit again|out after|also reported, at|verdict";
         let rows = self.outcomes.iter().map(|outcome| {
             [
                 outcome.rule.label().to_owned(),
@@ -77,8 +65,7 @@ impl Certificate {
                 outcome.verdict.label().to_owned(),
             ]
         });
-        let rows: Vec<[String; 11]> = std::iter::once(head.map(str::to_owned)).chain(rows).collect();
-        aligned(&rows) + &self.by_pattern() + &self.summary()
+        aligned(head, rows) + &self.by_pattern() + &self.summary()
     }
 
     /// Tests of one kind together; nothing where they are not put together.
@@ -86,17 +73,7 @@ impl Certificate {
         if self.patterns.is_empty() {
             return String::new();
         }
-        let head = [
-            "",
-            "tires let down",
-            "runs",
-            "in time",
-            "median",
-            "worst",
-            "limit",
-            "wrong wheel",
-            "false alarm",
-        ];
+        let head = "|tires let down|runs|in time|median|worst|limit|wrong wheel|false alarm";
         let rows = self.patterns.iter().map(|tests| {
             [
                 tests.rule.label().to_owned(),
@@ -110,8 +87,7 @@ impl Certificate {
                 tests.false_alarms.to_string(),
             ]
         });
-        let rows: Vec<[String; 9]> = std::iter::once(head.map(str::to_owned)).chain(rows).collect();
-        aligned(&rows)
+        aligned(head, rows)
             + "Wheel speeds alone: what all four tires lose alike is not seen, but by tooth pulses; a dash is never.\n"
     }
 
@@ -135,23 +111,25 @@ impl Certificate {
 
 /// The tests that would be driven, a line each.
 pub fn list(procedures: &[Procedure]) -> String {
-    let rows: Vec<[String; 5]> = procedures
-        .iter()
-        .map(|p| {
-            let [slow, fast] = p.rule.band_km_h(p.test);
-            [
-                p.name(),
-                p.rule.clause(p.test).to_owned(),
-                p.text(),
-                format!("{slow:.0}-{fast:.0} km/h"),
-                format!("within {}", clock(Some(p.rule.limit_s(p.test)))),
-            ]
-        })
-        .collect();
-    aligned(&rows)
+    let rows = procedures.iter().map(|p| {
+        let [slow, fast] = p.rule.band_km_h(p.test);
+        [
+            p.name(),
+            p.rule.clause(p.test).to_owned(),
+            p.text(),
+            format!("{slow:.0}-{fast:.0} km/h"),
+            format!("within {}", clock(Some(p.rule.limit_s(p.test)))),
+        ]
+    });
+    aligned("", rows)
 }
 
-fn aligned<const N: usize>(rows: &[[String; N]]) -> String {
+/// Columns side by side; their heads, parted by `|`, are a line above if there are any.
+fn aligned<const N: usize>(heads: &str, rows: impl Iterator<Item = [String; N]>) -> String {
+    let mut heads = heads.split('|').map(str::to_owned);
+    let head: [String; N] = std::array::from_fn(|_| heads.next().unwrap_or_default());
+    let rows: Vec<[String; N]> =
+        std::iter::once(head).chain(rows).skip_while(|row| row.iter().all(String::is_empty)).collect();
     let width = |i: usize| rows.iter().map(|row| row[i].chars().count()).max().unwrap_or(0);
     let widths: [usize; N] = std::array::from_fn(width);
     let mut text = String::new();
@@ -188,7 +166,6 @@ mod tests {
     use super::super::rules::Rule;
     use super::super::telltale::Wrong;
     use super::*;
-    use itpms_core::warning::{Alert, Cause};
 
     #[test]
     fn what_else_was_said_is_in_the_table_and_on_the_page() {
@@ -214,12 +191,7 @@ mod tests {
             driven_s: 2000.0,
             trace: vec![],
         };
-        let alert = Alert {
-            wheels: Corner::RearRight.into(),
-            since_s: 0.0,
-            reported_s: 0.0,
-            cause: Cause::UnderInflated(crate::LOW),
-        };
+        let alert = crate::low(Corner::RearRight);
         let mut findings = Findings::default();
         findings.keep_false_alert(1507.0, Phase::Detection, Wrong::Wheel, &alert);
         let certificate = Certificate {

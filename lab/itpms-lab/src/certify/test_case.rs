@@ -43,13 +43,7 @@ impl Failure {
 
     /// As a scenario has it, for good.
     pub(super) fn spec(self, from_s: f64) -> FaultSpec {
-        let fault = |corner: Corner, sensor, kind| FaultSpec {
-            corner: corner.into(),
-            sensor,
-            from_s,
-            to_s: None,
-            kind,
-        };
+        let fault = |corner, sensor, kind| FaultSpec::lasting(corner, sensor, from_s, kind);
         match self {
             Self::Unplugged(corner, place) => fault(corner, place, FaultKind::Dropout { share: 1.0 }),
             Self::Stuck(corner, place) => fault(corner, place, FaultKind::Stuck),

@@ -1,7 +1,7 @@
 //! Tests of whole runs, shortened: the regulations' own times are driven by `itpms lab certify`.
 
 use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::Ordering;
 
 use itpms_core::model::Corner;
 use itpms_sim::fault::{FaultPlace, FaultSpec};
@@ -9,6 +9,7 @@ use itpms_sim::fault::{FaultPlace, FaultSpec};
 use super::course::Course;
 use super::drive::drive;
 use super::*;
+use crate::runner::{StudyError, UNWATCHED};
 
 fn unplugged() -> Procedure {
     Procedure {
@@ -34,10 +35,13 @@ fn short(procedure: &Procedure) -> Course {
 }
 
 fn driven(procedure: &Procedure, course: &Course) -> Outcome {
-    let progress = &|_: u64, _: u64| ControlFlow::Continue(());
-    let (done_s, stopped) = (AtomicU64::new(0), AtomicBool::new(false));
-    let odometer = Odometer { done_s, total_s: course.longest_s() as u64, stopped, progress };
-    drive(procedure, course, 7, (Sensors::Accelerations, StatedLoads::Unknown), &odometer).unwrap()
+    let odometer = Odometer::new(course.longest_s() as u64, UNWATCHED);
+    let car = (Sensors::Accelerations, StatedLoads::Unknown);
+    let outcome = drive(procedure, course, 7, car, &odometer).unwrap();
+    let done_s = odometer.done.load(Ordering::Relaxed);
+    // All of the way is reported, up to a report's length.
+    assert!((done_s as f64 - course.longest_s()).abs() <= 10.0, "{done_s}");
+    outcome
 }
 
 /// A second sensor for ten seconds, of which the test knows nothing.
@@ -75,22 +79,11 @@ fn what_is_reported_of_another_wheel_beside_the_lamp_or_after_it_fails_a_test() 
 fn an_unplugged_sensor_is_reported_and_the_run_repeats_to_the_bit() {
     let procedure = unplugged();
     let course = short(&procedure);
-    let run = || {
-        let progress = &|_: u64, _: u64| ControlFlow::Continue(());
-        let (done_s, stopped) = (AtomicU64::new(0), AtomicBool::new(false));
-        let odometer = Odometer { done_s, total_s: course.longest_s() as u64, stopped, progress };
-        let outcome =
-            drive(&procedure, &course, 7, (Sensors::Accelerations, StatedLoads::Unknown), &odometer).unwrap();
-        let done_s = odometer.done_s.load(Ordering::Relaxed);
-        // All of the way is reported, up to a report's length.
-        assert!((done_s as f64 - course.longest_s()).abs() <= 10.0, "{done_s}");
-        outcome
-    };
-    let outcome = run();
+    let outcome = driven(&procedure, &course);
     assert!(outcome.warned_after_s.is_some_and(|after_s| after_s < 60.0), "{outcome:?}");
     assert!(outcome.named.contains("rl") && outcome.false_alarm_s.is_none(), "{outcome:?}");
     assert_eq!(outcome.relit, Some(true));
-    let again = run();
+    let again = driven(&procedure, &course);
     assert_eq!(outcome.csv(), again.csv());
     assert_eq!(outcome.figure().svg(), again.figure().svg());
 }
@@ -117,17 +110,16 @@ fn tables_have_a_line_per_test() {
 
 #[test]
 fn on_wheel_speeds_one_tire_is_found_and_runs_of_a_kind_are_put_together() {
-    let go = |_: u64, _: u64| ControlFlow::Continue(());
     let on_wheel_speeds = |only: &str| Request {
         sensors: Sensors::WheelSpeeds,
         loads: StatedLoads::Constant,
         repeats: 2,
         ..request(only)
     };
-    let three = certify(&on_wheel_speeds("fmvss-138-low-fl-fr-rl"), &go).unwrap();
+    let three = certify(&on_wheel_speeds("fmvss-138-low-fl-fr-rl"), UNWATCHED).unwrap();
     assert_eq!((three.outcomes.len(), three.patterns.len()), (2, 1));
     assert_eq!((three.patterns[0].tires, three.patterns[0].wrong), ("three", 0));
-    let with_rear_right = certify(&on_wheel_speeds("fmvss-138-low-rr"), &go).unwrap();
+    let with_rear_right = certify(&on_wheel_speeds("fmvss-138-low-rr"), UNWATCHED).unwrap();
     let [rear] = with_rear_right.patterns.as_slice() else { panic!("{}", with_rear_right.table()) };
     assert_eq!((rear.tires, rear.runs, rear.in_time, rear.wrong), ("rear wheel", 2, 2, 0), "{rear:?}");
     assert!(with_rear_right.table().contains("rear wheel"));
@@ -139,9 +131,8 @@ fn on_wheel_speeds_one_tire_is_found_and_runs_of_a_kind_are_put_together() {
 
 #[test]
 fn by_tooth_pulses_all_four_are_found_and_nothing_else_is_reported() {
-    let go = |_: u64, _: u64| ControlFlow::Continue(());
     let request = Request { sensors: Sensors::Pulses, ..request("fmvss-138-low-all") };
-    let certificate = certify(&request, &go).unwrap();
+    let certificate = certify(&request, UNWATCHED).unwrap();
     let [all] = certificate.outcomes.as_slice() else { panic!("{}", certificate.table()) };
     assert_eq!((all.named.as_str(), all.false_alerts.len()), ("fl fr rl rr", 0), "{}", certificate.table());
     assert!(all.warned_after_s.is_some_and(|s| s <= 1200.0) && all.false_alarm_s.is_none());

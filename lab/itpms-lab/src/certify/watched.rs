@@ -14,7 +14,7 @@ use super::course::Course;
 use super::outcome::TracePoint;
 use super::procedure::Procedure;
 use super::telltale::{Lamp, lit, lit_by_alerts};
-use crate::runner::StudyError;
+use crate::runner::Result;
 use crate::sensors::{PulsedCar, Pulses, Sensors, wheel_speed_config};
 use crate::tuning::monitor;
 
@@ -31,7 +31,7 @@ impl Watched {
         course: &Course,
         loads: StatedLoads,
         sensors: Sensors,
-    ) -> Result<Self, StudyError> {
+    ) -> Result<Self> {
         let scenario = &course.scenario;
         let load = match loads {
             StatedLoads::Constant => LoadUncertainty::constant(),
@@ -56,7 +56,7 @@ impl Watched {
     }
 
     /// A drive of the same car begins.
-    pub(super) fn roll(&mut self, scenario: &Scenario, seed: u64) -> Result<(), StudyError> {
+    pub(super) fn roll(&mut self, scenario: &Scenario, seed: u64) -> Result<()> {
         if let Some(pulses) = &mut self.pulses {
             let car_seed = scenario.wheel_speeds.and_then(|wheels| wheels.car_seed).unwrap_or(seed);
             pulses.roll(scenario, car_seed, seed)?;

@@ -1,12 +1,12 @@
 //! Everyday drives on which nothing is wrong, recorded, to put malfunctions into.
 
-use itpms_core::model::{CarConfig, CarSample, Corner};
+use itpms_core::model::{CarConfig, CarSample};
 use itpms_sim::road::{AfterLast, Amplitude, Pothole, RoadClass, Segment, Segments, Surface, Tracks};
 use itpms_sim::scenario::{Scenario, ToleranceSpec};
 use itpms_sim::simulation::Simulation;
 use itpms_sim::time_profile::{Pressure, Speed};
 
-use crate::runner::StudyError;
+use crate::runner::Result;
 
 const DRIVE_S: f64 = 360.0;
 /// When a malfunction may begin, in s, and the speed in m/s at which it does.
@@ -37,7 +37,7 @@ pub(super) struct Recorded {
 impl Recorded {
     /// The drive of a seed: an everyday journey of a car that differs from what its estimator is given as cars do; with
     /// every second seed over potholes and humps.
-    pub(super) fn of(seed: u64) -> Result<Self, StudyError> {
+    pub(super) fn of(seed: u64) -> Result<Self> {
         let mut scenario = everyday()?;
         if seed.is_multiple_of(2) {
             scenario.road.pothole = holes();
@@ -49,7 +49,7 @@ impl Recorded {
     }
 
     /// The same car on a road that for eleven minutes tells nothing.
-    pub(super) fn over_glass(seed: u64) -> Result<Self, StudyError> {
+    pub(super) fn over_glass(seed: u64) -> Result<Self> {
         let mut scenario = everyday()?.composed(seed)?;
         scenario.duration_s = BEFORE_GLASS_S + GLASS_S + AFTER_GLASS_S;
         scenario.speed = Speed::ConstantKmH(3.6 * GLASS_M_S);
@@ -77,17 +77,14 @@ impl Recorded {
         Ok(drive)
     }
 
-    fn record(scenario: &Scenario, seed: u64) -> Result<Self, StudyError> {
+    fn record(scenario: &Scenario, seed: u64) -> Result<Self> {
         let mut scenario = scenario.clone();
-        let mut car = CarConfig { corners: [None; 4], wheelbase_m: Some(scenario.wheelbase_m) };
+        let car = scenario.car_config()?;
         let mut pressure_kpa = [f64::NAN; 4];
-        for (i, corner) in Corner::ALL.into_iter().enumerate() {
-            let config = scenario.corner_config(corner)?;
-            pressure_kpa[i] = SHARES[i] * config.placard_kpa;
-            if let Some(spec) = scenario.corner.get_mut(corner) {
-                spec.pressure = Pressure::ConstantKpa(pressure_kpa[i]);
-            }
-            car.corners[i] = Some(config);
+        for (corner, spec) in scenario.corner.iter_mut() {
+            let kpa = SHARES[corner.index()] * spec.placard_kpa;
+            pressure_kpa[corner.index()] = kpa;
+            spec.pressure = Pressure::ConstantKpa(kpa);
         }
         let rows: Vec<CarSample<f64>> =
             Simulation::new(&scenario, seed)?.map(|row| row.car_sample()).collect();
@@ -97,7 +94,7 @@ impl Recorded {
 }
 
 /// Six minutes of a car that differs from its file, before its seed composes them.
-fn everyday() -> Result<Scenario, StudyError> {
+fn everyday() -> Result<Scenario> {
     let mut scenario = Scenario::builtin("drive-normal")?;
     scenario.duration_s = DRIVE_S;
     if let Some(journey) = &mut scenario.journey {

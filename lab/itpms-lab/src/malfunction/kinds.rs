@@ -114,7 +114,7 @@ fn kind(name: &'static str, stated_s: f64, labels: &'static [&'static str], faul
 }
 
 fn fault(corner: Corner, sensor: FaultPlace, kind: FaultKind) -> FaultSpec {
-    FaultSpec { corner: corner.into(), sensor, from_s: 0.0, to_s: None, kind }
+    FaultSpec::lasting(corner, sensor, 0.0, kind)
 }
 
 fn swap(a: Corner, place_a: FaultPlace, b: Corner, place_b: FaultPlace) -> FaultSpec {
@@ -136,6 +136,8 @@ pub fn kinds() -> Vec<Kind> {
         let at = |corner, place| fault(corner, place, FaultKind::Dropout { share: 1.0 });
         kind(name, 2.5, &["dropout"], [a, b].into_iter().flat_map(|i| [at(i, Body), at(i, Wheel)]).collect())
     };
+    let spikes = |size_m_s2| FaultKind::Spikes { per_s: 1.0, size_m_s2 };
+    let noise = |rms_m_s2| FaultKind::Noise { rms_m_s2 };
     vec![
         alone("stuck, wheel", 1.5, &["stuck"], fl, Wheel, FaultKind::Stuck),
         alone("stuck, body", 1.5, &["stuck"], rr, Body, FaultKind::Stuck),
@@ -143,38 +145,10 @@ pub fn kinds() -> Vec<Kind> {
         silent("dropped out, a side", fl, rl),
         silent("dropped out, an axle", rl, rr),
         alone("6 of 10 samples lost, body", 3.5, &["dropout"], rl, Body, FaultKind::Dropout { share: 0.6 }),
-        alone(
-            "spikes of 50 m/s2, 1/s, wheel",
-            15.0,
-            &["spikes"],
-            fr,
-            Wheel,
-            FaultKind::Spikes { per_s: 1.0, size_m_s2: 50.0 },
-        ),
-        alone(
-            "spikes of 20 m/s2, 1/s, body",
-            15.0,
-            &["spikes"],
-            rl,
-            Body,
-            FaultKind::Spikes { per_s: 1.0, size_m_s2: 20.0 },
-        ),
-        alone(
-            "noise of 2 m/s2, wheel",
-            15.0,
-            &["noise", "spikes"],
-            fl,
-            Wheel,
-            FaultKind::Noise { rms_m_s2: 2.0 },
-        ),
-        alone(
-            "noise of 1 m/s2, body",
-            15.0,
-            &["noise", "spikes"],
-            rl,
-            Body,
-            FaultKind::Noise { rms_m_s2: 1.0 },
-        ),
+        alone("spikes of 50 m/s2, 1/s, wheel", 15.0, &["spikes"], fr, Wheel, spikes(50.0)),
+        alone("spikes of 20 m/s2, 1/s, body", 15.0, &["spikes"], rl, Body, spikes(20.0)),
+        alone("noise of 2 m/s2, wheel", 15.0, &["noise", "spikes"], fl, Wheel, noise(2.0)),
+        alone("noise of 1 m/s2, body", 15.0, &["noise", "spikes"], rl, Body, noise(1.0)),
         alone("gain 0.5, wheel", 120.0, &["gain"], fr, Wheel, FaultKind::Gain { factor: 0.5 }),
         alone("gain 2, wheel", 120.0, &["gain", "noise"], rr, Wheel, FaultKind::Gain { factor: 2.0 }),
         alone("gain 0.75, wheel", 120.0, &["gain"], fl, Wheel, FaultKind::Gain { factor: 0.75 }),

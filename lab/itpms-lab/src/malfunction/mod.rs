@@ -17,13 +17,11 @@ mod kinds;
 mod outcome;
 mod table;
 
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-
 use itpms_core::monitor::MonitoredCar;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::runner::{Progress, StudyError, pool, refused};
+use crate::runner::{Odometer, Progress, Result, pool, refused};
 use crate::score::stats::percentile;
 use crate::tuning::monitor;
 pub use clean::Clean;
@@ -115,7 +113,7 @@ struct OneDrive {
     clean: Clean,
 }
 
-pub fn study(request: &Request, progress: Progress<'_>) -> Result<Study, StudyError> {
+pub fn study(request: &Request, progress: Progress<'_>) -> Result<Study> {
     if request.drives == 0 {
         return refused("0 drives, expected at least one");
     }
@@ -129,20 +127,10 @@ pub fn study(request: &Request, progress: Progress<'_>) -> Result<Study, StudyEr
         }
     }
     let total = ((wanted.len() + 1) * request.drives) as u64;
-    let (done, stopped) = (AtomicU64::new(0), AtomicBool::new(false));
-    let count = || {
-        let now = done.fetch_add(1, Ordering::Relaxed) + 1;
-        if stopped.load(Ordering::Relaxed) || progress(now, total).is_break() {
-            stopped.store(true, Ordering::Relaxed);
-            return Err(StudyError::Stopped);
-        }
-        Ok(())
-    };
-    if progress(0, total).is_break() {
-        return Err(StudyError::Stopped);
-    }
+    let odometer = Odometer::new(total, progress);
+    odometer.advance(0)?;
     let seeds: Vec<u64> = (0..request.drives as u64).map(|i| request.first_seed.wrapping_add(i)).collect();
-    let all = || seeds.par_iter().map(|&seed| one(seed, &wanted, &count)).collect::<Result<_, _>>();
+    let all = || seeds.par_iter().map(|&seed| one(seed, &wanted, &odometer)).collect::<Result<_, _>>();
     let drives: Vec<OneDrive> = pool()?.install(all)?;
     let rows = wanted.iter().enumerate().map(|(i, kind)| {
         let outcomes: Vec<&Outcome> = drives.iter().map(|drive| &drive.outcomes[i]).collect();
@@ -158,11 +146,7 @@ pub fn study(request: &Request, progress: Progress<'_>) -> Result<Study, StudyEr
 }
 
 /// All malfunctions in one drive, and it without.
-fn one(
-    seed: u64,
-    kinds: &[Kind],
-    count: &(dyn Fn() -> Result<(), StudyError> + Sync),
-) -> Result<OneDrive, StudyError> {
+fn one(seed: u64, kinds: &[Kind], odometer: &Odometer<'_>) -> Result<OneDrive> {
     let drive = Recorded::of(seed)?;
     let mut car = monitored(&drive)?;
     let mut until_then = None;
@@ -174,7 +158,7 @@ fn one(
         let estimate = car.update(sample);
         clean.take(sample, &estimate, car.report());
     }
-    count()?;
+    odometer.advance(1)?;
     let mut outcomes = Vec::with_capacity(kinds.len());
     for kind in kinds {
         outcomes.push(match &until_then {
@@ -182,13 +166,13 @@ fn one(
             Some(car) => outcome::run(kind, &drive, car.clone(), seed),
             None => Outcome::default(),
         });
-        count()?;
+        odometer.advance(1)?;
     }
     Ok(OneDrive { outcomes, clean: clean.finish() })
 }
 
 /// A malfunction that is the road's, on a drive of its own.
-fn over_glass(kind: &Kind, seed: u64) -> Result<Outcome, StudyError> {
+fn over_glass(kind: &Kind, seed: u64) -> Result<Outcome> {
     let drive = Recorded::over_glass(seed)?;
     let mut car = monitored(&drive)?;
     for sample in &drive.rows[..drive.begins] {
@@ -197,7 +181,7 @@ fn over_glass(kind: &Kind, seed: u64) -> Result<Outcome, StudyError> {
     Ok(outcome::run(kind, &drive, car, seed))
 }
 
-fn monitored(drive: &Recorded) -> Result<Box<MonitoredCar<f64>>, StudyError> {
+fn monitored(drive: &Recorded) -> Result<Box<MonitoredCar<f64>>> {
     Ok(Box::new(MonitoredCar::new(&monitor(&drive.car), drive.rate_hz)?))
 }
 

@@ -228,6 +228,7 @@ fn shown_wrong(
 mod tests {
     use super::super::kinds;
     use super::*;
+    use crate::low;
     use itpms_core::diagnosis::{Malfunction, Place, Sensor};
     use itpms_core::model::{Diagnostics, Level, Validity, Warning};
 
@@ -241,10 +242,6 @@ mod tests {
 
     fn broken(malfunction: Malfunction<f64>) -> Alert<f64> {
         alert(Cause::Malfunction(malfunction), malfunction.wheels())
-    }
-
-    fn low(corner: Corner) -> Alert<f64> {
-        alert(Cause::UnderInflated(crate::LOW), corner)
     }
 
     fn shows(pressure_kpa: f64, pressure_sd_kpa: f64, validity: Validity) -> Option<CornerEstimate<f64>> {

@@ -19,24 +19,9 @@ impl Study {
             "{:33} {:>24} {:>22} {:>35} {:>6} {:>6} {:>20}",
             "", "reported", "time until then", "wrong pressure shown: its + others", "other", "tires", "back"
         );
-        let head = [
-            "malfunction",
-            "reported",
-            "alike",
-            "exactly",
-            "median",
-            "worst",
-            "stated",
-            "before",
-            "after",
-            "back",
-            "reported",
-            "warned",
-            "of",
-            "median",
-            "worst",
-        ];
-        let _ = writeln!(text, "{}", columns(&head.map(str::to_owned)));
+        let head = "malfunction reported alike exactly median worst stated before after back \
+                    reported warned of median worst";
+        let _ = writeln!(text, "{}", columns(head.split(' ')));
         for row in &self.rows {
             let _ = writeln!(text, "{}", line(row));
         }
@@ -66,9 +51,9 @@ false. back: from its end until nothing is reported, its wheels show a right pre
 many of the drives that went on for a minute; the times are of these.
 ";
 
-fn columns(cells: &[String; 15]) -> String {
+fn columns<T: std::fmt::Display>(cells: impl IntoIterator<Item = T>) -> String {
     const WIDTHS: [usize; 15] = [33, 9, 7, 7, 8, 7, 6, 12, 12, 10, 6, 7, 7, 7, 6];
-    let cells = cells.iter().zip(WIDTHS).enumerate().map(|(i, (cell, width))| match i {
+    let cells = cells.into_iter().zip(WIDTHS).enumerate().map(|(i, (cell, width))| match i {
         0 => format!("{cell:width$}"),
         _ => format!("{cell:>width$}"),
     });
@@ -95,7 +80,7 @@ fn line(row: &Row) -> String {
         seconds(row.recovered_worst_s),
     ];
     let marks = marks(row);
-    columns(&cells) + &if marks.is_empty() { marks } else { format!("  {marks}") }
+    columns(cells) + &if marks.is_empty() { marks } else { format!("  {marks}") }
 }
 
 /// What is not as it should be, in words; empty where all is.

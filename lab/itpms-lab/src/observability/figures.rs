@@ -77,17 +77,10 @@ impl Observability {
                 Situation::Constant => ("Constant pressure", "Time since the start"),
                 Situation::AfterLoss => ("After a loss", "Time since the loss"),
             };
-            let axes = (
-                Axis::logarithmic(time, "s"),
-                Axis::logarithmic("Least sd", "kPa").within(lowest(car), 60.0),
-            );
-            let mut panel = Panel::new(letter, format!("{title}, {known}"), axes.0, axes.1);
-            for (sources, ink, stroke) in OVER_TIME {
-                if let Some(curve) = self.curve(sources, situation, car) {
-                    panel = panel.line(sources, ink, stroke, finite(&curve.points));
-                }
-            }
-            figure = figure.panel(panel);
+            let y = Axis::logarithmic("Least sd", "kPa").within(lowest(car), 60.0);
+            let panel = Panel::new(letter, format!("{title}, {known}"), Axis::logarithmic(time, "s"), y);
+            let curve = |sources: &str| self.curve(sources, situation, car).map(|curve| &*curve.points);
+            figure = figure.panel(with_lines(panel, &OVER_TIME, curve));
         }
         figure
     }
@@ -112,15 +105,11 @@ impl Observability {
                 Varied::IncoherentShare => Axis::logarithmic("Share of the road not common", ""),
             };
             let y = Axis::logarithmic("Least sd", "kPa").within(lowest(car), 30.0);
-            let mut panel = Panel::new(letter, known, x, y);
-            for (sources, ink, stroke) in
-                OVER_TIME.into_iter().filter(|line| !OVER_TIME_ALONE.contains(&line.0))
-            {
-                if let Some(sweep) = self.sweep(sources, varied, car) {
-                    panel = panel.line(sources, ink, stroke, finite(&sweep.points));
-                }
-            }
-            figure = figure.panel(panel);
+            let sweep = |sources: &str| {
+                let drawn = self.sweep(sources, varied, car).filter(|_| !OVER_TIME_ALONE.contains(&sources));
+                drawn.map(|sweep| &*sweep.points)
+            };
+            figure = figure.panel(with_lines(Panel::new(letter, known, x, y), &OVER_TIME, sweep));
         }
         figure
     }
@@ -134,7 +123,13 @@ fn lowest(car: Car) -> f64 {
     }
 }
 
-/// The finite points; without any there is no line.
-fn finite(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
-    points.iter().copied().filter(|(_, sd)| sd.is_finite()).collect()
+/// Adds what has points; of these the finite ones, without any there is no line.
+fn with_lines<'a>(panel: Panel, lines: &[Line], points: impl Fn(&str) -> Option<&'a [(f64, f64)]>) -> Panel {
+    lines.iter().fold(panel, |panel, &(sources, ink, stroke)| match points(sources) {
+        Some(points) => {
+            let finite = points.iter().copied().filter(|(_, sd)| sd.is_finite()).collect();
+            panel.line(sources, ink, stroke, finite)
+        }
+        None => panel,
+    })
 }

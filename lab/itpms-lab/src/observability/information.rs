@@ -182,20 +182,13 @@ pub(super) fn variance(information: &DMatrix<f64>, combination: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::observability::rear;
     use itpms_analysis::bound::CornerBound;
-    use itpms_core::model::QuarterCar;
     use rand::SeedableRng;
     use rand_distr::{Distribution, StandardNormal};
     use rand_pcg::Pcg64;
 
     const P: f64 = 241.3;
-
-    fn rear() -> CornerConfig<f64> {
-        CornerConfig {
-            quarter_car: QuarterCar::new(216.0, 50.0, 925.8, 29_114.0).unwrap(),
-            ..CornerConfig::paper()
-        }
-    }
 
     fn pass(corner: CornerConfig<f64>, pressure_kpa: f64, parameter: usize, seconds: f64) -> Pass {
         Pass { corner, pressure_kpa, parameter, car: None, seconds }

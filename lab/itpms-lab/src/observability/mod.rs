@@ -35,7 +35,7 @@ use std::ops::ControlFlow;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::runner::StudyError;
+use crate::runner::{Result, StudyError};
 use sources::{Circumstances, SourceBound};
 
 /// The least sd over time for one set of sources.
@@ -130,12 +130,8 @@ pub struct Conditions {
     pub unlike_is_made_up: bool,
 }
 
-/// No study.
 /// The whole study of one corner: some seconds. `look` is called now and then with the share done and may stop it.
-pub fn study(
-    subject: &Subject,
-    look: &(dyn Fn(f64) -> ControlFlow<()> + Sync),
-) -> Result<Observability, StudyError> {
+pub fn study(subject: &Subject, look: &(dyn Fn(f64) -> ControlFlow<()> + Sync)) -> Result<Observability> {
     subject.drive.check()?;
     let go_on = |share: f64| if look(share).is_break() { Err(StudyError::Stopped) } else { Ok(()) };
     go_on(0.0)?;
@@ -143,7 +139,7 @@ pub fn study(
     go_on(0.1)?;
     let ranks = rank::cases(&subject.front, &subject.unlike);
     go_on(0.2)?;
-    let found: Result<Vec<_>, StudyError> = Sources::ALL
+    let found: Result<Vec<_>> = Sources::ALL
         .par_iter()
         .map(|&sources| {
             go_on(0.3)?;
@@ -163,7 +159,7 @@ pub fn study(
     })
 }
 
-fn curves(subject: &Subject, sources: Sources) -> Result<Vec<Curve>, StudyError> {
+fn curves(subject: &Subject, sources: Sources) -> Result<Vec<Curve>> {
     let mut curves = Vec::new();
     for car in Car::ALL {
         let bound = SourceBound::new(subject, sources, car, Circumstances::of(subject))?;
@@ -178,7 +174,7 @@ fn curves(subject: &Subject, sources: Sources) -> Result<Vec<Curve>, StudyError>
     Ok(curves)
 }
 
-fn sweeps(subject: &Subject, sources: Sources) -> Result<Vec<Sweep>, StudyError> {
+fn sweeps(subject: &Subject, sources: Sources) -> Result<Vec<Sweep>> {
     let mut sweeps = Vec::new();
     for (varied, car) in Varied::ALL.into_iter().flat_map(|varied| Car::ALL.map(|car| (varied, car))) {
         let point = |&value: &f64| {
@@ -192,7 +188,7 @@ fn sweeps(subject: &Subject, sources: Sources) -> Result<Vec<Sweep>, StudyError>
             let bound = SourceBound::new(subject, sources, car, here)?;
             Ok((value, bound.sd_kpa(Situation::AfterLoss, SWEEP_S)))
         };
-        let points = varied.values().iter().map(point).collect::<Result<Vec<_>, StudyError>>()?;
+        let points = varied.values().iter().map(point).collect::<Result<Vec<_>>>()?;
         sweeps.push(Sweep { varied, sources: sources.to_string(), car, points });
     }
     Ok(sweeps)
@@ -232,4 +228,11 @@ impl Observability {
     pub fn sweep(&self, sources: &str, varied: Varied, car: Car) -> Option<&Sweep> {
         self.sweeps.iter().find(|s| s.sources == sources && s.varied == varied && s.car == car)
     }
+}
+
+/// Corner behind the paper's, for tests.
+#[cfg(test)]
+fn rear() -> itpms_core::model::CornerConfig<f64> {
+    let quarter_car = itpms_core::model::QuarterCar::new(216.0, 50.0, 925.8, 29_114.0).unwrap();
+    itpms_core::model::CornerConfig { quarter_car, ..itpms_core::model::CornerConfig::paper() }
 }

@@ -69,7 +69,7 @@ impl Observability {
                     case.unknowns,
                     case.missing,
                     case.drifts,
-                    case.stiffness.text()
+                    case.stiffness.label()
                 )
             })
             .collect();

@@ -26,26 +26,17 @@ enum Known {
     Road,
 }
 
-/// Observability of the first wheel's stiffness.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Stiffness {
-    /// Nothing is reported of it.
-    Free,
-    /// Only how much two stiffnesses differ.
-    DifferenceOnly,
-    Fixed,
-    Known,
-}
-
-impl Stiffness {
-    pub fn text(self) -> &'static str {
-        match self {
-            Stiffness::Free => "free",
-            Stiffness::DifferenceOnly => "difference only",
-            Stiffness::Fixed => "fixed",
-            Stiffness::Known => "known",
-        }
+itpms_core::labelled! {
+    /// Observability of the first wheel's stiffness.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Stiffness {
+        /// Nothing is reported of it.
+        Free = "free",
+        /// Only how much two stiffnesses differ.
+        DifferenceOnly = "difference only",
+        Fixed = "fixed",
+        Known = "known",
     }
 }
 
@@ -182,14 +173,7 @@ fn stiffness(null: &[DVector<f64>], layout: &Layout, known: Known) -> Stiffness 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use itpms_core::model::QuarterCar;
-
-    fn rear() -> CornerConfig<f64> {
-        CornerConfig {
-            quarter_car: QuarterCar::new(216.0, 50.0, 925.8, 29_114.0).unwrap(),
-            ..CornerConfig::paper()
-        }
-    }
+    use crate::observability::rear;
 
     #[test]
     fn ranks_are_those_of_the_derivation() {

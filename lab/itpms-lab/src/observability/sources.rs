@@ -266,12 +266,19 @@ mod tests {
     use super::*;
     use itpms_analysis::bound::CornerBound;
 
+    fn bound<'a>(
+        subject: &'a Subject,
+        label: &str,
+        car: Car,
+        circumstances: Circumstances,
+    ) -> SourceBound<'a> {
+        let sources = Sources::ALL.into_iter().find(|sources| sources.to_string() == label).unwrap();
+        SourceBound::new(subject, sources, car, circumstances).unwrap()
+    }
+
     fn sd(label: &str, situation: Situation, seconds: f64) -> f64 {
         let subject = Subject::paper();
-        let sources = Sources::ALL.into_iter().find(|sources| sources.to_string() == label).unwrap();
-        SourceBound::new(&subject, sources, Car::Exact, Circumstances::of(&subject))
-            .unwrap()
-            .sd_kpa(situation, seconds)
+        bound(&subject, label, Car::Exact, Circumstances::of(&subject)).sd_kpa(situation, seconds)
     }
 
     /// Sensors that hardly err.
@@ -284,10 +291,8 @@ mod tests {
     fn a_road_that_is_not_quite_common_limits_comparing() {
         let subject = Subject::paper();
         let with = |label: &str, incoherent: f64| {
-            let sources = Sources::ALL.into_iter().find(|sources| sources.to_string() == label).unwrap();
             let circumstances = Circumstances { incoherent, ..quiet(&subject) };
-            let bound = SourceBound::new(&subject, sources, Car::Exact, circumstances).unwrap();
-            bound.sd_kpa(Situation::AfterLoss, 8.0)
+            bound(&subject, label, Car::Exact, circumstances).sd_kpa(Situation::AfterLoss, 8.0)
         };
         // Sensors without noise: what is not common is the only noise, so ten times the share is ten times the variance
         // as long as it is small.
@@ -343,13 +348,8 @@ mod tests {
         // Masses, damper, spring and tire all stiffer by one factor move alike: the factor is known from the priors alone,
         // sd 1 / sqrt(sum of their 1/sd²), and everything else from a road known to the millimeter.
         let subject = Subject::paper();
-        let find =
-            |label: &str| Sources::ALL.into_iter().find(|sources| sources.to_string() == label).unwrap();
         let quiet = quiet(&subject);
-        let at = |label: &str, situation| {
-            let bound = SourceBound::new(&subject, find(label), Car::AsFiled, quiet).unwrap();
-            bound.sd_kpa(situation, 40.0)
-        };
+        let at = |label: &str, situation| bound(&subject, label, Car::AsFiled, quiet).sd_kpa(situation, 40.0);
         let scale = [0.01f64, 0.15, 0.20, 0.05].iter().map(|sd| sd.powi(-2)).sum::<f64>();
         let stiffness = |kpa: f64| 713.91 * kpa + 60_880.0;
         let expected = stiffness(241.3) / scale.sqrt() / 713.91;
@@ -366,9 +366,7 @@ mod tests {
     fn two_resets_of_corners_alike_are_worth_the_root_of_two() {
         // Without noise the difference is known; without a loss nothing else is. The mean of two gauges remains.
         let subject = Subject { loss: 1e-9, ..Subject::paper() };
-        let quiet = quiet(&subject);
-        let sources = Sources::ALL.into_iter().find(|sources| sources.to_string() == "b+d").unwrap();
-        let bound = SourceBound::new(&subject, sources, Car::Exact, quiet).unwrap();
+        let bound = bound(&subject, "b+d", Car::Exact, quiet(&subject));
         let found = bound.sd_kpa(Situation::AfterLoss, 60.0);
         assert!((found / (subject.reset_sd_kpa / 2f64.sqrt()) - 1.0).abs() < 1e-2, "{found}");
     }

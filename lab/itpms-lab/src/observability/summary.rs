@@ -54,7 +54,7 @@ impl Observability {
                 case.unknowns,
                 case.missing,
                 case.drifts,
-                case.stiffness.text()
+                case.stiffness.label()
             );
         }
         let kept = self.ranks.iter().map(|case| case.smallest_kept).fold(f64::INFINITY, f64::min);

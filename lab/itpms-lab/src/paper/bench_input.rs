@@ -10,14 +10,14 @@ use super::plan::RESET_LONG_S;
 use super::road_input::every;
 use super::section::Section;
 use super::{CORNER, Request};
-use crate::runner::StudyError;
+use crate::runner::Result;
 use itpms_analysis::plot::{Axis, Figure, Ink, Panel, Stroke};
 
 /// Time after which the segment starts again, s.
 const PERIOD_S: f64 = 0.66;
 const PERIODS: f64 = 3.0;
 
-pub(super) fn section(request: &Request) -> Result<Section, StudyError> {
+pub(super) fn section(request: &Request) -> Result<Section> {
     let case = Case::bench("bench-drop", RESET_LONG_S, request)?;
     let (mut road, mut pressure, mut reading) = (vec![], vec![], vec![]);
     for row in Simulation::new(&case.scenario, request.first_seed)? {

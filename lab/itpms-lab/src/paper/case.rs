@@ -8,7 +8,7 @@ use itpms_sim::sensor::SensorSpec;
 
 use super::contestant::{Contestant, Tuning};
 use super::{CORNER, Request};
-use crate::runner::{StudyError, refused};
+use crate::runner::{Result, refused};
 
 /// Errors count from here on, in s: the standard scenarios' definition of their RMSE.
 pub(super) const JUDGED_FROM_S: f64 = 3.0;
@@ -23,7 +23,7 @@ pub(super) struct Case {
 
 impl Case {
     /// One of Sec. 4 by its built-in name.
-    pub(super) fn simulation(name: &str, request: &Request) -> Result<Self, StudyError> {
+    pub(super) fn simulation(name: &str, request: &Request) -> Result<Self> {
         let mut scenario = Scenario::builtin(name)?;
         scenario.rate_hz = request.rate_hz;
         scenario.sensor = SensorSpec { noise_m_s2: request.noise_m_s2, ..scenario.sensor };
@@ -34,7 +34,7 @@ impl Case {
     }
 
     /// One of Sec. 5: the four after a reset of `reset_s`, and the default without.
-    pub(super) fn bench(name: &str, reset_s: f64, request: &Request) -> Result<Self, StudyError> {
+    pub(super) fn bench(name: &str, reset_s: f64, request: &Request) -> Result<Self> {
         let mut scenario = Scenario::builtin(name)?;
         scenario.rate_hz = request.bench_rate_hz;
         if let Surface::Bench(road) = &mut scenario.road.surface {
@@ -48,7 +48,7 @@ impl Case {
     }
 
     /// The true sprung mass in kg, while the estimators are given `stated_kg`.
-    pub(super) fn with_sprung_mass(self, true_kg: f64, stated_kg: f64) -> Result<Self, StudyError> {
+    pub(super) fn with_sprung_mass(self, true_kg: f64, stated_kg: f64) -> Result<Self> {
         self.changed(|corner| {
             corner.sprung_mass_kg = stated_kg;
             corner.truth.sprung_mass_factor = true_kg / stated_kg;
@@ -56,7 +56,7 @@ impl Case {
     }
 
     /// Variance in (m/s²)² of the unsprung accelerometer's noise.
-    pub(super) fn with_wheel_noise_variance(self, variance: f64) -> Result<Self, StudyError> {
+    pub(super) fn with_wheel_noise_variance(self, variance: f64) -> Result<Self> {
         let usual = self.scenario.sensor;
         self.changed(|corner| {
             let sensor = corner.wheel_sensor.unwrap_or(usual);
@@ -64,7 +64,7 @@ impl Case {
         })
     }
 
-    fn changed(mut self, change: impl FnOnce(&mut CornerSpec)) -> Result<Self, StudyError> {
+    fn changed(mut self, change: impl FnOnce(&mut CornerSpec)) -> Result<Self> {
         match self.scenario.corner.get_mut(CORNER) {
             Some(corner) => change(corner),
             None => {

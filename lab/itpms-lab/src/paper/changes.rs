@@ -83,10 +83,6 @@ impl Study<'_> {
 
     /// The paper's table with ours beside it. RMSE after the reset where there is one.
     fn compared(&self) -> Table {
-        let picked = |record: &Record| if record.who.reset_s > 0.0 { record.after } else { record.rmse };
-        let of = |outcome: &Outcome, kind: EstimatorKind| {
-            outcome.shown().find(|record| record.who.kind == kind).map(picked)
-        };
         let mut data = Data::new(format!("table-{:02}", self.table), format!("Table {}", self.table))
             .numbers(self.column, self.rows.iter().map(|row| row.setting))
             .numbers("paper_rmse_kpa", self.rows.iter().map(|row| row.rmse_kpa))
@@ -97,7 +93,7 @@ impl Study<'_> {
             );
         for kind in [EstimatorKind::Informed, EstimatorKind::AekfUiInformed] {
             let who = kind.label().replace('-', "_");
-            let found: Vec<_> = self.outcomes.iter().map(|outcome| of(outcome, kind)).collect();
+            let found: Vec<_> = self.outcomes.iter().map(|outcome| outcome.judged(kind)).collect();
             let column = |pick: fn(crate::score::stats::Spread) -> f64| {
                 found.iter().map(|one| one.map_or(f64::NAN, pick)).collect::<Vec<_>>()
             };
@@ -105,10 +101,7 @@ impl Study<'_> {
                 .numbers(format!("{who}_rmse_median_kpa"), column(|s| s.median))
                 .numbers(format!("{who}_rmse_p10_kpa"), column(|s| s.p10))
                 .numbers(format!("{who}_rmse_p90_kpa"), column(|s| s.p90))
-                .numbers(
-                    format!("{who}_change_percent"),
-                    self.outcomes.iter().map(|outcome| self.change(outcome, kind, &of)),
-                );
+                .numbers(format!("{who}_change_percent"), self.outcomes.iter().map(|o| self.change(o, kind)));
         }
         let head = [
             self.what,
@@ -125,39 +118,30 @@ impl Study<'_> {
             let nominal = row.printed.is_empty();
             let percent =
                 |value: f64| if nominal { "nominal".to_owned() } else { format!("{} %", signed(value, 1)) };
-            let ours = |kind| of(outcome, kind).map_or_else(String::new, |found| spread(&found, 2));
+            let ours = |kind| outcome.judged(kind).map_or_else(String::new, |found| spread(&found, 2));
             table = table.row([
                 setting.clone(),
                 number(row.rmse_kpa, 2),
                 if nominal { "–".to_owned() } else { row.printed.to_owned() },
                 percent(change_percent(self.rows, row).unwrap_or(f64::NAN)),
                 ours(EstimatorKind::Informed),
-                percent(self.change(outcome, EstimatorKind::Informed, &of)),
+                percent(self.change(outcome, EstimatorKind::Informed)),
                 ours(EstimatorKind::AekfUiInformed),
-                percent(self.change(outcome, EstimatorKind::AekfUiInformed, &of)),
+                percent(self.change(outcome, EstimatorKind::AekfUiInformed)),
             ]);
         }
         table
     }
 
     /// Change of the median against the nominal row, percent.
-    fn change(
-        &self,
-        outcome: &Outcome,
-        kind: EstimatorKind,
-        of: &dyn Fn(&Outcome, EstimatorKind) -> Option<crate::score::stats::Spread>,
-    ) -> f64 {
-        let medians = self.nominal().and_then(|nominal| of(nominal, kind)).zip(of(outcome, kind));
+    fn change(&self, outcome: &Outcome, kind: EstimatorKind) -> f64 {
+        let medians = self.nominal().and_then(|nominal| nominal.judged(kind)).zip(outcome.judged(kind));
         medians.map_or(f64::NAN, |(nominal, changed)| 100.0 * (changed.median / nominal.median - 1.0))
     }
 
     /// Largest change of the default's median in percent, by absolute value.
     pub(super) fn largest_change_percent(&self) -> f64 {
-        let of = |outcome: &Outcome, kind: EstimatorKind| {
-            let found = outcome.shown().find(|record| record.who.kind == kind);
-            found.map(|record| if record.who.reset_s > 0.0 { record.after } else { record.rmse })
-        };
-        let changes = self.outcomes.iter().map(|outcome| self.change(outcome, EstimatorKind::Informed, &of));
+        let changes = self.outcomes.iter().map(|outcome| self.change(outcome, EstimatorKind::Informed));
         changes.fold(0.0, |largest: f64, change| largest.max(change.abs()))
     }
 }

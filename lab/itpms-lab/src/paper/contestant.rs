@@ -7,7 +7,7 @@ use itpms_core::model::{CornerConfig, CornerEstimate, CornerSample};
 use itpms_paper::{AekfUi, EstimatorKind, FilterConfig, Forgetting, PaperEstimator};
 use itpms_road::{EstimatorOnRepeatedRoad, RoadRepetition, RoadUnderWheel};
 
-use crate::runner::StudyError;
+use crate::runner::Result;
 use itpms_analysis::plot::{Ink, Stroke};
 
 /// Which of the paper's two sets of covariances the published filters get.
@@ -90,7 +90,7 @@ impl Runner {
         tuning: Tuning,
         corner: &CornerConfig<f64>,
         rate_hz: f64,
-    ) -> Result<Self, StudyError> {
+    ) -> Result<Self> {
         let forgetting = match contestant.kind {
             EstimatorKind::AekfUi => Forgetting::OneStep,
             EstimatorKind::EkfUi => Forgetting::None,

@@ -2,13 +2,12 @@
 //!
 //! Called by `plan`, on all processors.
 
-use itpms_core::model::CornerSample;
 use itpms_sim::simulation::Simulation;
 
 use super::CORNER;
 use super::case::{Case, JUDGED_FROM_S};
 use super::contestant::{Runner, Word};
-use crate::runner::StudyError;
+use crate::runner::Result;
 use crate::score::stats::ErrorSum;
 
 /// Points of a drawn history per second.
@@ -112,7 +111,7 @@ impl Seat {
     }
 }
 
-pub(super) fn drive(case: &Case, seed: u64, keep: Keep) -> Result<Drive, StudyError> {
+pub(super) fn drive(case: &Case, seed: u64, keep: Keep) -> Result<Drive> {
     let corner = case.scenario.corner_config(CORNER)?;
     let rate_hz = case.scenario.rate_hz;
     let mut seats = Vec::with_capacity(case.contestants.len());
@@ -131,8 +130,7 @@ pub(super) fn drive(case: &Case, seed: u64, keep: Keep) -> Result<Drive, StudyEr
     let mut due_s = 0.0;
     for row in Simulation::new(&case.scenario, seed)? {
         let Some(true_corner) = row.corners[CORNER.index()] else { continue };
-        let (body_accel_m_s2, wheel_accel_m_s2) = (true_corner.body_accel_m_s2, true_corner.wheel_accel_m_s2);
-        let sample = CornerSample { body_accel_m_s2, wheel_accel_m_s2 };
+        let sample = true_corner.sample();
         let drawn = keep == Keep::Histories && row.time_s >= due_s - 1e-9;
         for seat in &mut seats {
             let word = seat.runner.update(row.time_s, row.speed_m_s, &sample);

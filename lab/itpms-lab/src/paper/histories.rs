@@ -4,10 +4,9 @@
 
 use super::data::Data;
 use super::outcome::{Outcome, Record};
+use crate::score::stats::HALF_95;
 use itpms_analysis::plot::{Axis, Ink, Panel, Stroke};
 
-/// Half-width of a 95 % interval in standard deviations.
-const HALF_95: f64 = 1.96;
 /// Largest forgetting factor drawn; the published one reaches far beyond before its filter diverges.
 const FORGETTING_TOP: f64 = 100.0;
 /// A reset's last word takes this long to pass, s.

@@ -48,7 +48,7 @@ use itpms_sim::scenario::Scenario;
 pub use data::Data;
 pub use section::{Section, Table};
 
-use crate::runner::{Progress, StudyError, refused};
+use crate::runner::{Progress, Result, refused};
 use section::Part;
 
 /// The corner that the paper's scenarios drive.
@@ -102,7 +102,7 @@ pub struct Study {
 }
 
 /// Drives everything and lays it out. The progress counts drives; what follows them takes a few seconds.
-pub fn reproduce(request: &Request, progress: Progress<'_>) -> Result<Study, StudyError> {
+pub fn reproduce(request: &Request, progress: Progress<'_>) -> Result<Study> {
     if request.seeds == 0 {
         return refused("0 seeds, expected at least one");
     }
@@ -144,10 +144,10 @@ impl Study {
     }
 
     /// The page, each figure as SVG, the data of each figure and table as CSV and JSON. Errors: JSON that cannot be written.
-    pub fn files(&self) -> Result<Vec<File>, StudyError> {
+    pub fn files(&self) -> Result<Vec<File>> {
         let file = |name: String, content: String| File { name, content };
         let mut files = vec![file("index.html".to_owned(), page::page(&self.sections, &self.request))];
-        let mut write = |data: &Data| -> Result<(), StudyError> {
+        let mut write = |data: &Data| -> Result<()> {
             files.push(file(format!("{}.csv", data.name), data.csv()));
             files.push(file(format!("{}.json", data.name), data.json()?));
             Ok(())

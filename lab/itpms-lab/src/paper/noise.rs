@@ -10,7 +10,7 @@ use super::plan::RESET_LONG_S;
 use super::published::TABLE_5;
 use super::section::{Section, Table, number};
 use super::{CORNER, Request};
-use crate::runner::StudyError;
+use crate::runner::Result;
 use itpms_analysis::plot::{Axis, Figure, Ink, Panel, Stroke};
 
 /// Half-width in m/s² and number of the histogram's bars.
@@ -31,7 +31,7 @@ struct Noise {
 
 impl Noise {
     /// The logged wheel acceleration less that of the same drive with a quiet sensor.
-    fn of(variance: f64, request: &Request) -> Result<Self, StudyError> {
+    fn of(variance: f64, request: &Request) -> Result<Self> {
         let case = Case::bench("bench-drop", RESET_LONG_S, request)?;
         let noisy = case.clone().with_wheel_noise_variance(variance)?;
         let quiet = case.with_wheel_noise_variance(0.0)?;
@@ -70,7 +70,7 @@ impl Noise {
     }
 }
 
-pub(super) fn section(request: &Request) -> Result<Section, StudyError> {
+pub(super) fn section(request: &Request) -> Result<Section> {
     let mut noises = vec![];
     for row in TABLE_5 {
         noises.push(Noise::of(row.setting, request)?);
@@ -83,32 +83,22 @@ pub(super) fn section(request: &Request) -> Result<Section, StudyError> {
         let bars = noise.bars();
         let normal: Vec<(f64, f64)> =
             (0..=100).map(|i| f64::from(i) * 0.05 - HALF_WIDTH).map(|x| (x, noise.normal(x))).collect();
+        let drawn = noise.points.iter().copied().filter(|p| p.0 <= DRAWN_S).collect();
+        let time = Axis::linear("Time", "s").within(0.0, DRAWN_S);
+        let density = Axis::linear("Density", "s²/m").within(0.0, 0.9);
+        let values = || Axis::linear("Noise", "m/s²").within(-HALF_WIDTH, HALF_WIDTH);
         figure = figure
+            .panel(Panel::new(letters[0], title("Noise"), time, values()).height(230.0).line(
+                "noise",
+                Ink::Light,
+                Stroke::Thin,
+                drawn,
+            ))
             .panel(
-                Panel::new(
-                    letters[0],
-                    title("Noise"),
-                    Axis::linear("Time", "s").within(0.0, DRAWN_S),
-                    Axis::linear("Noise", "m/s²").within(-HALF_WIDTH, HALF_WIDTH),
-                )
-                .height(230.0)
-                .line(
-                    "noise",
-                    Ink::Light,
-                    Stroke::Thin,
-                    noise.points.iter().copied().filter(|p| p.0 <= DRAWN_S).collect(),
-                ),
-            )
-            .panel(
-                Panel::new(
-                    letters[1],
-                    title("Histogram"),
-                    Axis::linear("Noise", "m/s²").within(-HALF_WIDTH, HALF_WIDTH),
-                    Axis::linear("Density", "s²/m").within(0.0, 0.9),
-                )
-                .height(230.0)
-                .bars("histogram", Ink::Light, bars.clone())
-                .line("normal distribution fitted", Ink::Default, Stroke::Solid, normal),
+                Panel::new(letters[1], title("Histogram"), values(), density)
+                    .height(230.0)
+                    .bars("histogram", Ink::Light, bars.clone())
+                    .line("normal distribution fitted", Ink::Default, Stroke::Solid, normal),
             );
         let suffix = letters[1];
         let file = if data.is_empty() { "figure-15".to_owned() } else { format!("figure-15-{suffix}") };

@@ -78,6 +78,12 @@ impl Outcome {
         self.shown().find(|record| record.who.kind == EstimatorKind::Informed)
     }
 
+    /// RMSE of a kind after its reset, if it has one.
+    pub(super) fn judged(&self, kind: EstimatorKind) -> Option<Spread> {
+        let found = self.shown().find(|record| record.who.kind == kind);
+        found.map(|record| if record.who.reset_s > 0.0 { record.after } else { record.rmse })
+    }
+
     /// Its RMSE over t > 3 s.
     pub(super) fn informed_rmse(&self) -> Spread {
         let none = Spread { p10: f64::NAN, median: f64::NAN, p90: f64::NAN };

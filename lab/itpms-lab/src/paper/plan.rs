@@ -6,7 +6,7 @@ use super::case::Case;
 use super::drive::{Keep, drive};
 use super::outcome::Outcome;
 use super::{Progress, Request, published::TABLE_3, published::TABLE_4, published::TABLE_5};
-use crate::runner::{Runner, StudyError};
+use crate::runner::{Result, Runner, StudyError};
 
 /// Reset drives in s: with `bench-drop` the loss comes at 38 s, with the other two at 5 s.
 pub(super) const RESET_LONG_S: f64 = 20.0;
@@ -30,7 +30,7 @@ pub(super) struct Outcomes {
     pub(super) bench_noise: [Outcome; 3],
 }
 
-pub(super) fn run(request: &Request, progress: Progress<'_>) -> Result<Outcomes, StudyError> {
+pub(super) fn run(request: &Request, progress: Progress<'_>) -> Result<Outcomes> {
     let simulated = |name: &str| Case::simulation(name, request);
     let bench = |name: &str, reset_s: f64| Case::bench(name, reset_s, request);
     let mut cases = vec![
@@ -61,7 +61,7 @@ pub(super) fn run(request: &Request, progress: Progress<'_>) -> Result<Outcomes,
     Ok(Outcomes { drop, deep, recover, mass, bench_drop, bench_recover, bench_slow, bench_mass, bench_noise })
 }
 
-fn drive_all(cases: &[Case], request: &Request, progress: Progress<'_>) -> Result<Vec<Outcome>, StudyError> {
+fn drive_all(cases: &[Case], request: &Request, progress: Progress<'_>) -> Result<Vec<Outcome>> {
     let cases: Vec<(&Case, usize)> = cases.iter().map(|case| (case, request.seeds)).collect();
     let runner = Runner::new(request.first_seed, (cases.len() * request.seeds) as u64, progress);
     let drives = runner.run(&cases, |case, turn| {

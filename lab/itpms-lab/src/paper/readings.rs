@@ -2,7 +2,6 @@
 //!
 //! Called by [`super::reproduce`]; its table stands below Fig. 7.
 
-use itpms_core::model::CornerSample;
 use itpms_paper::{AekfUi, CorrectionInput, FactorTiming, FilterConfig, Forgetting, GradientDescent};
 use itpms_sim::simulation::Simulation;
 use rayon::prelude::*;
@@ -12,7 +11,7 @@ use super::data::Data;
 use super::section::Table;
 use super::standing::spread;
 use super::{CORNER, Request};
-use crate::runner::StudyError;
+use crate::runner::Result;
 use crate::score::stats::{ErrorSum, Spread};
 
 /// Name of a reading, and its settings.
@@ -32,7 +31,7 @@ fn readings() -> [(&'static str, FilterConfig<f64>); 7] {
 }
 
 /// RMSE over t > 3 s of every reading in one drive, kPa; infinite once diverged.
-fn drive(case: &Case, seed: u64) -> Result<Vec<f64>, StudyError> {
+fn drive(case: &Case, seed: u64) -> Result<Vec<f64>> {
     let corner = case.scenario.corner_config(CORNER)?;
     let mut filters = vec![];
     for (_, config) in readings() {
@@ -41,10 +40,8 @@ fn drive(case: &Case, seed: u64) -> Result<Vec<f64>, StudyError> {
     let step_s = 1.0 / case.scenario.rate_hz;
     for row in Simulation::new(&case.scenario, seed)? {
         let Some(truth) = row.corners[CORNER.index()] else { continue };
-        let (body_accel_m_s2, wheel_accel_m_s2) = (truth.body_accel_m_s2, truth.wheel_accel_m_s2);
-        let sample = CornerSample { body_accel_m_s2, wheel_accel_m_s2 };
         for (filter, sum, diverged) in filters.iter_mut().filter(|(_, _, diverged)| !diverged) {
-            let record = filter.step(step_s, &sample);
+            let record = filter.step(step_s, &truth.sample());
             *diverged = record.is_diverged();
             if row.time_s > JUDGED_FROM_S {
                 sum.push(corner.tire.pressure_kpa(record.stiffness_n_per_m()) - truth.pressure_kpa, 0.0);
@@ -55,7 +52,7 @@ fn drive(case: &Case, seed: u64) -> Result<Vec<f64>, StudyError> {
     Ok(filters.iter().map(rmse).collect())
 }
 
-pub(super) fn table(request: &Request) -> Result<Table, StudyError> {
+pub(super) fn table(request: &Request) -> Result<Table> {
     let case = Case::simulation("paper-drop", request)?;
     let seed = |turn: usize| request.first_seed.wrapping_add(turn as u64);
     let drives = (0..request.seeds).into_par_iter().map(|turn| drive(&case, seed(turn)));

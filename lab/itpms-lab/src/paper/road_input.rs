@@ -11,7 +11,7 @@ use super::outcome::Outcome;
 use super::published::SLOPE;
 use super::section::{Section, number};
 use super::{CORNER, Request};
-use crate::runner::StudyError;
+use crate::runner::Result;
 use crate::score::stats::Spread;
 use itpms_analysis::plot::{Axis, Figure, Ink, Panel, Stroke};
 use itpms_analysis::spectrum::{Psd, RoadFit, Welch, fit_power_law};
@@ -29,7 +29,7 @@ struct Spectrum {
     fit: RoadFit,
 }
 
-fn spectrum(road_m: &[f64], spacing_m: f64) -> Result<Option<Spectrum>, StudyError> {
+fn spectrum(road_m: &[f64], spacing_m: f64) -> Result<Option<Spectrum>> {
     let half = (0.5 * SEGMENT_M / spacing_m) as usize;
     let mut welch = Welch::new(2 * half, spacing_m)?;
     road_m.iter().for_each(|&height| welch.push(height));
@@ -38,7 +38,7 @@ fn spectrum(road_m: &[f64], spacing_m: f64) -> Result<Option<Spectrum>, StudyErr
     Ok(Some(Spectrum { psd, fit }))
 }
 
-fn slopes(request: &Request) -> Result<Vec<f64>, StudyError> {
+fn slopes(request: &Request) -> Result<Vec<f64>> {
     let case = Case::simulation("paper-drop", request)?;
     let one = |turn: usize| {
         let seed = request.first_seed.wrapping_add(turn as u64);
@@ -55,11 +55,7 @@ fn slopes(request: &Request) -> Result<Vec<f64>, StudyError> {
 }
 
 /// The section and the slopes over the seeds.
-pub(super) fn section(
-    request: &Request,
-    drop: &Outcome,
-    speed_m_s: f64,
-) -> Result<(Section, Spread), StudyError> {
+pub(super) fn section(request: &Request, drop: &Outcome, speed_m_s: f64) -> Result<(Section, Spread)> {
     let spacing_m = speed_m_s / drop.rate_hz;
     let slopes = Spread::of(slopes(request)?);
     let found = spectrum(&drop.truth.road_m, spacing_m)?;
@@ -135,25 +131,13 @@ fn psd_panel(found: &Spectrum) -> (Panel, Data) {
     // Through the middle of our line, with the paper's slope.
     let middle = (BAND_PER_M.0 * BAND_PER_M.1).sqrt();
     let papers = |n: f64| law.density_m3(middle) * (n / middle).powf(-SLOPE);
-    let panel = Panel::new(
-        "b",
-        "Its displacement spectrum",
-        Axis::logarithmic("Spatial frequency", "cycles/m"),
-        Axis::logarithmic("Density", "m³"),
-    )
-    .line("Welch", Ink::Light, Stroke::Solid, densities.clone())
-    .line(
-        format!("line through ours: slope \u{2212}{:.2}", law.waviness),
-        Ink::Default,
-        Stroke::Bold,
-        ends.iter().map(|&n| (n, law.density_m3(n))).collect(),
-    )
-    .line(
-        format!("the paper's slope: \u{2212}{SLOPE}"),
-        Ink::Paper,
-        Stroke::Dashed,
-        ends.iter().map(|&n| (n, papers(n))).collect(),
-    );
+    let frequency = Axis::logarithmic("Spatial frequency", "cycles/m");
+    let ours = format!("line through ours: slope \u{2212}{:.2}", law.waviness);
+    let theirs = format!("the paper's slope: \u{2212}{SLOPE}");
+    let panel = Panel::new("b", "Its displacement spectrum", frequency, Axis::logarithmic("Density", "m³"))
+        .line("Welch", Ink::Light, Stroke::Solid, densities.clone())
+        .line(ours, Ink::Default, Stroke::Bold, ends.map(|n| (n, law.density_m3(n))).to_vec())
+        .line(theirs, Ink::Paper, Stroke::Dashed, ends.map(|n| (n, papers(n))).to_vec());
     let data = Data::new("figure-05-spectrum", "Displacement spectrum of the road")
         .curve("spatial_frequency_per_m", "density_m3", &densities)
         .numbers("line_density_m3", densities.iter().map(|(n, _)| law.density_m3(*n)))
@@ -168,6 +152,7 @@ fn scenario(drop: &Outcome) -> Figure {
     let time = || Axis::linear("Time", "s").within(0.0, drop.duration_s);
     let pressure = line(&drop.truth.pressure_kpa, 1.0);
     let stiffness = line(&drop.truth.stiffness_n_per_m, 1e-3);
+    let kn_per_m = Axis::linear("Tire stiffness", "kN/m").within(140.0, 250.0);
     Figure::new("figure-06", "Figure 6: A sudden loss of pressure")
         .describe("Pressure and stiffness fall on a ramp from 20 to 22.5 s.")
         .panel(
@@ -175,13 +160,10 @@ fn scenario(drop: &Outcome) -> Figure {
                 .line("truth", Ink::Truth, Stroke::Solid, pressure)
                 .level(Ink::Muted, 206.8, "30 psi, the paper's threshold"),
         )
-        .panel(
-            Panel::new(
-                "b",
-                "Tire stiffness",
-                time(),
-                Axis::linear("Tire stiffness", "kN/m").within(140.0, 250.0),
-            )
-            .line("truth", Ink::Truth, Stroke::Solid, stiffness),
-        )
+        .panel(Panel::new("b", "Tire stiffness", time(), kn_per_m).line(
+            "truth",
+            Ink::Truth,
+            Stroke::Solid,
+            stiffness,
+        ))
 }

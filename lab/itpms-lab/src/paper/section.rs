@@ -92,9 +92,7 @@ impl Table {
         let body: String = self.rows.iter().map(row).collect();
         format!("<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>")
     }
-}
 
-impl Table {
     /// The first `columns` of it as text for a terminal, in ASCII, a line feed after each row.
     pub(super) fn text(&self, columns: usize) -> String {
         let lines: Vec<Vec<String>> = std::iter::once(&self.head)

@@ -2,6 +2,8 @@
 //!
 //! Called by [`super::reproduce`].
 
+use itpms_paper::EstimatorKind;
+
 use super::data::Data;
 use super::outcome::Outcome;
 use super::plan::{Outcomes, RESET_LONG_S};
@@ -11,7 +13,7 @@ use super::published::{
 use super::section::{Section, Table, number, signed};
 use super::standing::{spread, verdict};
 use super::tire::regression;
-use crate::runner::StudyError;
+use crate::runner::Result;
 use crate::score::stats::Spread;
 
 /// A row: where, what, the paper's number, ours, a comment.
@@ -58,7 +60,7 @@ impl Line {
     }
 }
 
-pub(super) fn section(outcomes: &Outcomes, slopes: Spread, drives: usize) -> Result<Section, StudyError> {
+pub(super) fn section(outcomes: &Outcomes, slopes: Spread, drives: usize) -> Result<Section> {
     let mut lines = regression_lines(slopes)?;
     lines.push(
         Line::errors("Fig. 7", "241.3 to 137.9 kPa in 2.5 s", FIG_7, outcomes.drop.informed_rmse())
@@ -105,7 +107,7 @@ pub(super) fn section(outcomes: &Outcomes, slopes: Spread, drives: usize) -> Res
     Ok(Section::new("summary", "Every number of the paper, and ours").table(table(&lines), caption))
 }
 
-fn regression_lines(slopes: Spread) -> Result<Vec<Line>, StudyError> {
+fn regression_lines(slopes: Spread) -> Result<Vec<Line>> {
     let (map, r2) = regression()?;
     let (slope, intercept, paper_r2) = REGRESSION;
     let off = |ours: f64, paper: f64| format!("Differs by {} %.", signed(100.0 * (ours / paper - 1.0), 2));
@@ -146,9 +148,7 @@ fn study(
     rows: &[Row; 3],
     outcomes: &[Outcome; 3],
 ) {
-    let after = |outcome: &Outcome| {
-        outcome.informed().map(|record| if record.who.reset_s > 0.0 { record.after } else { record.rmse })
-    };
+    let after = |outcome: &Outcome| outcome.judged(EstimatorKind::Informed);
     let nominal =
         rows.iter().position(|row| row.printed.is_empty()).and_then(|i| outcomes.get(i)).and_then(after);
     for (row, outcome) in rows.iter().zip(outcomes) {

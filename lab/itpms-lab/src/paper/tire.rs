@@ -7,17 +7,17 @@ use itpms_core::model::PressureMap;
 use super::data::Data;
 use super::published::{REGRESSION, TABLE_1, TABLE_2};
 use super::section::{Section, Table, number, signed};
-use crate::runner::StudyError;
+use crate::runner::Result;
 use itpms_analysis::plot::{Axis, Figure, Ink, Panel, Stroke};
 
 /// The least-squares line through Table 1 and its R².
-pub(super) fn regression() -> Result<(PressureMap<f64>, f64), StudyError> {
+pub(super) fn regression() -> Result<(PressureMap<f64>, f64)> {
     let pressures = TABLE_1.map(|row| row.1);
     let stiffnesses = TABLE_1.map(|row| row.2);
     Ok(PressureMap::regression(&pressures, &stiffnesses)?)
 }
 
-pub(super) fn section() -> Result<Section, StudyError> {
+pub(super) fn section() -> Result<Section> {
     let (map, r2) = regression()?;
     let (slope, intercept, paper_r2) = REGRESSION;
     let paper = PressureMap::<f64>::paper_eq_5();

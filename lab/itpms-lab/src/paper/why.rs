@@ -7,13 +7,13 @@ use std::ops::ControlFlow;
 use super::data::Data;
 use super::section::{Section, Table, number};
 use crate::observability::{Car, Observability, Situation, Sources, Subject, Varied, study};
-use crate::runner::StudyError;
+use crate::runner::Result;
 
 /// When the bounds are printed, in s.
 const REPORTED_S: [f64; 3] = [2.0, 8.0, 40.0];
 
 /// The section; needs no drive. Errors: none for the paper's car.
-pub(super) fn section() -> Result<Section, StudyError> {
+pub(super) fn section() -> Result<Section> {
     let found = study(&Subject::paper(), &|_| ControlFlow::Continue(()))?;
     let mut figures = found.figures().into_iter();
     let mut section = Section::new("why", "Why: what two accelerations can tell, and what they cannot")
@@ -81,7 +81,7 @@ fn ranks(found: &Observability) -> Table {
         .numbers("rank", all().map(|case| case.rank as f64))
         .numbers("missing", all().map(|case| case.missing as f64))
         .numbers("drifts", all().map(|case| case.drifts as f64))
-        .text("stiffness", all().map(|case| case.stiffness.text().to_owned()));
+        .text("stiffness", all().map(|case| case.stiffness.label().to_owned()));
     let head = ["Case", "Rank", "Missing", "Of these drift", "Stiffness"];
     all().fold(Table::new("Rank with the road as unknown input", &head, data), |table, case| {
         table.row([
@@ -89,7 +89,7 @@ fn ranks(found: &Observability) -> Table {
             format!("{} of {}", case.rank, case.unknowns),
             case.missing.to_string(),
             case.drifts.to_string(),
-            case.stiffness.text().to_owned(),
+            case.stiffness.label().to_owned(),
         ])
     })
 }

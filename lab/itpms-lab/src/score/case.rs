@@ -11,7 +11,7 @@ use itpms_sim::simulation::{CornerRow, SimRow, Simulation};
 use itpms_sim::time_profile::Pressure;
 
 use super::stats::Window;
-use crate::runner::StudyError;
+use crate::runner::{Result, StudyError};
 use itpms_analysis::bound::{BoundSetting, CornerBound};
 use itpms_analysis::spectrum::PowerLaw;
 
@@ -40,7 +40,7 @@ pub(super) struct Case {
 }
 
 impl Case {
-    pub(super) fn paper(name: &str, kind: EstimatorKind) -> Result<Self, StudyError> {
+    pub(super) fn paper(name: &str, kind: EstimatorKind) -> Result<Self> {
         let scenario = Scenario::builtin(name)?;
         let judged = Window::new(3.0, scenario.duration_s);
         // The recovery of `paper-drop-recover` ends at 27.5 s.
@@ -62,7 +62,7 @@ impl Case {
     }
 
     /// One of the test bed's scenarios by its built-in name, driven at placard pressure until shortly before the change.
-    pub(super) fn bench(name: &str, kind: EstimatorKind) -> Result<Self, StudyError> {
+    pub(super) fn bench(name: &str, kind: EstimatorKind) -> Result<Self> {
         let scenario = Scenario::builtin(name)?;
         let end_s = scenario.duration_s;
         let (reset_s, before, change, after) = match name {
@@ -105,7 +105,7 @@ impl Case {
     }
 
     /// One pressure in kPa throughout, and the pressure that the estimator starts from.
-    pub(super) fn with_pressure(mut self, pressure_kpa: f64, start_kpa: f64) -> Result<Self, StudyError> {
+    pub(super) fn with_pressure(mut self, pressure_kpa: f64, start_kpa: f64) -> Result<Self> {
         let stiffness = self.corner()?.tire.stiffness_n_per_m(start_kpa);
         self.edit_corner(|corner| {
             corner.pressure = Pressure::ConstantKpa(pressure_kpa);
@@ -120,7 +120,7 @@ impl Case {
         }
     }
 
-    pub(super) fn corner(&self) -> Result<CornerConfig<f64>, StudyError> {
+    pub(super) fn corner(&self) -> Result<CornerConfig<f64>> {
         Ok(self.scenario.corner_config(CORNER)?)
     }
 
@@ -136,7 +136,7 @@ impl Case {
         &self,
         seed: u64,
         mut look: impl FnMut(&SimRow, &CornerRow, &CornerEstimate<f64>),
-    ) -> Result<(), StudyError> {
+    ) -> Result<()> {
         let mut estimator = AnyEstimator::new(self.kind, &self.corner()?, self.scenario.rate_hz)?;
         if let Some(seconds) = self.reset_s {
             estimator.begin_calibration(seconds)?;
@@ -150,14 +150,14 @@ impl Case {
     }
 
     /// The Cramer-Rao bound for this kind of drive; `None` where the road has no one spectrum.
-    pub(super) fn bound(&self) -> Result<Option<CornerBound>, StudyError> {
+    pub(super) fn bound(&self) -> Result<Option<CornerBound>> {
         let Some(road) = self.road() else { return Ok(None) };
         let setting = bound_setting(&self.scenario, road)?;
         Ok(Some(CornerBound::new(&self.corner()?, &setting)?))
     }
 
     /// Rms in kPa of the bound's sd over the time that is judged; NaN where there is none.
-    pub(super) fn bound_rms_kpa(&self) -> Result<f64, StudyError> {
+    pub(super) fn bound_rms_kpa(&self) -> Result<f64> {
         let (Some(bound), Some(corner)) = (self.bound()?, self.scenario.corner.get(CORNER)) else {
             return Ok(f64::NAN);
         };
@@ -170,7 +170,7 @@ impl Case {
 }
 
 /// Case of a bound: a drive at one speed on one spectrum.
-pub(super) fn bound_setting(scenario: &Scenario, road: &Iso8608) -> Result<BoundSetting, StudyError> {
+pub(super) fn bound_setting(scenario: &Scenario, road: &Iso8608) -> Result<BoundSetting> {
     Ok(BoundSetting {
         road: PowerLaw { gd_n0_m3: road.roughness.gd_n0_m3(), waviness: road.slope },
         speed_m_s: scenario.speed.profile_m_s().map_err(|e| invalid(scenario, e))?.value(0.0),

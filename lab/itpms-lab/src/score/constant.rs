@@ -11,7 +11,7 @@ use itpms_paper::EstimatorKind;
 use super::case::{Case, START_SD_KPA};
 use super::row::{Cell, Column, Goal, Row};
 use super::stats::Mean;
-use crate::runner::{Runner, StudyError, Turn};
+use crate::runner::{Result, Runner, StudyError, Turn};
 
 const PRESSURES_KPA: [f64; 3] = [241.3, 190.0, 140.0];
 const TIMES_S: [f64; 2] = [16.0, 39.0];
@@ -45,7 +45,7 @@ struct Constant {
 }
 
 impl Plan {
-    pub(super) fn new(kind: EstimatorKind, drives: usize) -> Result<Self, StudyError> {
+    pub(super) fn new(kind: EstimatorKind, drives: usize) -> Result<Self> {
         let constant = |(place, pressure_kpa): (usize, f64)| {
             let started = |start_kpa| {
                 let mut case = Case::paper("paper-drop", kind)?.with_pressure(pressure_kpa, start_kpa)?;
@@ -55,16 +55,14 @@ impl Plan {
             let starts = [started(pressure_kpa + START_SD_KPA)?, started(pressure_kpa - START_SD_KPA)?];
             Ok((Constant { pressure_kpa, seed_shift: (place as u64) << 32, starts }, drives))
         };
-        Ok(Self {
-            cases: PRESSURES_KPA.into_iter().enumerate().map(constant).collect::<Result<_, StudyError>>()?,
-        })
+        Ok(Self { cases: PRESSURES_KPA.into_iter().enumerate().map(constant).collect::<Result<_>>()? })
     }
 
     pub(super) fn drives(&self) -> u64 {
         self.cases.iter().map(|(_, drives)| *drives as u64).sum()
     }
 
-    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, StudyError> {
+    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>> {
         let errors = runner.run(&self.cases, errors_kpa)?;
         let mut rows = vec![];
         // Square error over bound of every drive, at each of the times.
@@ -106,7 +104,7 @@ fn together(ratios: &[Vec<f64>; 2]) -> Vec<Cell> {
 
 impl Constant {
     /// At [`TIMES_S`].
-    fn bounds_kpa(&self) -> Result<[f64; 2], StudyError> {
+    fn bounds_kpa(&self) -> Result<[f64; 2]> {
         let bound = self.starts[0].bound()?;
         Ok(TIMES_S.map(|t| match &bound {
             Some(bound) => bound.sd_with_prior_kpa(t, self.pressure_kpa, START_SD_KPA),
@@ -116,7 +114,7 @@ impl Constant {
 }
 
 /// Of the last estimate not later than each of [`TIMES_S`].
-fn errors_kpa(constant: &Constant, turn: Turn) -> Result<[f64; 2], StudyError> {
+fn errors_kpa(constant: &Constant, turn: Turn) -> Result<[f64; 2]> {
     let mut errors = [f64::NAN; 2];
     let seed = turn.seed.wrapping_add(constant.seed_shift);
     constant.starts[turn.index % 2].drive(seed, |row, truth, estimate| {

@@ -28,7 +28,7 @@ mod track;
 use itpms_paper::EstimatorKind;
 use serde::Serialize;
 
-use crate::runner::{Progress, Runner, StudyError, refused};
+use crate::runner::{Progress, Result, Runner, refused};
 use row::Row;
 
 itpms_core::labelled! {
@@ -183,7 +183,7 @@ fn labels<S: serde::Serializer>(kinds: &[EstimatorKind], serializer: S) -> Resul
 }
 
 /// Computes a score on all processors.
-pub fn score(request: &Request, progress: Progress<'_>) -> Result<Score, StudyError> {
+pub fn score(request: &Request, progress: Progress<'_>) -> Result<Score> {
     let (Some(&kind), true) = (request.estimators.first(), request.seeds > 0) else {
         return refused("0 seeds or no estimator, expected at least one of each");
     };
@@ -210,10 +210,8 @@ pub fn score(request: &Request, progress: Progress<'_>) -> Result<Score, StudyEr
     let record = record::Plan::new(kind, drives(Part::Road))?;
 
     let cars = drive::Plan::new(wanted, request.seeds, request.only.as_deref(), request.wheel_speeds)?;
-    let own = match wanted(Part::Own) {
-        true => own::Plan::new(request.seeds, request.only.as_deref(), request.wheel_speeds),
-        false => own::Plan::default(),
-    };
+    let own = || own::Plan::new(request.seeds, request.only.as_deref(), request.wheel_speeds);
+    let own = wanted(Part::Own).then(own).unwrap_or_default();
     if let Some(only) = request.only.as_ref().filter(|_| cars.drives() + own.drives() == 0) {
         return refused(format!(
             "no four-wheel row that was asked for has a name with `{only}` in it, such as `car, 80 km/h, reset`"
@@ -243,25 +241,24 @@ pub fn score(request: &Request, progress: Progress<'_>) -> Result<Score, StudyEr
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::ops::ControlFlow;
+    use crate::runner::UNWATCHED;
 
     #[test]
     fn requests_that_make_no_sense_are_refused() {
-        let go = |_, _| ControlFlow::Continue(());
         let nothing = Request { seeds: 0, ..Request::default() };
-        assert!(score(&nothing, &go).unwrap_err().to_string().starts_with("0 seeds"));
+        assert!(score(&nothing, UNWATCHED).unwrap_err().to_string().starts_with("0 seeds"));
         let unknown = Request { part: Some(Part::Drive), only: Some("zzz".to_owned()), ..Request::default() };
-        assert!(score(&unknown, &go).unwrap_err().to_string().starts_with("no four-wheel row"));
+        assert!(score(&unknown, UNWATCHED).unwrap_err().to_string().starts_with("no four-wheel row"));
         let several = Request {
             estimators: EstimatorKind::ALL.to_vec(),
             part: Some(Part::Road),
             seeds: 1,
             ..Request::default()
         };
-        assert!(score(&several, &go).unwrap_err().to_string().starts_with("road is scored for one"));
+        assert!(score(&several, UNWATCHED).unwrap_err().to_string().starts_with("road is scored for one"));
         let estimators = vec![EstimatorKind::AekfUi];
         let of_cars = Request { estimators, part: Some(Part::Drive), seeds: 1, ..Request::default() };
-        let refused = score(&of_cars, &go).unwrap_err().to_string();
+        let refused = score(&of_cars, UNWATCHED).unwrap_err().to_string();
         assert!(refused.starts_with("drive is scored for informed alone"), "{refused}");
     }
 }

@@ -3,7 +3,6 @@
 //! Called by the score. The stiffness comes from the estimator, the road from the recorder; both may look at the
 //! truth only through the accelerations.
 
-use itpms_core::model::CornerSample;
 use itpms_paper::EstimatorKind;
 use itpms_road::{RoadConfig, RoadRecorder, RoadRow, Segment, window_for};
 use itpms_sim::road::RoadClass;
@@ -12,7 +11,7 @@ use itpms_sim::time_profile::Speed;
 use super::case::Case;
 use super::row::{Column, Goal, Row};
 use super::stats::Spread;
-use crate::runner::{Runner, StudyError, Turn};
+use crate::runner::{Result, Runner, StudyError, Turn};
 use itpms_analysis::roughness::{Enveloping, iri_m_per_km};
 use itpms_analysis::spectrum::Welch;
 
@@ -43,7 +42,7 @@ pub(super) struct Plan {
 }
 
 impl Plan {
-    pub(super) fn new(kind: EstimatorKind, drives: usize) -> Result<Self, StudyError> {
+    pub(super) fn new(kind: EstimatorKind, drives: usize) -> Result<Self> {
         let case = |km_h: f64| {
             let mut case = Case::paper("paper-drop", kind)?.with_road(RoadClass::B, 2.14);
             if let Some(corner) = &mut case.scenario.corner.fl {
@@ -53,14 +52,14 @@ impl Plan {
             case.scenario.speed = Speed::ConstantKmH(km_h);
             Ok((case.named(format!("{km_h} km/h")), drives))
         };
-        Ok(Self { cases: SPEEDS_KM_H.into_iter().map(case).collect::<Result<_, StudyError>>()? })
+        Ok(Self { cases: SPEEDS_KM_H.into_iter().map(case).collect::<Result<_>>()? })
     }
 
     pub(super) fn drives(&self) -> u64 {
         self.cases.iter().map(|(_, drives)| *drives as u64).sum()
     }
 
-    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, StudyError> {
+    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>> {
         const ERROR: Column = Column::new("error_median_percent", "error %", 2);
         const ERROR_P90: Column = Column::new("error_p90_percent", "p90", 2);
         const IRI: Column = Column::new("iri_error_abs_median_percent", "|IRI error| %", 2);
@@ -81,7 +80,7 @@ impl Plan {
     }
 }
 
-fn fidelity(case: &Case, turn: Turn) -> Result<Fidelity, StudyError> {
+fn fidelity(case: &Case, turn: Turn) -> Result<Fidelity> {
     let (record, truth) = record(case, turn)?;
     let rate = case.scenario.rate_hz;
     let margin = (MARGIN_S * rate) as usize;
@@ -94,7 +93,7 @@ fn fidelity(case: &Case, turn: Turn) -> Result<Fidelity, StudyError> {
 }
 
 /// Recorded and true heights in m, one each per sample of the log.
-fn record(case: &Case, turn: Turn) -> Result<(Vec<f64>, Vec<f64>), StudyError> {
+fn record(case: &Case, turn: Turn) -> Result<(Vec<f64>, Vec<f64>)> {
     let corner = case.corner()?;
     let noise = case.scenario.sensor.noise_m_s2;
     let config = RoadConfig::new(corner.quarter_car, corner.initial_stiffness_n_per_m(), noise)?;
@@ -111,9 +110,7 @@ fn record(case: &Case, turn: Turn) -> Result<(Vec<f64>, Vec<f64>), StudyError> {
                 .filter_mut()
                 .set_stiffness(estimate.stiffness_n_per_m, estimate.stiffness_sd_n_per_m);
         }
-        let (body_accel_m_s2, wheel_accel_m_s2) = (corner.body_accel_m_s2, corner.wheel_accel_m_s2);
-        let sample = CornerSample { body_accel_m_s2, wheel_accel_m_s2 };
-        recorder.push(row.time_s, &sample, |point| record.push(point.road_m));
+        recorder.push(row.time_s, &corner.sample(), |point| record.push(point.road_m));
         truth.push(corner.road_m);
     })?;
     recorder.finish(|point| record.push(point.road_m));
@@ -121,7 +118,7 @@ fn record(case: &Case, turn: Turn) -> Result<(Vec<f64>, Vec<f64>), StudyError> {
 }
 
 /// Two profiles in m, both `spacing_m` apart.
-fn compare(record: &[f64], truth: &[f64], spacing_m: f64) -> Result<Fidelity, StudyError> {
+fn compare(record: &[f64], truth: &[f64], spacing_m: f64) -> Result<Fidelity> {
     let difference = record.iter().zip(truth).map(|(r, t)| r - t);
     let error = band_rms(difference, spacing_m)? / band_rms(truth.iter().copied(), spacing_m)?;
     let iri = |profile: &[f64]| {
@@ -132,7 +129,7 @@ fn compare(record: &[f64], truth: &[f64], spacing_m: f64) -> Result<Fidelity, St
 }
 
 /// Rms in m of what lies within the band.
-fn band_rms(heights_m: impl Iterator<Item = f64>, spacing_m: f64) -> Result<f64, StudyError> {
+fn band_rms(heights_m: impl Iterator<Item = f64>, spacing_m: f64) -> Result<f64> {
     let half = (0.5 * SEGMENT_M / spacing_m) as usize;
     let mut welch = Welch::new(2 * half, spacing_m)?;
     heights_m.for_each(|height| welch.push(height));

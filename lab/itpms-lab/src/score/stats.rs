@@ -6,7 +6,7 @@ use itpms_core::model::CornerEstimate;
 use serde::Serialize;
 
 /// Half-width of a 95 % interval in standard deviations.
-const HALF_95: f64 = 1.96;
+pub(crate) const HALF_95: f64 = 1.96;
 
 /// A stretch of time in s: later than `from_s`, not later than `to_s`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -66,6 +66,42 @@ impl ErrorSum {
     /// Share of errors within 1.96 sd, 0 to 1.
     pub fn coverage(&self) -> f64 {
         self.covered as f64 / self.count as f64
+    }
+}
+
+/// Errors of a pressure while it was valid, and for how much of the time that was.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct ValidErrors {
+    pub(super) errors: ErrorSum,
+    pub(super) sds_kpa: f64,
+    pub(super) rows: u64,
+}
+
+impl ValidErrors {
+    pub(super) fn push(&mut self, truth_kpa: f64, estimate: &CornerEstimate<f64>) {
+        self.rows += 1;
+        if estimate.validity.is_valid() {
+            self.sds_kpa += estimate.pressure_sd_kpa;
+            self.errors.push(estimate.pressure_kpa - truth_kpa, estimate.pressure_sd_kpa);
+        }
+    }
+
+    pub(super) fn valid(all: &[&Self]) -> f64 {
+        all.iter().map(|one| one.errors.count()).sum::<u64>() as f64
+    }
+
+    pub(super) fn share_valid(all: &[&Self]) -> f64 {
+        Self::valid(all) / all.iter().map(|one| one.rows).sum::<u64>() as f64
+    }
+
+    /// Mean of a figure over those that were ever valid, every valid row counting alike.
+    pub(super) fn mean(all: &[&Self], of: impl Fn(&Self) -> f64) -> f64 {
+        let seen = all.iter().filter(|one| one.errors.count() > 0);
+        seen.map(|one| one.errors.count() as f64 * of(one)).sum::<f64>() / Self::valid(all)
+    }
+
+    pub(super) fn rms(all: &[&Self]) -> f64 {
+        Self::mean(all, |one| one.errors.rmse().powi(2)).sqrt()
     }
 }
 

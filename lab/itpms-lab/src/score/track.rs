@@ -9,7 +9,7 @@ use super::Part;
 use super::case::Case;
 use super::row::{Cell, Column, Goal, Row};
 use super::stats::{Mean, Spread, WindowErrors};
-use crate::runner::{Runner, StudyError, Turn};
+use crate::runner::{Result, Runner, Turn};
 
 /// Share of time within the 95 % interval.
 const COVERAGE: Goal = Goal::Between(0.93, 0.98);
@@ -38,7 +38,7 @@ const COVERED: Column = Column::new("coverage", "coverage", 3);
 const COVERED_CHANGE: Column = Column::new("coverage_in_change", "in drop", 3);
 const BOUND: Column = Column::new("bound_rms_kpa", "bound", 1);
 
-fn track(case: &Case, turn: Turn) -> Result<WindowErrors, StudyError> {
+fn track(case: &Case, turn: Turn) -> Result<WindowErrors> {
     let mut track = WindowErrors::default();
     let windows = [case.judged, case.before, case.after, case.change];
     case.drive(turn.seed, |row, truth, estimate| {
@@ -61,7 +61,7 @@ struct Summary {
 }
 
 impl Summary {
-    fn of(case: &Case, tracks: &[WindowErrors]) -> Result<Self, StudyError> {
+    fn of(case: &Case, tracks: &[WindowErrors]) -> Result<Self> {
         let mean =
             |figure: &dyn Fn(&WindowErrors) -> f64| Mean::of(&tracks.iter().map(figure).collect::<Vec<_>>());
         Ok(Self {
@@ -112,11 +112,7 @@ pub(super) struct Plan {
 
 impl Plan {
     /// `wanted` parts with `drives` each, by these estimators. More than one estimator is compared in the paper's scenarios alone.
-    pub(super) fn new(
-        wanted: impl Fn(Part) -> bool,
-        kinds: &[EstimatorKind],
-        drives: usize,
-    ) -> Result<Self, StudyError> {
+    pub(super) fn new(wanted: impl Fn(Part) -> bool, kinds: &[EstimatorKind], drives: usize) -> Result<Self> {
         let coverage = wanted(Part::Coverage);
         let mut plan =
             Self { paper: vec![], mass: vec![], grid: vec![], bench: vec![], coverage, cases: vec![] };
@@ -172,7 +168,7 @@ impl Plan {
         self.cases.iter().map(|(_, drives)| *drives as u64).sum()
     }
 
-    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, StudyError> {
+    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>> {
         let tracks = runner.run(&self.cases, track)?;
         let all = self.cases.iter().zip(&tracks).map(|((case, _), tracks)| Summary::of(case, tracks));
         let all = all.collect::<Result<Vec<_>, _>>()?;
@@ -187,7 +183,7 @@ impl Plan {
     }
 }
 
-fn grid(kind: EstimatorKind) -> Result<Vec<Case>, StudyError> {
+fn grid(kind: EstimatorKind) -> Result<Vec<Case>> {
     let mut cases = vec![];
     for slope in SLOPES {
         for class in CLASSES {
@@ -278,7 +274,7 @@ fn coverage_rows(summaries: &[Summary]) -> Vec<Row> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::ops::ControlFlow;
+    use crate::runner::UNWATCHED;
 
     #[test]
     fn the_worst_is_furthest_from_zero() {
@@ -299,7 +295,7 @@ mod tests {
             (Window::new(3.0, 4.0), Window::new(4.0, 5.0), Window::new(5.0, 6.0));
         let cases = [(case, 2)];
         let run = || {
-            let runner = Runner::new(1, 2, &|_, _| ControlFlow::Continue(()));
+            let runner = Runner::new(1, 2, UNWATCHED);
             runner.run(&cases, track).unwrap()
         };
         let tracks = run();

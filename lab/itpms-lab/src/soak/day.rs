@@ -18,9 +18,9 @@ use itpms_sim::wheel_speeds::{Condition, Day, YawFault};
 use serde::{Deserialize, Serialize};
 
 use super::Plan;
-use super::hour::{ASK_ROWS, DayHour, Hour, LossHour, Said, WheelHour, YawHour, scenario};
+use super::hour::{ASK_ROWS, DayHour, Hour, LossHour, Said, YawHour, scenario};
 use super::rolling::Watch;
-use crate::runner::StudyError;
+use crate::runner::{Result, StudyError};
 use crate::sensors::wheel_speed_config;
 
 /// Length in s of the calibration's drive, all of which counts unless a plan says otherwise, and how many are driven until one taught something.
@@ -63,15 +63,9 @@ fn losing(seed: u64) -> (&'static str, Wheels, bool) {
     (kind, wheels.iter().copied().collect(), parked)
 }
 
-pub(super) fn drive(
-    plan: &Plan,
-    days: &Days,
-    seed: u64,
-    flow: &dyn Fn() -> ControlFlow<()>,
-) -> Result<Hour, StudyError> {
+pub(super) fn drive(plan: &Plan, days: &Days, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) -> Result<Hour> {
     let begun = Instant::now();
-    let mut kept =
-        Kept { losing: Wheels::NONE, from_s: 0.0, said: vec![], found_s: None, exact: false, wrong: false };
+    let mut kept = Kept::default();
     let mut left_out = false;
     let calibrate_s = plan.calibrate_s.unwrap_or(CALIBRATE_S);
     let mut taught = None;
@@ -135,7 +129,6 @@ pub(super) fn drive(
         driven_s: rows as f64 / later.rate_hz,
         km,
         said: kept.said,
-        wheels: [WheelHour::default(); 4],
         radii: Some(watch.finish()),
         day: Some(DayHour {
             condition,
@@ -146,10 +139,11 @@ pub(super) fn drive(
             loss,
         }),
         wall_s: begun.elapsed().as_secs_f64(),
+        ..Hour::default()
     })
 }
 
-fn monitor(scenario: &Scenario) -> Result<Box<MonitoredWheels<f64>>, StudyError> {
+fn monitor(scenario: &Scenario) -> Result<Box<MonitoredWheels<f64>>> {
     let mut wheels = Box::new(MonitoredWheels::unconfigured());
     if let Some(config) = wheel_speed_config(scenario, LoadUncertainty::unknown()) {
         wheels.configure(&config)?;
@@ -158,7 +152,7 @@ fn monitor(scenario: &Scenario) -> Result<Box<MonitoredWheels<f64>>, StudyError>
 }
 
 /// The drive of a day, with every point written out.
-fn composed(plan: &Plan, days: &Days, day: &Day) -> Result<Scenario, StudyError> {
+fn composed(plan: &Plan, days: &Days, day: &Day) -> Result<Scenario> {
     let mut scenario = scenario(plan)?;
     let Some(mut journey) = scenario.journey.take() else { return Ok(scenario) };
     // Bodies and tires are the car's, not the day's.
@@ -181,13 +175,7 @@ fn composed(plan: &Plan, days: &Days, day: &Day) -> Result<Scenario, StudyError>
 }
 
 /// Lets tires lose a share of their pressure.
-fn lose(
-    scenario: &mut Scenario,
-    wheels: Wheels,
-    share: f64,
-    from_s: f64,
-    takes_s: f64,
-) -> Result<(), StudyError> {
+fn lose(scenario: &mut Scenario, wheels: Wheels, share: f64, from_s: f64, takes_s: f64) -> Result<()> {
     let steps = (scenario.duration_s / STEP_S).ceil() as u32;
     for corner in wheels.iter() {
         let Some(spec) = scenario.corner.get_mut(corner) else { continue };
@@ -204,6 +192,7 @@ fn lose(
     Ok(())
 }
 
+#[derive(Default)]
 struct Kept {
     losing: Wheels,
     from_s: f64,
@@ -223,7 +212,7 @@ impl Kept {
         watch: &mut Watch,
         begins_s: f64,
         flow: &dyn Fn() -> ControlFlow<()>,
-    ) -> Result<(u64, f64), StudyError> {
+    ) -> Result<(u64, f64)> {
         let (mut rows, mut km) = (0, 0.0);
         let mut before: Option<Alert<f64>> = None;
         for row in Simulation::new(scenario, seed)? {

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use itpms_core::model::{CarConfig, CarEstimate, Corner};
+use itpms_core::model::{CarEstimate, Corner};
 use itpms_core::monitor::MonitoredCar;
 use itpms_core::warning::{Alert, Change, Limits, MonitorReport};
 use itpms_sim::scenario::Scenario;
@@ -14,7 +14,8 @@ use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 
 use super::{Car, Plan};
-use crate::runner::StudyError;
+use crate::runner::{Result, StudyError};
+use crate::score::stats::ErrorSum;
 use crate::tuning::monitor;
 
 /// The monitor's report where nothing can be known; no false warning.
@@ -26,11 +27,9 @@ pub(super) const ASK_ROWS: u64 = 2000;
 const SPEED_SHARE: f64 = 0.01;
 /// Standard deviations that a one-sided limit of 95 % lies off.
 const ONE_SIDED_95: f64 = 1.645;
-/// The same of a two-sided interval of 95 %.
-pub(super) const HALF_95: f64 = 1.96;
 
 /// Record of a drive: a line of a file.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Hour {
     pub seed: u64,
     /// Length of the drive in s, stops included.
@@ -80,7 +79,7 @@ pub struct WheelHour {
 }
 
 /// How near radius analysis came to a warning after its calibration.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct RadiusHour {
     /// Time in s in which differences were known, and in which a loss of 30 % of any single tire would have been found.
     pub known_s: f64,
@@ -143,7 +142,7 @@ impl Hour {
     }
 }
 
-pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) -> Result<Hour, StudyError> {
+pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) -> Result<Hour> {
     let begun = Instant::now();
     let scenario = scenario(plan)?;
     let mut car = monitored(&scenario)?;
@@ -178,20 +177,11 @@ pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) 
     }
     let driven_s = rows as f64 / plan.rate_hz;
     let wheels = watches.map(|watch| watch.finish(rows));
-    Ok(Hour {
-        seed,
-        driven_s,
-        km,
-        said,
-        wheels,
-        radii: None,
-        day: None,
-        wall_s: begun.elapsed().as_secs_f64(),
-    })
+    Ok(Hour { seed, driven_s, km, said, wheels, wall_s: begun.elapsed().as_secs_f64(), ..Hour::default() })
 }
 
 /// The drive, before its seed composes it.
-pub(super) fn scenario(plan: &Plan) -> Result<Scenario, StudyError> {
+pub(super) fn scenario(plan: &Plan) -> Result<Scenario> {
     let mut scenario = Scenario::builtin("drive-normal")?;
     scenario.rate_hz = plan.rate_hz;
     scenario.duration_s = plan.drive_s;
@@ -203,38 +193,27 @@ pub(super) fn scenario(plan: &Plan) -> Result<Scenario, StudyError> {
 }
 
 /// The same as its seed composes it, on the wheels of this car.
-fn driven(scenario: &Scenario, car: Car, seed: u64) -> Result<Scenario, StudyError> {
+fn driven(scenario: &Scenario, car: Car, seed: u64) -> Result<Scenario> {
     let mut driven = scenario.composed(seed)?;
     if car == Car::Quarters {
         driven.car = None;
-        for corner in Corner::ALL {
-            if let Some(spec) = driven.corner.get_mut(corner) {
-                // Wheels that turn belong to the whole car.
-                spec.truth.imbalance_kg_m = 0.0;
-            }
-        }
+        // Wheels that turn belong to the whole car.
+        driven.corner.iter_mut().for_each(|(_, spec)| spec.truth.imbalance_kg_m = 0.0);
     }
     Ok(driven)
 }
 
 /// The estimator and the monitor as they are shipped, given what the vehicle file says; the roads' heights are not read.
-fn monitored(scenario: &Scenario) -> Result<Box<MonitoredCar<f64>>, StudyError> {
-    let mut config = CarConfig { corners: [None; 4], wheelbase_m: Some(scenario.wheelbase_m) };
-    for (corner, _) in scenario.corner.iter() {
-        config.corners[corner.index()] = Some(scenario.corner_config(corner)?);
-    }
-    let config = monitor(&config);
+fn monitored(scenario: &Scenario) -> Result<Box<MonitoredCar<f64>>> {
+    let config = monitor(&scenario.car_config()?);
     Ok(Box::new(MonitoredCar::new(&config, scenario.rate_hz)?))
 }
 
 /// Pressures in kPa below which a wheel is warned of.
-fn limits(scenario: &Scenario) -> Result<[f64; 4], StudyError> {
+fn limits(scenario: &Scenario) -> Result<[f64; 4]> {
     let share = Limits::<f64>::from(itpms_core::warning::Regulation::default()).low_share;
-    let mut limits = [f64::NAN; 4];
-    for (corner, _) in scenario.corner.iter() {
-        limits[corner.index()] = share * scenario.corner_config(corner)?.placard_kpa;
-    }
-    Ok(limits)
+    let corners = scenario.car_config()?.corners;
+    Ok(corners.map(|corner| corner.map_or(f64::NAN, |corner| share * corner.placard_kpa)))
 }
 
 pub(super) fn note(time_s: f64, before: &MonitorReport<f64>, now: &MonitorReport<f64>, said: &mut Vec<Said>) {
@@ -259,9 +238,7 @@ impl Said {
 #[derive(Debug, Clone, Copy)]
 struct Watch {
     limit_kpa: f64,
-    valid: u64,
-    covered: u64,
-    squares: f64,
+    errors: ErrorSum,
     worst_z: f64,
     low_margin: [f64; 2],
     lowest_kpa: f64,
@@ -271,9 +248,7 @@ impl Watch {
     fn new(limit_kpa: f64) -> Self {
         Self {
             limit_kpa,
-            valid: 0,
-            covered: 0,
-            squares: 0.0,
+            errors: ErrorSum::default(),
             worst_z: 0.0,
             low_margin: [f64::INFINITY, f64::NAN],
             lowest_kpa: f64::INFINITY,
@@ -287,9 +262,7 @@ impl Watch {
         }
         let (pressure, sd) = (estimate.pressure_kpa, estimate.pressure_sd_kpa);
         let error = pressure - truth.pressure_kpa;
-        self.valid += 1;
-        self.covered += u64::from(error.abs() <= HALF_95 * sd);
-        self.squares += error * error;
+        self.errors.push(error, sd);
         if error.abs() > self.worst_z.abs() * sd {
             self.worst_z = error / sd;
         }
@@ -301,12 +274,12 @@ impl Watch {
     }
 
     fn finish(self, rows: u64) -> WheelHour {
-        let some = |value: f64| (self.valid > 0).then_some(value);
-        let valid = self.valid as f64;
+        let valid = self.errors.count();
+        let some = |value: f64| (valid > 0).then_some(value);
         WheelHour {
-            valid: valid / rows.max(1) as f64,
-            covered: some(self.covered as f64 / valid),
-            rmse_kpa: some((self.squares / valid).sqrt()),
+            valid: valid as f64 / rows.max(1) as f64,
+            covered: some(self.errors.coverage()),
+            rmse_kpa: some(self.errors.rmse()),
             worst_z: some(self.worst_z),
             low_margin_kpa: some(self.low_margin[0]),
             low_margin_s: some(self.low_margin[1]),

@@ -25,7 +25,7 @@ use std::thread;
 
 use serde::{Deserialize, Serialize};
 
-use crate::runner::{STACK_BYTES, StudyError, refused};
+use crate::runner::{Result, STACK_BYTES, StudyError, refused};
 use crate::sensors::Sensors;
 pub use day::Days;
 pub use hour::{Hour, RadiusHour, Said, WheelHour};
@@ -84,13 +84,13 @@ pub fn soak(
     jobs: usize,
     done: &mut (dyn FnMut(Hour) -> ControlFlow<()> + Send),
     flow: &(dyn Fn() -> ControlFlow<()> + Sync),
-) -> Result<(), StudyError> {
+) -> Result<()> {
     let (next, stopped) = (AtomicUsize::new(0), AtomicBool::new(false));
     let done = Mutex::new(done);
     let stop = || {
         if stopped.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { flow() }
     };
-    let work = || -> Result<(), StudyError> {
+    let work = || -> Result<()> {
         while let Some(&seed) = seeds.get(next.fetch_add(1, Ordering::Relaxed)) {
             let hour = match &plan.days {
                 Some(days) => day::drive(plan, days, seed, &stop),
@@ -110,10 +110,10 @@ pub fn soak(
         }
         Ok(())
     };
-    let results: Vec<Result<(), StudyError>> = thread::scope(|scope| {
+    let results: Vec<Result<()>> = thread::scope(|scope| {
         let spawn = || thread::Builder::new().stack_size(STACK_BYTES).spawn_scoped(scope, work);
         let handles: Vec<_> = (0..jobs.clamp(1, seeds.len().max(1))).map(|_| spawn()).collect();
-        let join = |handle: std::io::Result<thread::ScopedJoinHandle<'_, Result<(), StudyError>>>| {
+        let join = |handle: std::io::Result<thread::ScopedJoinHandle<'_, Result<()>>>| {
             let handle = handle.or_else(|error| refused(format!("threads cannot be started: {error}")))?;
             handle.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
         };

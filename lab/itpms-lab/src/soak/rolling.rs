@@ -12,9 +12,10 @@ use itpms_sim::scenario::Scenario;
 use itpms_sim::simulation::Simulation;
 use itpms_sim::wheel_speeds::{DrivenWheels, WheelSpeedSpec};
 
-use super::hour::{ASK_ROWS, HALF_95, Hour, RadiusHour, WheelHour, note, scenario};
+use super::hour::{ASK_ROWS, Hour, RadiusHour, note, scenario};
 use super::{Car, Plan};
-use crate::runner::StudyError;
+use crate::runner::{Result, StudyError};
+use crate::score::stats::HALF_95;
 use crate::sensors::{PulsedCar, Pulses, Sensors, wheel_speed_config};
 use crate::tuning::monitor;
 
@@ -23,7 +24,7 @@ const CALIBRATE_S: f64 = 600.0;
 /// By how many K its tires warm up at 90 km/h.
 const WARMS_BY_K: f64 = 20.0;
 
-pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) -> Result<Hour, StudyError> {
+pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) -> Result<Hour> {
     let begun = Instant::now();
     let scenario = rolling(plan, seed)?;
     let config = CarConfig { corners: [None; 4], wheelbase_m: None };
@@ -64,15 +65,14 @@ pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) 
         driven_s: rows as f64 / scenario.rate_hz,
         km,
         said,
-        wheels: [WheelHour::default(); 4],
         radii: Some(watch.finish()),
-        day: None,
         wall_s: begun.elapsed().as_secs_f64(),
+        ..Hour::default()
     })
 }
 
 /// The drive; every seed has another car and bus: driven axle, period, steps, and signals beside the speeds.
-fn rolling(plan: &Plan, seed: u64) -> Result<Scenario, StudyError> {
+fn rolling(plan: &Plan, seed: u64) -> Result<Scenario> {
     let mut scenario = scenario(plan)?;
     if let Some(journey) = &mut scenario.journey {
         journey.warms_by_k = WARMS_BY_K;
@@ -91,6 +91,7 @@ fn rolling(plan: &Plan, seed: u64) -> Result<Scenario, StudyError> {
     Ok(scenario)
 }
 
+#[derive(Default)]
 pub(super) struct Watch {
     calibrated_s: f64,
     /// Sum of the true `ln` radii over the calibration's driving, and its samples.
@@ -101,14 +102,7 @@ pub(super) struct Watch {
 
 impl Watch {
     pub(super) fn new(calibrated_s: f64) -> Self {
-        let hour = RadiusHour {
-            known_s: 0.0,
-            informed_s: 0.0,
-            most_probable: 0.0,
-            most_probable_s: 0.0,
-            covered: [0.0; 3],
-        };
-        Self { calibrated_s, learned: ([0.0; 4], 0.0), covered_s: [0.0; 3], hour }
+        Self { calibrated_s, ..Self::default() }
     }
 
     /// Goes on with a later drive, of which nothing is learned.
@@ -148,10 +142,8 @@ impl Watch {
 
     pub(super) fn finish(self) -> RadiusHour {
         let known_s = self.hour.known_s;
-        RadiusHour {
-            covered: self.covered_s.map(|s| if known_s > 0.0 { s / known_s } else { 0.0 }),
-            ..self.hour
-        }
+        let covered = self.covered_s.map(|s| if known_s > 0.0 { s / known_s } else { 0.0 });
+        RadiusHour { covered, ..self.hour }
     }
 }
 

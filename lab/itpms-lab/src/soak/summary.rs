@@ -231,9 +231,8 @@ mod tests {
             km: 50.0,
             said: said.iter().map(words).collect(),
             wheels,
-            radii: None,
-            day: None,
             wall_s: 36.0,
+            ..Hour::default()
         }
     }
 

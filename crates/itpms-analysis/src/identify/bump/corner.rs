@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use super::super::IdentifyError;
 use super::super::estimate::Estimate;
+use super::super::{IdentifyError, Result};
 use super::fit::{BandRows, Fit};
 use super::hop::hop;
 use super::motion::{Band, Motion};
@@ -21,11 +21,7 @@ const DRAWN: usize = 3;
 /// Standard errors by which the spring has to differ from zero.
 const CLEAR: f64 = 3.0;
 
-pub(super) fn fit(
-    label: &str,
-    motion: &Motion,
-    masses: Option<BumpMasses>,
-) -> Result<BumpFit, IdentifyError> {
+pub(super) fn fit(label: &str, motion: &Motion, masses: Option<BumpMasses>) -> Result<BumpFit> {
     let body_rows: Vec<BandRows> = motion.bands.iter().map(|band| body_equation(band, motion)).collect();
     let body =
         Fit::of(&body_rows, &motion.whole(|band| &band.travel_velocity), "spring, damper and friction")?;

@@ -3,9 +3,9 @@
 
 use nalgebra::DVector;
 
-use super::super::IdentifyError;
 use super::super::blocks::{Block, BlockFit, jackknife, solve};
 use super::super::estimate::Estimate;
+use super::super::{IdentifyError, Result};
 
 /// Into how many blocks the motion is cut; the covariance is the mean over these, for where a cut falls is chance.
 const PARTITIONS: std::ops::RangeInclusive<usize> = 6..=10;
@@ -32,11 +32,7 @@ pub(super) struct Fit {
 impl Fit {
     /// Fits all bands with one set of coefficients. `velocity` is what the motion's way is counted by, `what` is what cannot be
     /// distinguished if they cannot.
-    pub(super) fn of(
-        bands: &[BandRows],
-        velocity: &[f64],
-        what: &'static str,
-    ) -> Result<Self, IdentifyError> {
+    pub(super) fn of(bands: &[BandRows], velocity: &[f64], what: &'static str) -> Result<Self> {
         let singular = || IdentifyError::Singular(what);
         let mut weights = vec![1.0; bands.len()];
         let mut residuals = Vec::new();

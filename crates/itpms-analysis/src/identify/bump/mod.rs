@@ -25,7 +25,7 @@ mod text;
 
 use serde::Serialize;
 
-use super::IdentifyError;
+use super::Result;
 use super::estimate::Estimate;
 use motion::Motion;
 
@@ -116,15 +116,15 @@ pub fn bump(
     corners: &[BumpCorner<'_>],
     masses: Option<BumpMasses>,
     window: BumpWindow,
-) -> Result<BumpResult, IdentifyError> {
+) -> Result<BumpResult> {
     let motions = corners
         .iter()
         .map(|corner| Ok((corner.label, Motion::of(time_s, corner, window)?)))
-        .collect::<Result<Vec<_>, IdentifyError>>()?;
+        .collect::<Result<Vec<_>>>()?;
     let fits = motions
         .iter()
         .map(|(label, motion)| corner::fit(label, motion, masses))
-        .collect::<Result<Vec<_>, IdentifyError>>()?;
+        .collect::<Result<Vec<_>>>()?;
     let find = |label: &str| motions.iter().find(|(name, _)| *name == label).map(|(_, motion)| motion);
     let mut axles = Vec::new();
     for (axle, [left, right]) in [("front", ["fl", "fr"]), ("rear", ["rl", "rr"])] {

@@ -1,7 +1,7 @@
 //! The measured motion of a corner made ready for a fit: heights, velocities, accelerations and the state of friction, by
 //! band, and where the motion is free. Called by `bump`.
 
-use super::super::{IdentifyError, guard};
+use super::super::{IdentifyError, Result, guard};
 use super::smooth::{BANDS, bands, derivative, integral, low_pass};
 use super::{BumpCorner, BumpSignals, BumpWindow};
 
@@ -67,11 +67,7 @@ struct Whole {
 }
 
 impl Motion {
-    pub(super) fn of(
-        time_s: &[f64],
-        corner: &BumpCorner<'_>,
-        window: BumpWindow,
-    ) -> Result<Self, IdentifyError> {
+    pub(super) fn of(time_s: &[f64], corner: &BumpCorner<'_>, window: BumpWindow) -> Result<Self> {
         let step_s = step(time_s)?;
         let whole = match corner.signals {
             BumpSignals::Heights { body_m, wheel_m } => {
@@ -176,7 +172,7 @@ impl Motion {
 }
 
 /// The step of a record, uniform to a tenth of itself.
-fn step(time_s: &[f64]) -> Result<f64, IdentifyError> {
+fn step(time_s: &[f64]) -> Result<f64> {
     if time_s.len() < 3 {
         return Err(IdentifyError::TooFew { what: "rows", found: time_s.len(), expected: 3 });
     }
@@ -198,11 +194,7 @@ fn step(time_s: &[f64]) -> Result<f64, IdentifyError> {
     Ok(step)
 }
 
-fn check(
-    time_s: &[f64],
-    body: (&'static str, &[f64]),
-    wheel: (&'static str, &[f64]),
-) -> Result<(), IdentifyError> {
+fn check(time_s: &[f64], body: (&'static str, &[f64]), wheel: (&'static str, &[f64])) -> Result<()> {
     guard::pair(("time_s", time_s), body)?;
     guard::pair(body, wheel)?;
     guard::varies(body.0, body.1)?;

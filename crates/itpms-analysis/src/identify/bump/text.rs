@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use super::super::estimate::Estimate;
-use super::super::text::{interval, line, shown};
+use super::super::text::{ending, estimate_line, line};
 use super::{BumpFit, BumpResult};
 
 impl BumpResult {
@@ -26,15 +26,8 @@ impl BumpFit {
         let mut out = String::new();
         let axle = matches!(self.label.as_str(), "front" | "rear");
         line(&mut out, &self.label, if axle { "mean of left and right" } else { "" }, "");
-        let mut row = |name: &str, estimate: &Estimate, unit: &str| {
-            let value = format!("{} {unit}", shown(estimate));
-            line(
-                &mut out,
-                name,
-                value.trim_end(),
-                &interval(estimate.interval_95(), estimate.standard_error),
-            );
-        };
+        let mut row =
+            |name: &str, estimate: &Estimate, unit: &str| estimate_line(&mut out, name, estimate, unit);
         match &self.parts {
             Some(parts) => {
                 row("spring ks", &parts.spring_n_per_m, "N/m");
@@ -52,18 +45,12 @@ impl BumpFit {
             row("its damping ratio", ratio, "");
         }
         line(&mut out, "motion used", &format!("{:.3} to {:.3} s", self.used_s.0, self.used_s.1), "");
-        let explained = match &self.parts {
-            Some(parts) => {
-                format!(
-                    "{:.2} % body, {:.2} % tire",
-                    100.0 * self.body_explained,
-                    100.0 * parts.tire_explained
-                )
-            }
-            None => format!("{:.2} % body", 100.0 * self.body_explained),
-        };
+        let mut explained = format!("{:.2} % body", 100.0 * self.body_explained);
+        if let Some(parts) = &self.parts {
+            explained += &format!(", {:.2} % tire", 100.0 * parts.tire_explained);
+        }
         line(&mut out, "explained below 4 Hz", &explained, "");
-        super::super::text::ending(&mut out, &self.concerns);
+        ending(&mut out, &self.concerns);
         out
     }
 

@@ -57,22 +57,18 @@ type Fault = fn(&mut Campaign<'_>) -> Result<Outcome, Failure>;
 
 /// Name, what it takes if it takes something, and how.
 const FAULTS: [(&str, &str, Fault); 11] = [
-    ("state: killed while saving", "a state that is neither the old nor the new one", saving::killed_state),
-    (
-        "calibration: killed while saving",
-        "a file that is neither the old nor the new one",
-        saving::killed_calibration,
-    ),
-    (
-        "state: disk full while saving",
-        "the old state, or an error that is not reported",
-        saving::full_disk_state,
-    ),
-    (
-        "calibration: disk full while saving",
-        "the old file, or an error that is not reported",
-        saving::full_disk_calibration,
-    ),
+    ("state: killed while saving", "a state that is neither the old nor the new one", |c| {
+        saving::killed(c, "state")
+    }),
+    ("calibration: killed while saving", "a file that is neither the old nor the new one", |c| {
+        saving::killed(c, "calibration")
+    }),
+    ("state: disk full while saving", "the old state, or an error that is not reported", |c| {
+        saving::full_disk(c, "state")
+    }),
+    ("calibration: disk full while saving", "the old file, or an error that is not reported", |c| {
+        saving::full_disk(c, "calibration")
+    }),
     ("state: a byte changed", "a changed state that is believed", saving::changed_state),
     ("calibration: a byte changed", "a changed file that is believed", saving::changed_calibration),
     ("state: cut short", "a part that is believed", saving::cut_state),

@@ -19,48 +19,19 @@ const LATEST_NS: u64 = 12_000_000;
 /// Steps from no room at all to enough.
 const ROOMS: u64 = 64;
 
-pub(super) fn killed_state(campaign: &mut Campaign<'_>) -> Result<Outcome, Failure> {
-    let files = campaign.subject.states.clone();
-    killed(campaign, "state", &files)
-}
-
-pub(super) fn killed_calibration(campaign: &mut Campaign<'_>) -> Result<Outcome, Failure> {
-    let files = campaign.subject.calibrations.clone();
-    killed(campaign, "calibration", &files)
-}
-
-pub(super) fn full_disk_state(campaign: &mut Campaign<'_>) -> Result<Outcome, Failure> {
-    let files = campaign.subject.states.clone();
-    full_disk(campaign, "state", &files)
-}
-
-pub(super) fn full_disk_calibration(campaign: &mut Campaign<'_>) -> Result<Outcome, Failure> {
-    let files = campaign.subject.calibrations.clone();
-    full_disk(campaign, "calibration", &files)
-}
-
 /// The program that is killed, or that finds no room: saves two files in turn under one name.
 pub(super) fn save_forever(kind: &Path, files: [&PathBuf; 2], target: &Path) -> Result<(), Failure> {
     let fail = |error: std::io::Error| Failure::Usage(error.to_string());
-    let saves: [Box<dyn Fn() -> Result<(), Failure>>; 2] = if kind == Path::new("state") {
-        files.map(|file| -> Result<Box<dyn Fn() -> Result<(), Failure>>, Failure> {
+    let save = |file| -> Result<Box<dyn Fn() -> Result<(), Failure>>, Failure> {
+        if kind == Path::new("state") {
             let bytes = fs::read(file).map_err(fail)?;
-            let target = target.to_owned();
-            Ok(Box::new(move || {
-                state::write(&target, &bytes).map_err(|error| Failure::Usage(error.to_string()))
-            }))
-        })
-    } else {
-        files.map(|file| -> Result<Box<dyn Fn() -> Result<(), Failure>>, Failure> {
-            let stored = StoredReference::read(file)?;
-            let target = target.to_owned();
-            Ok(Box::new(move || Ok(stored.save(&target)?)))
-        })
-    }
-    .into_iter()
-    .collect::<Result<Vec<_>, _>>()?
-    .try_into()
-    .map_err(|_| Failure::Usage("two files".to_owned()))?;
+            let failed = |error: itpms_live::error::LiveError| Failure::Usage(error.to_string());
+            return Ok(Box::new(move || state::write(target, &bytes).map_err(failed)));
+        }
+        let stored = StoredReference::read(file)?;
+        Ok(Box::new(move || Ok(stored.save(target)?)))
+    };
+    let saves = [save(files[0])?, save(files[1])?];
     let mut reported = false;
     loop {
         for save in &saves {
@@ -74,7 +45,8 @@ pub(super) fn save_forever(kind: &Path, files: [&PathBuf; 2], target: &Path) -> 
     }
 }
 
-fn killed(campaign: &mut Campaign<'_>, kind: &str, files: &[PathBuf; 2]) -> Result<Outcome, Failure> {
+pub(super) fn killed(campaign: &mut Campaign<'_>, kind: &str) -> Result<Outcome, Failure> {
+    let files = campaign.subject.files(kind);
     let target = campaign.subject.at(&format!("killed.{kind}"));
     let fail = |error| Failure::Directory(target.clone(), error);
     let [old, new] = [fs::read(&files[0]).map_err(fail)?, fs::read(&files[1]).map_err(fail)?];
@@ -109,7 +81,8 @@ fn beside(target: &Path) -> u64 {
 }
 
 /// The system lets a file grow to a limit and no further; the limit grows from nothing until the file fits.
-fn full_disk(campaign: &mut Campaign<'_>, kind: &str, files: &[PathBuf; 2]) -> Result<Outcome, Failure> {
+pub(super) fn full_disk(campaign: &mut Campaign<'_>, kind: &str) -> Result<Outcome, Failure> {
+    let files = campaign.subject.files(kind);
     let target = campaign.subject.at(&format!("full.{kind}"));
     let fail = |error| Failure::Directory(target.clone(), error);
     let [old, new] = [fs::read(&files[0]).map_err(fail)?, fs::read(&files[1]).map_err(fail)?];

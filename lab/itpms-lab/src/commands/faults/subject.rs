@@ -71,6 +71,11 @@ impl Subject {
         engine
     }
 
+    /// The older and the newer file of a kind.
+    pub(super) fn files(&self, kind: &str) -> &[PathBuf; 2] {
+        if kind == "state" { &self.states } else { &self.calibrations }
+    }
+
     pub(super) fn at(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }

@@ -11,7 +11,7 @@ use rand_pcg::Pcg64;
 use super::super::row::{Column, Goal, Row};
 use super::super::stats::percentile;
 use super::{Drive, Plant, Setup};
-use crate::runner::{Runner, StudyError, Turn};
+use crate::runner::{Result, Runner, Turn};
 use itpms_sim::simulation::Simulation;
 
 /// Pressures in kPa, before and after.
@@ -103,7 +103,7 @@ impl Plan {
         self.cases.iter().map(|(_, drives)| *drives as u64).sum()
     }
 
-    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, StudyError> {
+    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>> {
         let found = runner.run(&self.cases, |(loss, setup), turn| drive(loss, setup, turn))?;
         let mut rows = vec![];
         for (((loss, setup), _), found) in self.cases.iter().zip(&found) {
@@ -166,7 +166,7 @@ fn row(name: String, loss: &Loss, found: &[Found]) -> Row {
 }
 
 /// The drive of a turn: wheels, classes and cars in turn, speeds and times at random.
-fn composed(loss: &Loss, turn: Turn) -> Result<(Drive, Found, f64), StudyError> {
+fn composed(loss: &Loss, turn: Turn) -> Result<(Drive, Found, f64)> {
     let mut random = Pcg64::seed_from_u64(turn.seed);
     let mut between = |[low, high]: [f64; 2]| low + (high - low) * random.random::<f64>();
     let (km_h, takes_s) = (between(SPEED_KM_H), between(loss.takes_s));
@@ -194,7 +194,7 @@ fn composed(loss: &Loss, turn: Turn) -> Result<(Drive, Found, f64), StudyError> 
     Ok((drive, found, loss.begins_s + takes_s))
 }
 
-fn drive(loss: &Loss, setup: &Setup, turn: Turn) -> Result<Found, StudyError> {
+fn drive(loss: &Loss, setup: &Setup, turn: Turn) -> Result<Found> {
     let (drive, mut found, complete_s) = composed(loss, turn)?;
     let drive = drive.with_setups(&[*setup]);
     let Some(mut car) = drive.cars(&drive.scenario)?.pop() else { return Ok(found) };
@@ -221,7 +221,7 @@ fn drive(loss: &Loss, setup: &Setup, turn: Turn) -> Result<Found, StudyError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::ops::ControlFlow;
+    use crate::runner::UNWATCHED;
 
     #[test]
     fn drives_differ_in_all_they_should() {
@@ -285,7 +285,7 @@ mod tests {
         let plan = Plan::new(1, Some("minute, reset"));
         assert_eq!((plan.cases.len(), plan.drives()), (1, 1));
         let short = Loss { begins_s: 20.0, takes_s: [5.0, 5.0], wait_s: 5.0, rate_hz: 200.0, ..ONE };
-        let runner = Runner::new(1, 1, &|_, _| ControlFlow::Continue(()));
+        let runner = Runner::new(1, 1, UNWATCHED);
         let cases = [((), 1)];
         let found = runner.run(&cases, |(), turn| drive(&short, &Setup::USUAL, turn)).unwrap();
         let one = &found[0][0];
@@ -302,7 +302,7 @@ mod tests {
         };
         let turns = (0..400).map(|i| Turn { index: i % 32, seed: 1000 + i as u64 }).filter(fast);
         let cases: Vec<(Turn, usize)> = turns.take(3).map(|turn| (turn, 1)).collect();
-        let found = Runner::new(1, 2, &|_, _| ControlFlow::Continue(()))
+        let found = Runner::new(1, 2, UNWATCHED)
             .run(&cases, |turn, _| drive(&short, &Setup::USUAL, *turn))
             .unwrap()
             .concat();

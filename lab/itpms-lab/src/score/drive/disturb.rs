@@ -8,7 +8,7 @@ use itpms_sim::scenario::CornerSpec;
 use itpms_sim::sensor::SensorSpec;
 
 use super::{Drive, Plant, Setup};
-use crate::runner::StudyError;
+use crate::runner::Result;
 
 const SPEEDS_KM_H: [f64; 2] = [80.0, 20.0];
 /// A car's way through bends: points [s, m/s²], to the left and to the right, before, in and after the drop.
@@ -32,61 +32,50 @@ struct Disturbance {
     change: fn(Drive) -> Drive,
 }
 
+const fn disturbance(name: &'static str, change: fn(Drive) -> Drive) -> Disturbance {
+    Disturbance { name, change }
+}
+
 const ALONE: [Disturbance; 31] = [
-    Disturbance { name: "nothing", change: |drive| drive },
-    Disturbance { name: "bends of 2 m/s2", change: bends },
-    Disturbance { name: "payload +20 %", change: |d| corners(d, |_, c| c.truth.sprung_mass_factor = 1.2) },
-    Disturbance { name: "payload -20 %", change: |d| corners(d, |_, c| c.truth.sprung_mass_factor = 0.8) },
-    Disturbance { name: "dampers +20 %", change: |d| corners(d, |_, c| c.truth.damping_factor = 1.2) },
-    Disturbance { name: "dampers -20 %", change: |d| corners(d, |_, c| c.truth.damping_factor = 0.8) },
-    Disturbance {
-        name: "dampers asymmetric .3",
-        change: |d| corners(d, |_, c| c.truth.damper_asymmetry = 0.3),
-    },
+    disturbance("nothing", |drive| drive),
+    disturbance("bends of 2 m/s2", bends),
+    disturbance("payload +20 %", |d| corners(d, |_, c| c.truth.sprung_mass_factor = 1.2)),
+    disturbance("payload -20 %", |d| corners(d, |_, c| c.truth.sprung_mass_factor = 0.8)),
+    disturbance("dampers +20 %", |d| corners(d, |_, c| c.truth.damping_factor = 1.2)),
+    disturbance("dampers -20 %", |d| corners(d, |_, c| c.truth.damping_factor = 0.8)),
+    disturbance("dampers asymmetric .3", |d| corners(d, |_, c| c.truth.damper_asymmetry = 0.3)),
     // At 0.5 m/s half the force of a linear one.
-    Disturbance {
-        name: "dampers digressive 2 s/m",
-        change: |d| corners(d, |_, c| c.truth.damper_digression_s_per_m = 2.0),
-    },
-    Disturbance { name: "springs +20 %", change: |d| corners(d, |_, c| c.truth.spring_factor = 1.2) },
+    disturbance("dampers digressive 2 s/m", |d| corners(d, |_, c| c.truth.damper_digression_s_per_m = 2.0)),
+    disturbance("springs +20 %", |d| corners(d, |_, c| c.truth.spring_factor = 1.2)),
     // 28 % stiffer where it is compressed by 5 cm.
-    Disturbance {
-        name: "springs progressive 5 /m",
-        change: |d| corners(d, |_, c| c.truth.spring_progression_per_m = 5.0),
-    },
-    Disturbance { name: "friction 20 N", change: |d| corners(d, |_, c| c.truth.friction_n = 20.0) },
-    Disturbance { name: "wheel gain fl +2 %", change: |d| wheel_sensor(d, fl_gain) },
-    Disturbance { name: "wheel gain all +2 %", change: |d| wheel_sensor(d, |_, s| s.gain_error = 0.02) },
-    Disturbance { name: "speed in the log +1 %", change: |drive| Drive { speed_factor: 1.01, ..drive } },
-    Disturbance { name: "wheelbase in the file -1 %", change: short_wheelbase },
-    Disturbance {
-        name: "tires worn, -3 %",
-        change: |d| corners(d, |_, c| c.truth.tire_stiffness_factor = 0.97),
-    },
-    Disturbance {
-        name: "tire damping",
-        change: |d| corners(d, |_, c| c.truth.tire_damping_n_s_per_m = 50.0),
-    },
-    Disturbance { name: "imbalance 35 g", change: |drive| imbalance(drive, 0.01) },
-    Disturbance { name: "imbalance 10 g", change: |drive| imbalance(drive, 0.003) },
-    Disturbance { name: "enveloping 0.1 m", change: |drive| enveloping(drive, 0.1) },
-    Disturbance { name: "enveloping 0.2 m", change: |drive| enveloping(drive, 0.2) },
-    Disturbance { name: "fl sensor 2 ms late", change: |d| wheel_sensor(d, |at, s| late(at, s, 2.0)) },
-    Disturbance { name: "fl sensor 4 ms late", change: |d| wheel_sensor(d, |at, s| late(at, s, 4.0)) },
-    Disturbance { name: "100 Hz", change: |drive| rate(drive, 100.0) },
-    Disturbance { name: "200 Hz", change: |drive| rate(drive, 200.0) },
-    Disturbance { name: "1000 Hz", change: |drive| rate(drive, 1000.0) },
-    Disturbance { name: "unsprung +1 %", change: |d| corners(d, |_, c| c.truth.unsprung_mass_factor = 1.01) },
-    Disturbance { name: "unsprung -1 %", change: |d| corners(d, |_, c| c.truth.unsprung_mass_factor = 0.99) },
-    Disturbance { name: "unsprung +3 %", change: |d| corners(d, |_, c| c.truth.unsprung_mass_factor = 1.03) },
-    Disturbance { name: "unsprung -3 %", change: |d| corners(d, |_, c| c.truth.unsprung_mass_factor = 0.97) },
-    Disturbance { name: "1 cm off", change: |drive| drive.with_rear_offset_m(0.01) },
+    disturbance("springs progressive 5 /m", |d| corners(d, |_, c| c.truth.spring_progression_per_m = 5.0)),
+    disturbance("friction 20 N", |d| corners(d, |_, c| c.truth.friction_n = 20.0)),
+    disturbance("wheel gain fl +2 %", |d| wheel_sensor(d, fl_gain)),
+    disturbance("wheel gain all +2 %", |d| wheel_sensor(d, |_, s| s.gain_error = 0.02)),
+    disturbance("speed in the log +1 %", |drive| Drive { speed_factor: 1.01, ..drive }),
+    disturbance("wheelbase in the file -1 %", short_wheelbase),
+    disturbance("tires worn, -3 %", |d| corners(d, |_, c| c.truth.tire_stiffness_factor = 0.97)),
+    disturbance("tire damping", |d| corners(d, |_, c| c.truth.tire_damping_n_s_per_m = 50.0)),
+    disturbance("imbalance 35 g", |drive| imbalance(drive, 0.01)),
+    disturbance("imbalance 10 g", |drive| imbalance(drive, 0.003)),
+    disturbance("enveloping 0.1 m", |drive| enveloping(drive, 0.1)),
+    disturbance("enveloping 0.2 m", |drive| enveloping(drive, 0.2)),
+    disturbance("fl sensor 2 ms late", |d| wheel_sensor(d, |at, s| late(at, s, 2.0))),
+    disturbance("fl sensor 4 ms late", |d| wheel_sensor(d, |at, s| late(at, s, 4.0))),
+    disturbance("100 Hz", |drive| rate(drive, 100.0)),
+    disturbance("200 Hz", |drive| rate(drive, 200.0)),
+    disturbance("1000 Hz", |drive| rate(drive, 1000.0)),
+    disturbance("unsprung +1 %", |d| corners(d, |_, c| c.truth.unsprung_mass_factor = 1.01)),
+    disturbance("unsprung -1 %", |d| corners(d, |_, c| c.truth.unsprung_mass_factor = 0.99)),
+    disturbance("unsprung +3 %", |d| corners(d, |_, c| c.truth.unsprung_mass_factor = 1.03)),
+    disturbance("unsprung -3 %", |d| corners(d, |_, c| c.truth.unsprung_mass_factor = 0.97)),
+    disturbance("1 cm off", |drive| drive.with_rear_offset_m(0.01)),
 ];
 
-const TOGETHER: Disturbance = Disturbance { name: "all together", change: together };
+const TOGETHER: Disturbance = disturbance("all together", together);
 
 /// The disturbed punctures under the whole car; all together under both cars.
-pub(super) fn drives() -> Result<Vec<(Drive, Option<f64>)>, StudyError> {
+pub(super) fn drives() -> Result<Vec<(Drive, Option<f64>)>> {
     let mut drives = vec![];
     for km_h in SPEEDS_KM_H {
         for disturbance in &ALONE {
@@ -136,14 +125,12 @@ fn imbalance(drive: Drive, kg_m: f64) -> Drive {
     drive.each_corner(|_, spec| spec.truth.imbalance_kg_m = if turning { kg_m } else { 0.0 })
 }
 
-fn enveloping(mut drive: Drive, contact_m: f64) -> Drive {
-    drive.scenario.road.contact_length_m = contact_m;
-    drive
+fn enveloping(drive: Drive, contact_m: f64) -> Drive {
+    drive.with_scenario(|scenario| scenario.road.contact_length_m = contact_m)
 }
 
-fn rate(mut drive: Drive, rate_hz: f64) -> Drive {
-    drive.scenario.rate_hz = rate_hz;
-    drive
+fn rate(drive: Drive, rate_hz: f64) -> Drive {
+    drive.with_scenario(|scenario| scenario.rate_hz = rate_hz)
 }
 
 fn short_wheelbase(drive: Drive) -> Drive {

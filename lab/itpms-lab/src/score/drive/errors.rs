@@ -8,7 +8,7 @@ use super::super::row::{Cell, Column, Goal, Row};
 use super::super::stats::{Mean, Spread, WindowErrors};
 use super::super::track;
 use super::{Drive, limit};
-use crate::runner::{Runner, StudyError, Turn};
+use crate::runner::{Result, Runner, Turn};
 
 /// Share of time within the 95 % interval.
 const COVERAGE: Goal = Goal::Between(0.93, 0.98);
@@ -35,7 +35,7 @@ const COVERED_HOLDING: Column = Column::new("holding_coverage_in_change", "drop*
 
 type Wheel = WindowErrors;
 
-fn errors(drive: &Drive, turn: Turn) -> Result<Vec<[Wheel; 4]>, StudyError> {
+fn errors(drive: &Drive, turn: Turn) -> Result<Vec<[Wheel; 4]>> {
     let mut errors = vec![[Wheel::default(); 4]; drive.setups.len()];
     let windows = [drive.judged, drive.before, drive.after, drive.change];
     drive.drive(turn.seed, |setup, row, estimate| {
@@ -81,7 +81,7 @@ impl Plan {
         self.cases.iter().map(|(_, drives)| *drives as u64).sum()
     }
 
-    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, StudyError> {
+    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>> {
         let found = runner.run(&self.cases, errors)?;
         let mut rows = vec![];
         for ((entry, (drive, drives)), found) in self.entries.iter().zip(&self.cases).zip(&found) {
@@ -137,10 +137,9 @@ fn cells(entry: &Entry, struck: Corner, drives: &[&[Wheel; 4]], bounds_kpa: &[f6
 
 #[cfg(test)]
 mod tests {
-    use std::ops::ControlFlow;
-
     use super::super::{Plant, Setup};
     use super::*;
+    use crate::runner::UNWATCHED;
 
     fn off_by(error: f64, sd: f64) -> Wheel {
         let mut sum = crate::score::stats::ErrorSum::default();
@@ -170,7 +169,7 @@ mod tests {
     fn what_a_reset_taught_is_kept_beside_the_track() {
         let drive = Drive::puncture(Plant::Car, 20.0).unwrap();
         let drive = drive.with_rear_offset_m(0.02).with_setups(&[Setup::RESET]);
-        let drives = Runner::new(1, 5, &|_, _| ControlFlow::Continue(())).run(&[(drive, 5)], errors).unwrap();
+        let drives = Runner::new(1, 5, UNWATCHED).run(&[(drive, 5)], errors).unwrap();
         let worst = |found: &Vec<[Wheel; 4]>| (1..4).map(|i| found[0][i].judged.rmse()).fold(0.0, f64::max);
         let worst: Vec<f64> = drives[0].iter().map(worst).collect();
         assert!(Spread::of(worst.clone()).median < 4.5, "{worst:?}");

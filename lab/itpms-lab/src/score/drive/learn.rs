@@ -8,9 +8,9 @@ use itpms_sim::simulation::{SimRow, Simulation};
 use itpms_sim::time_profile::Pressure;
 
 use super::super::row::{Cell, Column, Goal, Row};
-use super::super::stats::{ErrorSum, percentile};
+use super::super::stats::{ValidErrors, percentile};
 use super::learned_car::{DrawnCar, PLACARD_KPA, Subject, estimator};
-use crate::runner::{Runner, StudyError, Turn};
+use crate::runner::{Result, Runner, Turn};
 use itpms_analysis::learn::{LearnedCorner, Parameter};
 
 /// Cars per seed asked for: 200 of forty.
@@ -47,10 +47,7 @@ struct Learnt {
 /// Outcome of a later drive by one estimator.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Later {
-    errors: ErrorSum,
-    sds: f64,
-    valid: u64,
-    rows: u64,
+    level: ValidErrors,
     after_s: Option<f64>,
     wrong: bool,
 }
@@ -84,7 +81,7 @@ impl Plan {
         self.subjects.iter().map(|(_, cars)| *cars as u64).sum()
     }
 
-    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, StudyError> {
+    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>> {
         let found = runner.run(&self.subjects, car)?;
         let mut rows = vec![];
         for ((subject, _), found) in self.subjects.iter().zip(&found) {
@@ -106,7 +103,7 @@ impl Plan {
     }
 }
 
-fn car(subject: &Subject, turn: Turn) -> Result<Found, StudyError> {
+fn car(subject: &Subject, turn: Turn) -> Result<Found> {
     let car = DrawnCar::draw(subject, turn.index, turn.seed)?;
     let (learned, calibration) = car.learn(subject)?;
     let corners = || {
@@ -145,7 +142,7 @@ fn car(subject: &Subject, turn: Turn) -> Result<Found, StudyError> {
 type Given<'a> = (&'a CarConfig<f64>, Option<&'a VehicleCalibration<f64>>);
 
 /// A later drive on which one tire after the other, from car to car, loses a fifth; estimated by all at once.
-fn later(car: &DrawnCar, turn: Turn, given: &[Option<Given<'_>>]) -> Result<Vec<Option<Later>>, StudyError> {
+fn later(car: &DrawnCar, turn: Turn, given: &[Option<Given<'_>>]) -> Result<Vec<Option<Later>>> {
     let [begins_s, takes_s, wait_s] = LOSS_S;
     let struck = Corner::ALL[turn.index % 4];
     let (mut scenario, seed) = car.later(turn.index + turn.index / 4, begins_s + takes_s + wait_s);
@@ -191,12 +188,7 @@ impl Later {
         }
         for (truth, estimate) in row.corners.iter().zip(&estimate.corners) {
             let (Some(truth), Some(estimate)) = (truth, estimate) else { continue };
-            self.rows += 1;
-            if estimate.validity.is_valid() {
-                self.valid += 1;
-                self.sds += estimate.pressure_sd_kpa;
-                self.errors.push(estimate.pressure_kpa - truth.pressure_kpa, estimate.pressure_sd_kpa);
-            }
+            self.level.push(truth.pressure_kpa, estimate);
         }
     }
 }
@@ -230,18 +222,13 @@ fn later_cells(all: &[Later]) -> Vec<Cell> {
     const MISSED: Column = Column::new("missed", "missed", 0);
     const AFTER: Column = Column::new("after_median_s", "after s", 1);
     const FALSE: Column = Column::new("false", "false", 0);
-    let valid: u64 = all.iter().map(|one| one.valid).sum();
-    let rows: u64 = all.iter().map(|one| one.rows).sum();
-    let mean = |of: &dyn Fn(&Later) -> f64| {
-        all.iter().filter(|one| one.valid > 0).map(|one| one.valid as f64 * of(one)).sum::<f64>()
-            / valid as f64
-    };
+    let levels: Vec<&ValidErrors> = all.iter().map(|one| &one.level).collect();
     let after: Vec<f64> = all.iter().filter_map(|one| one.after_s).collect();
     vec![
-        RMS.plain(mean(&|one| one.errors.rmse().powi(2)).sqrt()),
-        SD.plain(all.iter().map(|one| one.sds).sum::<f64>() / valid as f64),
-        COVERED.plain(mean(&|one| one.errors.coverage())),
-        VALID.plain(valid as f64 / rows as f64),
+        RMS.plain(ValidErrors::rms(&levels)),
+        SD.plain(levels.iter().map(|one| one.sds_kpa).sum::<f64>() / ValidErrors::valid(&levels)),
+        COVERED.plain(ValidErrors::mean(&levels, |one| one.errors.coverage())),
+        VALID.plain(ValidErrors::share_valid(&levels)),
         FOUND.plain(after.len() as f64),
         MISSED.plain((all.len() - after.len()) as f64),
         AFTER.plain(percentile(&after, 0.5)),

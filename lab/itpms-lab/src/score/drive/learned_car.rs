@@ -6,7 +6,6 @@
 
 use itpms_core::model::{CarConfig, Confidence, Corner, ParameterUncertainty, VehicleCalibration};
 use itpms_core::monitor::MonitoredCar;
-use itpms_sim::car::PayloadSpec;
 use itpms_sim::road::{RoadClass, RoadSpec};
 use itpms_sim::scenario::{Scenario, ToleranceSpec};
 use itpms_sim::simulation::Simulation;
@@ -15,8 +14,9 @@ use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 
+use super::real_list::two_passengers;
 use super::{Drive, Plant};
-use crate::runner::StudyError;
+use crate::runner::Result;
 use crate::tuning::monitor;
 use itpms_analysis::learn::{DriveReading, Learned, Listener, PASSES, learn};
 
@@ -101,7 +101,7 @@ impl Source {
 }
 
 impl DrawnCar {
-    pub(super) fn draw(subject: &Subject, index: usize, seed: u64) -> Result<Self, StudyError> {
+    pub(super) fn draw(subject: &Subject, index: usize, seed: u64) -> Result<Self> {
         let mut drive = Drive::puncture(Plant::Car, KM_H[0])?
             .each_corner(|_, spec| spec.pressure = Pressure::ConstantKpa(PLACARD_KPA));
         drive.scenario.rate_hz = RATE_HZ;
@@ -160,10 +160,7 @@ impl DrawnCar {
     }
 
     /// What its learning drives teach, and what a calibration with the learned car does in the first of them.
-    pub(super) fn learn(
-        &self,
-        subject: &Subject,
-    ) -> Result<(Learned, Option<VehicleCalibration<f64>>), StudyError> {
+    pub(super) fn learn(&self, subject: &Subject) -> Result<(Learned, Option<VehicleCalibration<f64>>)> {
         let drives: Vec<([f64; 4], Vec<_>)> = subject
             .pressures_kpa
             .iter()
@@ -171,16 +168,12 @@ impl DrawnCar {
             .map(|(number, &kpa)| {
                 let mut scenario = self.scenario.clone();
                 scenario.duration_s = subject.learning_s / subject.pressures_kpa.len() as f64;
-                for corner in Corner::ALL {
-                    if let Some(spec) = scenario.corner.get_mut(corner) {
-                        spec.pressure = Pressure::ConstantKpa(kpa);
-                    }
-                }
+                scenario.corner.iter_mut().for_each(|(_, spec)| spec.pressure = Pressure::ConstantKpa(kpa));
                 let seed = self.seed.wrapping_add(number as u64 * LATER / 2);
                 let rows = Simulation::new(&scenario, seed)?.map(|row| row.car_sample()).collect();
                 Ok(([kpa; 4], rows))
             })
-            .collect::<Result<_, StudyError>>()?;
+            .collect::<Result<_>>()?;
         let mut config = self.file;
         let mut learned = None;
         for _ in 0..PASSES {
@@ -217,12 +210,7 @@ impl DrawnCar {
         scenario.road = road(index + 1);
         scenario.speed = Speed::ConstantKmH(KM_H[1]);
         if let Some(car) = scenario.car.as_mut().filter(|_| index % 2 == 1) {
-            let passenger = |behind_front_m, left_m| PayloadSpec {
-                behind_front_m,
-                left_m,
-                points_s_kg: vec![[0.0, 75.0]],
-            };
-            car.payload = vec![passenger(1.3, -0.36), passenger(2.15, 0.36)];
+            car.payload = two_passengers();
         }
         (scenario, self.seed.wrapping_add(LATER))
     }
@@ -233,7 +221,7 @@ fn road(index: usize) -> RoadSpec {
 }
 
 /// An estimator of this car under its monitor, at [`RATE_HZ`].
-pub(super) fn estimator(config: &CarConfig<f64>) -> Result<Box<MonitoredCar<f64>>, StudyError> {
+pub(super) fn estimator(config: &CarConfig<f64>) -> Result<Box<MonitoredCar<f64>>> {
     let mut car = Box::new(MonitoredCar::unconfigured());
     car.configure(&monitor(config), RATE_HZ)?;
     Ok(car)

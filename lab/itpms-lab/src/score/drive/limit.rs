@@ -8,14 +8,14 @@ use itpms_sim::road::{Iso8608, Surface, coherence};
 
 use super::super::case::{bound_setting, bound_times_s, invalid};
 use super::{Drive, Setup};
-use crate::runner::StudyError;
+use crate::runner::Result;
 use itpms_analysis::bound::SideBound;
 
 /// Sd in kPa of each pressure at the start: that of the estimator of a car.
 const START_SD_KPA: f64 = 36.0;
 
 /// Rms in kPa of the bound's sd over the time that is judged, by corner; NaN where there is none.
-pub(super) fn rms_kpa(drive: &Drive, setup: &Setup) -> Result<[f64; 4], StudyError> {
+pub(super) fn rms_kpa(drive: &Drive, setup: &Setup) -> Result<[f64; 4]> {
     let mut rms = [f64::NAN; 4];
     let Some(road) = road(drive) else { return Ok(rms) };
     let scenario = &drive.scenario;

@@ -37,7 +37,7 @@ use itpms_sim::time_profile::Speed;
 use super::Part;
 use super::row::Row;
 use super::stats::Window;
-use crate::runner::{Runner, StudyError};
+use crate::runner::{Result, Runner};
 use crate::sensors::{equipped, wheel_speeds_beside};
 use crate::tuning::monitor;
 
@@ -96,7 +96,7 @@ struct Drive {
 
 impl Drive {
     /// `drive-puncture` under one of the two cars.
-    fn puncture(plant: Plant, km_h: f64) -> Result<Self, StudyError> {
+    fn puncture(plant: Plant, km_h: f64) -> Result<Self> {
         let mut scenario = Scenario::builtin("drive-puncture")?;
         scenario.speed = Speed::ConstantKmH(km_h);
         if plant == Plant::Quarters {
@@ -125,6 +125,11 @@ impl Drive {
         self
     }
 
+    fn with_scenario(mut self, edit: impl FnOnce(&mut Scenario)) -> Self {
+        edit(&mut self.scenario);
+        self
+    }
+
     fn with_setups(self, setups: &[Setup]) -> Self {
         Self { setups: setups.to_vec(), ..self }
     }
@@ -139,17 +144,12 @@ impl Drive {
     }
 
     /// Sensor noise in m/s² rms; the estimator is given it.
-    fn with_noise(mut self, noise_m_s2: f64) -> Self {
-        self.scenario.sensor = SensorSpec::with_noise(noise_m_s2);
-        self
+    fn with_noise(self, noise_m_s2: f64) -> Self {
+        self.with_scenario(|scenario| scenario.sensor = SensorSpec::with_noise(noise_m_s2))
     }
 
     fn each_corner(mut self, mut edit: impl FnMut(Corner, &mut CornerSpec)) -> Self {
-        for corner in Corner::ALL {
-            if let Some(spec) = self.scenario.corner.get_mut(corner) {
-                edit(corner, spec);
-            }
-        }
+        self.scenario.corner.iter_mut().for_each(|(corner, spec)| edit(corner, spec));
         self
     }
 
@@ -167,12 +167,8 @@ impl Drive {
         (!self.setups.is_empty()).then_some(self)
     }
 
-    fn file_config(&self) -> Result<CarConfig<f64>, StudyError> {
-        let mut config = CarConfig { corners: [None; 4], wheelbase_m: Some(self.wheelbase_m) };
-        for (corner, _) in self.scenario.corner.iter() {
-            config.corners[corner.index()] = Some(self.scenario.corner_config(corner)?);
-        }
-        Ok(config)
+    fn file_config(&self) -> Result<CarConfig<f64>> {
+        Ok(CarConfig { wheelbase_m: Some(self.wheelbase_m), ..self.scenario.car_config()? })
     }
 
     fn simulated(&self, seed: u64) -> Scenario {
@@ -184,7 +180,7 @@ impl Drive {
     }
 
     /// An estimator for each setup, under its monitor as everywhere else: what is suspect is kept from it.
-    fn cars(&self, scenario: &Scenario) -> Result<Vec<Box<MonitoredCar<f64>>>, StudyError> {
+    fn cars(&self, scenario: &Scenario) -> Result<Vec<Box<MonitoredCar<f64>>>> {
         let config = self.file_config()?;
         let set_up = |setup: &Setup| {
             let options = EstimatorOptions { sources: setup.sources, ..EstimatorOptions::default() };
@@ -199,11 +195,7 @@ impl Drive {
     }
 
     /// Every row of the log with its truth and what the estimator of each setup, by its number, reported after it.
-    fn drive(
-        &self,
-        seed: u64,
-        mut look: impl FnMut(usize, &SimRow, &CarEstimate<f64>),
-    ) -> Result<(), StudyError> {
+    fn drive(&self, seed: u64, mut look: impl FnMut(usize, &SimRow, &CarEstimate<f64>)) -> Result<()> {
         let scenario = self.simulated(seed);
         let mut cars = self.cars(&scenario)?;
         for row in Simulation::new(&scenario, seed)? {
@@ -233,7 +225,7 @@ impl Plan {
         seeds: usize,
         only: Option<&str>,
         wheel_speeds: bool,
-    ) -> Result<Self, StudyError> {
+    ) -> Result<Self> {
         let mut errors = errors::Plan::default();
         if wanted(Part::Drive) {
             let beside = |(drive, goal): (Drive, _)| (Drive { wheel_speeds, ..drive }, goal);
@@ -246,22 +238,13 @@ impl Plan {
         if wanted(Part::Disturbances) {
             errors.add("disturbances", disturb::drives()?, seeds, only);
         }
-        let detection = match wanted(Part::Detection) {
-            true => detect::Plan::new(seeds, only),
-            false => detect::Plan::default(),
-        };
-        let real = match wanted(Part::Car) {
-            true => real::Plan::new(seeds, only, wheel_speeds),
-            false => real::Plan::default(),
-        };
-        let learn = match wanted(Part::Learn) {
-            true => learn::Plan::new(seeds, only),
-            false => learn::Plan::default(),
-        };
-        let several = match wanted(Part::Several) {
-            true => several::Plan::new(seeds, only),
-            false => several::Plan::default(),
-        };
+        let detection =
+            if wanted(Part::Detection) { detect::Plan::new(seeds, only) } else { Default::default() };
+        let real =
+            if wanted(Part::Car) { real::Plan::new(seeds, only, wheel_speeds) } else { Default::default() };
+        let learn = if wanted(Part::Learn) { learn::Plan::new(seeds, only) } else { Default::default() };
+        let several =
+            if wanted(Part::Several) { several::Plan::new(seeds, only) } else { Default::default() };
         Ok(Self { errors, detection, real, learn, several })
     }
 
@@ -273,7 +256,7 @@ impl Plan {
             + self.several.drives()
     }
 
-    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, StudyError> {
+    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>> {
         let mut rows = self.errors.rows(runner)?;
         rows.extend(self.detection.rows(runner)?);
         rows.extend(self.real.rows(runner)?);
@@ -286,7 +269,7 @@ impl Plan {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::runner::STACK_BYTES;
+    use crate::runner::on_study_stack;
 
     #[test]
     fn rows_are_chosen_by_their_names() {
@@ -301,8 +284,7 @@ mod tests {
     /// learned was given up.
     #[test]
     fn a_puncture_is_believed_for_good() {
-        let thread = std::thread::Builder::new().stack_size(STACK_BYTES);
-        thread.spawn(|| [2, 3, 7].map(assert_believed)).unwrap().join().unwrap();
+        on_study_stack(|| [2, 3, 7].map(assert_believed));
     }
 
     fn assert_believed(seed: u64) {

@@ -5,7 +5,7 @@
 use itpms_core::car::Sources;
 
 use super::{Drive, Plant, Setup};
-use crate::runner::StudyError;
+use crate::runner::Result;
 
 /// Speeds in km/h with the goals for the struck wheel's median RMSE in kPa: on the track, and beside it.
 const SPEEDS: [(f64, f64, f64); 2] = [(80.0, 4.2, 4.5), (20.0, 6.5, 8.0)];
@@ -23,7 +23,7 @@ const SOURCES: [Setup; 4] = [
 ];
 
 /// The punctures, each with the goal for its struck wheel.
-pub(super) fn drives() -> Result<Vec<(Drive, Option<f64>)>, StudyError> {
+pub(super) fn drives() -> Result<Vec<(Drive, Option<f64>)>> {
     let mut drives = vec![];
     for plant in Plant::ALL {
         for (km_h, on_track_kpa, beside_kpa) in SPEEDS {
@@ -36,7 +36,7 @@ pub(super) fn drives() -> Result<Vec<(Drive, Option<f64>)>, StudyError> {
 }
 
 /// The same on the track, seen through noisy sensors; without goals.
-pub(super) fn noisy() -> Result<Vec<(Drive, Option<f64>)>, StudyError> {
+pub(super) fn noisy() -> Result<Vec<(Drive, Option<f64>)>> {
     let mut drives = vec![];
     for plant in Plant::ALL {
         for (km_h, _, _) in SPEEDS {
@@ -47,7 +47,7 @@ pub(super) fn noisy() -> Result<Vec<(Drive, Option<f64>)>, StudyError> {
 }
 
 /// The same punctures, on the track, with one source of information at a time.
-pub(super) fn ablation() -> Result<Vec<(Drive, Option<f64>)>, StudyError> {
+pub(super) fn ablation() -> Result<Vec<(Drive, Option<f64>)>> {
     let mut drives = vec![];
     for plant in Plant::ALL {
         for (km_h, _, _) in SPEEDS {

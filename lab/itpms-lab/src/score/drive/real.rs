@@ -11,10 +11,10 @@ use itpms_sim::simulation::{SimRow, Simulation};
 use itpms_sim::time_profile::Pressure;
 
 use super::super::row::{Cell, Column, Row};
-use super::super::stats::{ErrorSum, percentile};
+use super::super::stats::{ValidErrors, percentile};
 use super::real_list::{Deviation, LIST};
 use super::{Drive, Plant, Setup};
-use crate::runner::{Runner, StudyError, Turn};
+use crate::runner::{Result, Runner, Turn};
 
 const KM_H: f64 = 80.0;
 const RATE_HZ: f64 = 200.0;
@@ -30,19 +30,10 @@ const LEFT: f64 = 0.8;
 const UNKNOWN: Setup = Setup { label: "", ..Setup::USUAL };
 const CALIBRATED: Setup = Setup { label: "calibrated", reset_s: Some(CALIBRATION_S), ..Setup::USUAL };
 
-/// What one wheel showed on a drive while its pressure was valid, and for how much of the time that was.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Wheel {
-    errors: ErrorSum,
-    sds: f64,
-    valid: u64,
-    rows: u64,
-}
-
 /// Result of one drive with one estimator.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Level {
-    wheels: [Wheel; 4],
+    wheels: [ValidErrors; 4],
     /// Warnings of tires that are as they should be, and of sensors.
     false_low: u32,
     sensors: u32,
@@ -84,7 +75,7 @@ impl Plan {
         self.levels.iter().chain(&self.losses).map(|(_, drives)| *drives as u64).sum()
     }
 
-    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, StudyError> {
+    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>> {
         let levels = runner.run(&self.levels, levels)?;
         let losses = runner.run(&self.losses, loss)?;
         let mut rows = vec![];
@@ -108,7 +99,7 @@ impl Plan {
 }
 
 /// The deviating car on the road of a turn, its pressures as the placard says but for a tire that is flat from the start.
-fn composed(subject: &Subject, turn: Turn, setups: &[Setup]) -> Result<Drive, StudyError> {
+fn composed(subject: &Subject, turn: Turn, setups: &[Setup]) -> Result<Drive> {
     let mut drive = Drive::puncture(Plant::Car, KM_H)?.with_setups(setups);
     let class = CLASSES[turn.index % CLASSES.len()];
     // Deviations are those of a car that is known as most are.
@@ -121,7 +112,7 @@ fn composed(subject: &Subject, turn: Turn, setups: &[Setup]) -> Result<Drive, St
     Ok((subject.deviation.change)(drive, turn.seed))
 }
 
-fn levels(subject: &Subject, turn: Turn) -> Result<Vec<Level>, StudyError> {
+fn levels(subject: &Subject, turn: Turn) -> Result<Vec<Level>> {
     // No one calibrates on a flat tire.
     let setups: &[Setup] = if subject.deviation.flat.is_some() { &[UNKNOWN] } else { &[UNKNOWN, CALIBRATED] };
     let drive = composed(subject, turn, setups)?;
@@ -151,12 +142,7 @@ impl Level {
         }
         for (i, wheel) in self.wheels.iter_mut().enumerate() {
             let (Some(truth), Some(estimate)) = (&row.corners[i], &estimate.corners[i]) else { continue };
-            wheel.rows += 1;
-            if estimate.validity.is_valid() {
-                wheel.valid += 1;
-                wheel.sds += estimate.pressure_sd_kpa;
-                wheel.errors.push(estimate.pressure_kpa - truth.pressure_kpa, estimate.pressure_sd_kpa);
-            }
+            wheel.push(truth.pressure_kpa, estimate);
         }
     }
 
@@ -171,7 +157,7 @@ impl Level {
 
 /// A drive of its own for every tire that loses air, after a calibration; where one is flat from the start, that drive
 /// without a calibration.
-fn loss(subject: &Subject, turn: Turn) -> Result<Found, StudyError> {
+fn loss(subject: &Subject, turn: Turn) -> Result<Found> {
     let flat = subject.deviation.flat;
     let struck = flat.unwrap_or(Corner::ALL[turn.index % 4]);
     // Tires and classes in turn: twelve drives have them all.
@@ -211,22 +197,18 @@ fn level_cells(deviation: &Deviation, levels: &[Level]) -> Vec<Cell> {
     const SENSORS: Column = Column::new("sensor_warnings", "sensor", 0);
     // What a wheel on a rim has is no pressure: it is judged by whether it is warned of.
     let judged = |i: usize| deviation.flat.is_none_or(|flat| flat.index() != i);
-    let wheels =
-        || levels.iter().flat_map(|level| level.wheels.iter().enumerate()).filter(|(i, _)| judged(*i));
-    let seen: Vec<&Wheel> = wheels().map(|(_, wheel)| wheel).filter(|wheel| wheel.valid > 0).collect();
-    let (rows, valid) = wheels().fold((0, 0), |(rows, valid), (_, w)| (rows + w.rows, valid + w.valid));
-    // Every row of every wheel counts alike.
-    let mean = |of: &dyn Fn(&Wheel) -> f64| {
-        seen.iter().map(|wheel| wheel.valid as f64 * of(wheel)).sum::<f64>() / valid as f64
-    };
-    let worst = seen.iter().map(|wheel| wheel.errors.bias()).max_by(|a, b| a.abs().total_cmp(&b.abs()));
+    let wheels = levels.iter().flat_map(|level| level.wheels.iter().enumerate());
+    let wheels: Vec<&ValidErrors> = wheels.filter(|(i, _)| judged(*i)).map(|(_, wheel)| wheel).collect();
+    let mean = |of: &dyn Fn(&ValidErrors) -> f64| ValidErrors::mean(&wheels, of);
+    let biases = wheels.iter().filter(|wheel| wheel.errors.count() > 0).map(|wheel| wheel.errors.bias());
+    let worst = biases.max_by(|a, b| a.abs().total_cmp(&b.abs()));
     vec![
         BIAS.plain(mean(&|wheel| wheel.errors.bias())),
         WORST.plain(worst.unwrap_or(f64::NAN)),
-        SD.plain(mean(&|wheel| wheel.sds / wheel.valid as f64)),
-        RMS.plain(mean(&|wheel| wheel.errors.rmse().powi(2)).sqrt()),
+        SD.plain(mean(&|wheel| wheel.sds_kpa / wheel.errors.count() as f64)),
+        RMS.plain(ValidErrors::rms(&wheels)),
         COVERED.plain(mean(&|wheel| wheel.errors.coverage())),
-        VALID.plain(valid as f64 / rows as f64),
+        VALID.plain(ValidErrors::share_valid(&wheels)),
         FALSE.plain(levels.iter().map(|level| f64::from(level.false_low)).sum()),
         SENSORS.plain(levels.iter().map(|level| f64::from(level.sensors)).sum()),
     ]
@@ -265,7 +247,8 @@ fn loss_cells(found: &[Found]) -> Vec<Cell> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::runner::STACK_BYTES;
+    use crate::runner::on_study_stack;
+    use crate::score::stats::ErrorSum;
 
     fn subject(name: &str) -> Subject {
         let deviation = LIST.iter().find(|deviation| deviation.name == name).unwrap();
@@ -281,15 +264,11 @@ mod tests {
             let drive = composed(&of, turn, &[UNKNOWN]).unwrap();
             drive.scenario.validate().unwrap();
             assert_eq!(drive.file_config().unwrap(), file.file_config().unwrap(), "{}", deviation.name);
-            assert_eq!(
-                drive.scenario == file.scenario,
-                deviation.name == "as its file",
-                "{}",
-                deviation.name
-            );
+            let same = deviation.name == "as its file";
+            assert_eq!(drive.scenario == file.scenario, same, "{}", deviation.name);
             // And what is simulated differs, too.
             let row = |drive: &Drive| Simulation::new(&drive.scenario, 2).unwrap().nth(100).unwrap().corners;
-            assert_eq!(row(&drive) == row(&file), deviation.name == "as its file", "{}", deviation.name);
+            assert_eq!(row(&drive) == row(&file), same, "{}", deviation.name);
         }
         let drawn =
             |seed| composed(&subject("drawn as typical"), Turn { index: 0, seed }, &[UNKNOWN]).unwrap();
@@ -299,24 +278,17 @@ mod tests {
     /// On a washboard accelerations say little after the calibration: radii make the differences of tires surer, and stay honest.
     #[test]
     fn wheel_speeds_beside_make_a_level_surer() {
-        let thread = std::thread::Builder::new().stack_size(STACK_BYTES);
-        let [alone, beside] = thread
-            .spawn(|| {
-                [false, true].map(|wheel_speeds| {
-                    let of = Subject { wheel_speeds, ..subject("washboard 1 m, 2 mm") };
-                    levels(&of, Turn { index: 0, seed: 5 }).unwrap()
-                })
-            })
-            .unwrap()
-            .join()
-            .unwrap();
+        let driven = |wheel_speeds| {
+            let of = Subject { wheel_speeds, ..subject("washboard 1 m, 2 mm") };
+            levels(&of, Turn { index: 0, seed: 5 }).unwrap()
+        };
+        let [alone, beside] = on_study_stack(move || [false, true].map(driven));
         // Uncalibrated the radii mean nothing.
         assert_eq!(alone[0], beside[0]);
-        let mean = |level: &Level| {
-            level
-                .wheels
-                .map(|wheel| (wheel.sds / wheel.valid as f64, wheel.errors.rmse(), wheel.errors.coverage()))
+        let of = |ValidErrors { errors, sds_kpa, .. }: ValidErrors| {
+            (sds_kpa / errors.count() as f64, errors.rmse(), errors.coverage())
         };
+        let mean = |level: &Level| level.wheels.map(of);
         for (alone, beside) in mean(&alone[1]).into_iter().zip(mean(&beside[1])) {
             assert!(
                 beside.0 < 0.95 * alone.0 && beside.1 < beside.0 && beside.2 > 0.93,
@@ -336,17 +308,12 @@ mod tests {
 
     #[test]
     fn figures_are_means_over_valid_time() {
-        let wheel = |error: f64, sd: f64, valid: u64, rows: u64| {
+        let wheel = |error: f64, sd: f64, valid: u64| {
             let mut errors = ErrorSum::default();
             (0..valid).for_each(|_| errors.push(error, sd));
-            Wheel { errors, sds: sd * valid as f64, valid, rows }
+            ValidErrors { errors, sds_kpa: sd * valid as f64, rows: 40 }
         };
-        let wheels = [
-            wheel(10.0, 4.0, 30, 40),
-            wheel(-2.0, 4.0, 10, 40),
-            wheel(0.0, 4.0, 0, 40),
-            wheel(6.0, 8.0, 20, 40),
-        ];
+        let wheels = [wheel(10.0, 4.0, 30), wheel(-2.0, 4.0, 10), wheel(0.0, 4.0, 0), wheel(6.0, 8.0, 20)];
         let level = Level { wheels, false_low: 2, sensors: 1 };
         let cells = level_cells(subject("as its file").deviation, &[level]);
         let value = |name: &str| cells.iter().find(|cell| cell.column.name == name).unwrap().value;
@@ -384,23 +351,20 @@ mod tests {
     /// On a smooth road struts of 96 N hardly slip: what too much friction taken out leaves to a damper is less than none.
     #[test]
     fn struts_that_stick_are_read_all_the_while() {
-        let thread = std::thread::Builder::new().stack_size(STACK_BYTES);
-        let judged = || {
+        on_study_stack(|| {
             let levels = levels(&subject("drawn as typical"), Turn { index: 45, seed: 46 }).unwrap();
             for (level, most_kpa) in levels.iter().zip([45.0, 12.0]) {
-                assert!(level.wheels.iter().all(|wheel| wheel.valid == wheel.rows));
+                assert!(level.wheels.iter().all(|wheel| wheel.errors.count() == wheel.rows));
                 assert!(level.wheels.iter().all(|wheel| wheel.errors.bias().abs() < most_kpa), "{level:?}");
                 assert_eq!((level.false_low, level.sensors), (0, 0));
             }
-        };
-        thread.spawn(judged).unwrap().join().unwrap();
+        });
     }
 
     /// A car as its file is read right after a calibration, and its loss is warned of.
     #[test]
     fn a_car_as_its_file_is_read_and_warned_of() {
-        let thread = std::thread::Builder::new().stack_size(STACK_BYTES);
-        let judged = || {
+        on_study_stack(|| {
             let turn = Turn { index: 0, seed: 5 };
             let levels = levels(&subject("as its file"), turn).unwrap();
             for level in &levels {
@@ -411,7 +375,6 @@ mod tests {
             }
             let loss = loss(&subject("as its file"), turn).unwrap();
             assert!(loss.after_s < 10.0 && !loss.wrong && !loss.early, "{loss:?}");
-        };
-        thread.spawn(judged).unwrap().join().unwrap();
+        });
     }
 }

@@ -49,9 +49,8 @@ fn truth(drive: Drive, mut edit: impl FnMut(Corner, &mut Deviations)) -> Drive {
     drive.each_corner(|corner, spec| edit(corner, &mut spec.truth))
 }
 
-fn road(mut drive: Drive, edit: impl FnOnce(&mut RoadSpec)) -> Drive {
-    edit(&mut drive.scenario.road);
-    drive
+fn road(drive: Drive, edit: impl FnOnce(&mut RoadSpec)) -> Drive {
+    drive.with_scenario(|scenario| edit(&mut scenario.road))
 }
 
 fn is_rear(corner: Corner) -> bool {
@@ -80,9 +79,8 @@ fn twisting(mut drive: Drive) -> Drive {
     drive
 }
 
-fn tilted(mut drive: Drive, tilt_deg: f64) -> Drive {
-    drive.scenario.sensor.tilt_deg = tilt_deg;
-    drive
+fn tilted(drive: Drive, tilt_deg: f64) -> Drive {
+    drive.with_scenario(|scenario| scenario.sensor.tilt_deg = tilt_deg)
 }
 
 fn waves() -> Washboard {
@@ -117,13 +115,16 @@ fn together(drive: Drive) -> Drive {
     })
 }
 
+/// In front and behind, in kg.
+pub(super) fn two_passengers() -> Vec<PayloadSpec> {
+    [[1.3, -0.36], [2.15, 0.36]].map(|place_m| PayloadSpec::constant(place_m, 75.0)).to_vec()
+}
+
 /// A car as cars of `drive-normal` are drawn, with two passengers on every other drive.
 fn drawn(mut drive: Drive, seed: u64) -> Drive {
     ToleranceSpec::typical().apply(seed, &mut drive.scenario);
     if let Some(car) = drive.scenario.car.as_mut().filter(|_| seed.is_multiple_of(2)) {
-        let passenger =
-            |behind_front_m, left_m| PayloadSpec { behind_front_m, left_m, points_s_kg: vec![[0.0, 75.0]] };
-        car.payload = vec![passenger(1.3, -0.36), passenger(2.15, 0.36)];
+        car.payload = two_passengers();
     }
     drive
 }

@@ -10,9 +10,9 @@ use itpms_sim::simulation::{SimRow, Simulation};
 use itpms_sim::time_profile::{Pressure, Speed};
 
 use super::super::row::{Column, Goal, Row};
-use super::super::stats::{ErrorSum, percentile};
+use super::super::stats::{ValidErrors, percentile};
 use super::learned_car::estimator;
-use crate::runner::{Runner, StudyError, Turn};
+use crate::runner::{Result, Runner, Turn};
 
 /// A fifth is lost from here on, in so many s; a quarter is missing from the start.
 const BEGINS_S: f64 = 300.0;
@@ -34,25 +34,28 @@ const MOTORWAY_GD_N0_M3: f64 = 2e-6;
 const MOTORWAY_FRICTION_N: f64 = 50.0;
 const MOTORWAY_IMBALANCE_KG_M: f64 = 0.004;
 
-/// Which tires have lost air, and when.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Loss {
-    None,
-    One,
-    Side,
-    Axle,
-    All,
-    OneBefore,
-    /// One, on the motorway that shows least.
-    OneOnMotorway,
+itpms_core::labelled! {
+    /// Which tires have lost air, and when.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    enum Loss {
+        None = "nothing lost",
+        One = "one tire",
+        Side = "a side",
+        Axle = "an axle",
+        All = "all four",
+        OneBefore = "a quarter of one before the drive",
+        OneOnMotorway = "one on a very smooth motorway",
+    }
 }
 
-/// Knowledge of the car besides its file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Known {
-    File,
-    Calibrated,
-    OtherDay,
+itpms_core::labelled! {
+    /// Knowledge of the car besides its file.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    enum Known {
+        File = "file",
+        Calibrated = "calibrated",
+        OtherDay = "reference of another day",
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,21 +79,7 @@ impl Case {
     };
 
     fn name(self) -> String {
-        let loss = match self.loss {
-            Loss::None => "nothing lost",
-            Loss::One => "one tire",
-            Loss::Side => "a side",
-            Loss::Axle => "an axle",
-            Loss::All => "all four",
-            Loss::OneBefore => "a quarter of one before the drive",
-            Loss::OneOnMotorway => "one on a very smooth motorway",
-        };
-        let known = match self.known {
-            Known::File => "file",
-            Known::Calibrated => "calibrated",
-            Known::OtherDay => "reference of another day",
-        };
-        format!("{loss}, {known}")
+        format!("{}, {}", self.loss.label(), self.known.label())
     }
 
     fn goal_s(self) -> f64 {
@@ -126,16 +115,15 @@ fn side(corner: Corner) -> usize {
     corner.index() % 2
 }
 
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Found {
     /// Seconds from the complete loss until all its tires have been named; infinite if they never were.
     after_s: f64,
     /// Whether another tire was named, and whether one was before it lost anything.
     wrong: bool,
     early: bool,
-    errors: ErrorSum,
+    level: ValidErrors,
     shapes: [Shape; 4],
-    rows: u64,
 }
 
 /// In which shapes errors come: of the mean, of left less right, front less rear, and of the diagonals.
@@ -167,19 +155,16 @@ impl Plan {
         self.cases.iter().map(|(_, drives)| *drives as u64).sum()
     }
 
-    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, StudyError> {
+    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>> {
         let found = runner.run(&self.cases, drive)?;
         Ok(self.cases.iter().zip(&found).map(|((case, _), found)| row(*case, found)).collect())
     }
 }
 
 /// The car of a seed on the journey of another; the car of its file.
-fn car(turn: Turn) -> Result<(Scenario, CarConfig<f64>), StudyError> {
+fn car(turn: Turn) -> Result<(Scenario, CarConfig<f64>)> {
     let mut scenario = Scenario::builtin("drive-normal")?;
-    let mut file = CarConfig { corners: [None; 4], wheelbase_m: Some(scenario.wheelbase_m) };
-    for (corner, _) in scenario.corner.iter() {
-        file.corners[corner.index()] = Some(scenario.corner_config(corner)?);
-    }
+    let file = scenario.car_config()?;
     if let Some(journey) = &mut scenario.journey {
         journey.tolerances = None;
     }
@@ -192,7 +177,7 @@ fn calibrated_before(
     scenario: &Scenario,
     file: &CarConfig<f64>,
     seed: u64,
-) -> Result<Option<VehicleCalibration<f64>>, StudyError> {
+) -> Result<Option<VehicleCalibration<f64>>> {
     let scenario = Scenario { duration_s: OTHER_DAY_S, ..scenario.clone() };
     let mut car = estimator(file)?;
     car.begin_calibration(OTHER_DAY_S)?;
@@ -203,7 +188,7 @@ fn calibrated_before(
     Ok(car.estimator().calibration().filter(|learned| learned.check().is_ok()))
 }
 
-fn drive(case: &Case, turn: Turn) -> Result<Found, StudyError> {
+fn drive(case: &Case, turn: Turn) -> Result<Found> {
     let (mut scenario, file) = car(turn)?;
     let mut car = estimator(&file)?;
     match case.known {
@@ -215,36 +200,23 @@ fn drive(case: &Case, turn: Turn) -> Result<Found, StudyError> {
             }
             // Every other car has two passengers who were not there before.
             let load = if turn.index % 2 == 1 { LATER_LOAD } else { 1.0 };
-            for corner in Corner::ALL {
-                if let Some(spec) = scenario.corner.get_mut(corner) {
-                    spec.truth.sprung_mass_factor *= load;
-                }
-            }
+            scenario.corner.iter_mut().for_each(|(_, spec)| spec.truth.sprung_mass_factor *= load);
         }
     }
     let lost = case.lost(turn.index);
     let complete_s = case.complete_s();
     scenario.duration_s = complete_s + WAIT_S;
-    for corner in lost.iter() {
-        if let Some(spec) = scenario.corner.get_mut(corner) {
-            let kpa = spec.pressure.profile_kpa().map_or(f64::NAN, |profile| profile.value(0.0));
-            spec.pressure = match case.loss {
-                Loss::OneBefore => Pressure::ConstantKpa(LEFT_BEFORE * kpa),
-                _ => Pressure::ramp(kpa, LEFT * kpa, BEGINS_S, TAKES_S),
-            };
-        }
+    for (_, spec) in scenario.corner.iter_mut().filter(|(corner, _)| lost.contains(*corner)) {
+        let kpa = spec.pressure.profile_kpa().map_or(f64::NAN, |profile| profile.value(0.0));
+        spec.pressure = match case.loss {
+            Loss::OneBefore => Pressure::ConstantKpa(LEFT_BEFORE * kpa),
+            _ => Pressure::ramp(kpa, LEFT * kpa, BEGINS_S, TAKES_S),
+        };
     }
     if case.loss == Loss::OneOnMotorway {
         onto_motorway(&mut scenario);
     }
-    let mut found = Found {
-        after_s: f64::INFINITY,
-        wrong: false,
-        early: false,
-        errors: ErrorSum::default(),
-        shapes: [Shape::default(); 4],
-        rows: 0,
-    };
+    let mut found = Found { after_s: f64::INFINITY, ..Found::default() };
     let (mut named, mut rolls_s) = (Wheels::NONE, None);
     for row in Simulation::new(&scenario, turn.seed)? {
         let sample = row.car_sample();
@@ -274,11 +246,9 @@ fn onto_motorway(scenario: &mut Scenario) {
     scenario.speed = Speed::ConstantKmH(MOTORWAY_KM_H);
     scenario.journey = None;
     scenario.road = RoadSpec { contact_length_m: 0.1, ..RoadSpec::iso8608(MOTORWAY_GD_N0_M3, 2.0) };
-    for corner in Corner::ALL {
-        if let Some(spec) = scenario.corner.get_mut(corner) {
-            spec.truth.friction_n = MOTORWAY_FRICTION_N;
-            spec.truth.imbalance_kg_m = MOTORWAY_IMBALANCE_KG_M;
-        }
+    for (_, spec) in scenario.corner.iter_mut() {
+        spec.truth.friction_n = MOTORWAY_FRICTION_N;
+        spec.truth.imbalance_kg_m = MOTORWAY_IMBALANCE_KG_M;
     }
 }
 
@@ -290,12 +260,9 @@ impl Found {
         let mut of_all = [None; 4];
         for (of_one, (truth, estimate)) in of_all.iter_mut().zip(row.corners.iter().zip(&estimate.corners)) {
             let (Some(truth), Some(estimate)) = (truth, estimate) else { continue };
-            self.rows += 1;
-            if estimate.validity.is_valid() {
-                let error = estimate.pressure_kpa - truth.pressure_kpa;
-                self.errors.push(error, estimate.pressure_sd_kpa);
-                *of_one = Some([error, estimate.pressure_sd_kpa]);
-            }
+            self.level.push(truth.pressure_kpa, estimate);
+            let error_kpa = estimate.pressure_kpa - truth.pressure_kpa;
+            *of_one = estimate.validity.is_valid().then_some([error_kpa, estimate.pressure_sd_kpa]);
         }
         let [Some(fl), Some(fr), Some(rl), Some(rr)] = of_all else { return };
         let of_all = [fl, fr, rl, rr];
@@ -337,12 +304,7 @@ fn row(case: Case, found: &[Found]) -> Row {
     const COVERED: Column = Column::new("coverage", "cover", 3);
     const VALID: Column = Column::new("valid", "valid", 3);
     let count = |what: &dyn Fn(&Found) -> bool| found.iter().filter(|one| what(one)).count() as f64;
-    let valid: u64 = found.iter().map(|one| one.errors.count()).sum();
-    let rows: u64 = found.iter().map(|one| one.rows).sum();
-    let mean = |of: &dyn Fn(&ErrorSum) -> f64| {
-        let seen = found.iter().map(|one| &one.errors).filter(|errors| errors.count() > 0);
-        seen.map(|errors| errors.count() as f64 * of(errors)).sum::<f64>() / valid as f64
-    };
+    let levels: Vec<&ValidErrors> = found.iter().map(|one| &one.level).collect();
     let of_shape = |shape: usize, of: &dyn Fn(&Shape) -> f64| {
         let all = || found.iter().map(|one| one.shapes[shape]);
         all().map(|shape| of(&shape)).sum::<f64>() / all().map(|shape| shape.count).sum::<f64>()
@@ -360,9 +322,9 @@ fn row(case: Case, found: &[Found]) -> Row {
     cells.extend([
         WRONG.judged(count(&|one| one.wrong), Goal::AtMost(0.0)),
         EARLY.judged(count(&|one| one.early), Goal::AtMost(0.0)),
-        RMS.plain(mean(&|errors| errors.rmse().powi(2)).sqrt()),
-        COVERED.plain(mean(&ErrorSum::coverage)),
-        VALID.plain(valid as f64 / rows as f64),
+        RMS.plain(ValidErrors::rms(&levels)),
+        COVERED.plain(ValidErrors::mean(&levels, |one| one.errors.coverage())),
+        VALID.plain(ValidErrors::share_valid(&levels)),
     ]);
     if case.loss == Loss::None {
         cells.extend((0..4).map(|i| RMS_OF[i].plain(of_shape(i, &|shape| shape.squares).sqrt())));

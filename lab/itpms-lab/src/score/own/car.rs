@@ -12,7 +12,7 @@ use itpms_sim::time_profile::Pressure;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-use crate::runner::StudyError;
+use crate::runner::{Result, StudyError};
 
 /// A car on the road: kerb mass in kg, front share, wheelbase in m, tire and placard in kPa (makers' data sheets, rounded).
 struct OnTheRoad(f64, f64, f64, [f64; 3], f64);
@@ -73,7 +73,7 @@ impl Source {
 
 impl OwnCar {
     /// The car of a turn: the four of the list one after the other, each time another one of its kind.
-    pub(super) fn draw(index: usize, seed: u64) -> Result<Self, StudyError> {
+    pub(super) fn draw(index: usize, seed: u64) -> Result<Self> {
         let mut draw = Source::new(seed);
         let OnTheRoad(mass_kg, front_share, wheelbase_m, size, placard_kpa) = CARS[index % CARS.len()];
         let size = TireSize { width_mm: size[0], aspect_percent: size[1], rim_inch: size[2] };

@@ -10,7 +10,7 @@ use itpms_sim::scenario::Scenario;
 use itpms_sim::time_profile::{Pressure, Speed};
 
 use super::car::{OwnCar, Source};
-use crate::runner::StudyError;
+use crate::runner::Result;
 use crate::sensors::wheel_speeds_beside;
 
 pub(super) const RATE_HZ: f64 = 200.0;
@@ -79,7 +79,7 @@ impl Day {
         car: &OwnCar,
         change: &Change,
         lost: Option<(Corner, Pressure)>,
-    ) -> Result<(Scenario, u64), StudyError> {
+    ) -> Result<(Scenario, u64)> {
         let mut scenario = Scenario::builtin("drive-puncture")?;
         scenario.rate_hz = RATE_HZ;
         scenario.duration_s = self.duration_s;
@@ -91,18 +91,10 @@ impl Day {
         };
         scenario.speed = Speed::PointsSKmH((0..=waves).map(point).collect());
         let load = change.load.unwrap_or(&self.load);
-        let payload = load.iter().map(|(place, kg)| PayloadSpec {
-            behind_front_m: place[0],
-            left_m: place[1],
-            points_s_kg: vec![[0.0, *kg]],
-        });
-        scenario.car = Some(CarSpec {
-            rear_offset_m: car.rear_offset_m,
-            payload: payload.collect(),
-            ..CarSpec::default()
-        });
+        let payload = load.iter().map(|(place_m, kg)| PayloadSpec::constant(*place_m, *kg)).collect();
+        scenario.car = Some(CarSpec { rear_offset_m: car.rear_offset_m, payload, ..CarSpec::default() });
         scenario.wheel_speeds = self.wheel_speeds.map(wheel_speeds_beside);
-        for corner in Corner::ALL {
+        for (corner, place) in scenario.corner.iter_mut() {
             let mut spec = car.corner(corner).clone();
             (change.edit)(&mut spec.truth);
             let cold_kpa = car.placard_kpa;
@@ -110,9 +102,7 @@ impl Day {
             if let Some((_, pressure)) = lost.as_ref().filter(|(struck, _)| *struck == corner) {
                 spec.pressure = pressure.clone();
             }
-            if let Some(place) = scenario.corner.get_mut(corner) {
-                *place = spec;
-            }
+            *place = spec;
         }
         Ok((scenario, self.seed))
     }

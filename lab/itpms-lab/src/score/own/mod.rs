@@ -21,7 +21,7 @@ use self::path::{Owned, Way};
 use self::seen::{Seen, Wheel};
 use super::row::{Cell, Column, Goal, Row};
 use super::stats::percentile;
-use crate::runner::{Runner, StudyError, Turn};
+use crate::runner::{Result, Runner, Turn};
 
 /// Share of a true 95 % interval, over a hundred cars.
 const HONEST: Goal = Goal::Between(0.92, 0.98);
@@ -59,7 +59,7 @@ impl Plan {
         self.subjects.iter().map(|(_, cars)| *cars as u64).sum()
     }
 
-    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, StudyError> {
+    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>> {
         let found = runner.run(&self.subjects, car)?;
         let mut rows = vec![];
         for ((subject, _), found) in self.subjects.iter().zip(&found) {
@@ -76,7 +76,7 @@ impl Plan {
     }
 }
 
-fn car(subject: &Subject, turn: Turn) -> Result<Found, StudyError> {
+fn car(subject: &Subject, turn: Turn) -> Result<Found> {
     let mut taught = subject.ways.clone();
     if !subject.changes.is_empty() {
         taught.push(Way::LearnedAndReference);

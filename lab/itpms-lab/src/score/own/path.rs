@@ -14,7 +14,7 @@ use itpms_sim::time_profile::Pressure;
 use super::car::OwnCar;
 use super::day::{Change, Day, RATE_HZ, SAME};
 use super::seen::{LOSS_S, Seen};
-use crate::runner::StudyError;
+use crate::runner::{Result, StudyError};
 use crate::sensors::equipped;
 use crate::tuning::monitor;
 use itpms_analysis::learn::{Listener, PASSES, WheelbaseListener, learn};
@@ -52,12 +52,7 @@ pub(super) struct Owned {
 
 impl Owned {
     /// Draws the car of a turn, drives its ten minutes, and learns of them as far as the ways need it.
-    pub(super) fn teach(
-        index: usize,
-        seed: u64,
-        ways: &[Way],
-        wheel_speeds: bool,
-    ) -> Result<Self, StudyError> {
+    pub(super) fn teach(index: usize, seed: u64, ways: &[Way], wheel_speeds: bool) -> Result<Self> {
         let car = OwnCar::draw(index, seed)?;
         let [mut first, mut later] = Day::two(index, seed, DAYS_S);
         if wheel_speeds {
@@ -87,7 +82,7 @@ impl Owned {
         }
     }
 
-    fn estimator(&self, way: Way, scenario: &Scenario) -> Result<Box<MonitoredCar<f64>>, StudyError> {
+    fn estimator(&self, way: Way, scenario: &Scenario) -> Result<Box<MonitoredCar<f64>>> {
         let taught = if way == Way::FileAndReference { &self.file } else { &self.learned };
         let mut estimator = equipped(&monitor(&taught.config), scenario)?;
         if let Some(calibration) = taught.calibration.as_ref().filter(|_| way != Way::Learned) {
@@ -101,7 +96,7 @@ impl Owned {
     }
 
     /// The later day with nothing changed, by every way: without a loss and with one, which are the same drive until it begins.
-    pub(super) fn later(&self, ways: &[Way]) -> Result<Vec<[Seen; 2]>, StudyError> {
+    pub(super) fn later(&self, ways: &[Way]) -> Result<Vec<[Seen; 2]>> {
         let struck = Corner::ALL[self.index % 4];
         let kpa = self.car.placard_kpa;
         let loss = Pressure::ramp(kpa, LEFT * kpa, LOSS_S[0], LOSS_S[1]);
@@ -128,7 +123,7 @@ impl Owned {
     }
 
     /// A later day of a car that has changed, no tire losing air, with what was learned and the reference.
-    pub(super) fn changed(&self, change: &Change) -> Result<Seen, StudyError> {
+    pub(super) fn changed(&self, change: &Change) -> Result<Seen> {
         let (scenario, seed) = self.later.scenario(&self.car, change, None)?;
         let (mut car, mut seen) = (self.estimator(Way::LearnedAndReference, &scenario)?, Seen::sound());
         for row in Simulation::new(&scenario, seed)? {
@@ -146,7 +141,7 @@ fn take(car: &mut MonitoredCar<f64>, row: &SimRow, seen: &mut [&mut Seen]) {
 }
 
 /// The car of the file as the drive shows it, its wheelbase first.
-fn learned(car: &OwnCar, rows: &[SimRow]) -> Result<CarConfig<f64>, StudyError> {
+fn learned(car: &OwnCar, rows: &[SimRow]) -> Result<CarConfig<f64>> {
     let mut file = car.file.car_config(&Corner::ALL);
     let mut listener = WheelbaseListener::new(&file, RATE_HZ);
     rows.iter().for_each(|row| listener.take(&row.car_sample()));
@@ -166,7 +161,7 @@ impl Taught {
     }
 
     /// By a calibration that lasts as long as the drive, and a reference that is stored and read again; one that is refused is none.
-    fn calibrate(&mut self, file: &Vehicle, rows: &[SimRow], scenario: &Scenario) -> Result<(), StudyError> {
+    fn calibrate(&mut self, file: &Vehicle, rows: &[SimRow], scenario: &Scenario) -> Result<()> {
         let mut car = equipped(&monitor(&self.config), scenario)?;
         car.begin_calibration(DAYS_S[0])?;
         for row in rows {
