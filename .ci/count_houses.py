@@ -27,11 +27,11 @@ FORMATS = ("crates/itpms-mdf4", "crates/itpms-can-log", "crates/itpms-opencrg", 
 LABORATORY = ("lab/", "crates/itpms-sim", "crates/itpms-paper")
 # House, ceiling in lines, goal in lines. The core is a part of the product.
 HOUSES = [
-    ("core, with its tests", 35_390, 26_000),
-    ("product, with the core", 123_220, 92_000),
+    ("core, with its tests", 35_950, 26_000),
+    ("product, with the core", 123_700, 92_000),
     ("formats", 16_290, 16_000),
-    ("laboratory", 37_660, 34_000),
-    ("all, with examples and checks", 178_280, 150_000),
+    ("laboratory", 37_180, 34_000),
+    ("all, with examples and checks", 178_270, 150_000),
 ]
 # Constants of the core that are numbers to choose, not sizes or names, and fields of its tables that can be set, at most.
 CHOSEN = 465

@@ -83,31 +83,17 @@ mod tests {
 
     #[test]
     fn what_cannot_be_meant_is_refused_with_its_line() {
-        for (text, says) in [
-            (
-                "[decision]\nsurely_lo = 0.9",
-                "line 2: unknown key surely_lo in [decision] (did you mean surely_low?)",
-            ),
-            ("[decisions]", "line 1: unknown key decisions in the file (did you mean decision?)"),
-            (
-                "[warning]\n\nlow = 2.0",
-                "line 3: [warning] low is of type float, expected an array of 2 numbers",
-            ),
-            (
-                "[warning]\nstanding_s = [2.0]",
-                "line 2: [warning] standing_s is of type array, expected a number",
-            ),
-            (
-                "[warning]\nstanding_s = -2.0",
-                "line 2: [warning] standing_s is -2, expected a number of the same sign as its default",
-            ),
-            (
-                "[decision]\nlow = [1.0, nan]",
-                "line 2: [decision] low is NaN, expected a number of the same sign as its default",
-            ),
+        let sign = "expected a number of the same sign as its default";
+        for (text, found, expected) in [
+            ("[decision]\nsurely_lo = 0.9", "line 2: unknown key surely_lo in [decision]", "surely_low?"),
+            ("[decisions]", "line 1: unknown key decisions in the file", "did you mean decision?"),
+            ("[warning]\n\nlow = 2.0", "line 3: [warning] low is of type float", "an array of 2 numbers"),
+            ("[warning]\nstanding_s = [2.0]", "line 2: [warning] standing_s is of type array", "a number"),
+            ("[warning]\nstanding_s = -2.0", "line 2: [warning] standing_s is -2", sign),
+            ("[decision]\nlow = [1.0, nan]", "line 2: [decision] low is NaN", sign),
         ] {
-            let found = parse(text).unwrap_err().to_string();
-            assert!(found.starts_with(says), "{text:?}: {found}");
+            let problem = parse(text).unwrap_err().to_string();
+            assert!(problem.starts_with(found) && problem.contains(expected), "{text:?}: {problem}");
         }
     }
 }

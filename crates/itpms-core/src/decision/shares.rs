@@ -231,6 +231,10 @@ mod tests {
         Shares::new(&lacking.map(|less| Some([less, sd])), &correlation)
     }
 
+    fn weighed(shares: &Shares<f64>, since: Since) -> Probabilities<f64> {
+        shares.probabilities(0.2, since, &Tuning::DEFAULT).unwrap()
+    }
+
     /// Against the density written out: determinant and inverse of each set's own covariance.
     #[test]
     fn likelihoods_are_those_of_the_density() {
@@ -259,8 +263,7 @@ mod tests {
     fn every_set_is_named_that_is_known_well() {
         for set in 0..SETS {
             let lacking = core::array::from_fn(|i| if set & (1 << i) == 0 { 0.0 } else { 0.22 });
-            let found =
-                shares(lacking, 0.02, 0.3).probabilities(0.2, Since::Beginning, &Tuning::DEFAULT).unwrap();
+            let found = weighed(&shares(lacking, 0.02, 0.3), Since::Beginning);
             for tire in Corner::ALL {
                 let low = set & (1 << tire.index()) != 0;
                 assert_eq!(found.low(tire) > 0.99, low, "{set:04b} {tire:?}");
@@ -272,21 +275,16 @@ mod tests {
     /// A level that is not known to a fifth says nothing of all four, and of one against the others what their differences say.
     #[test]
     fn what_all_are_wrong_by_alike_cancels_between_tires() {
-        let all =
-            shares([0.22; 4], 0.1, 0.95).probabilities(0.2, Since::Beginning, &Tuning::DEFAULT).unwrap();
+        let all = weighed(&shares([0.22; 4], 0.1, 0.95), Since::Beginning);
         assert!(all.any_low() < 0.5, "{all:?}");
-        let one = shares([0.02, 0.02, 0.3, 0.02], 0.1, 0.95)
-            .probabilities(0.2, Since::Beginning, &Tuning::DEFAULT)
-            .unwrap();
+        let one = weighed(&shares([0.02, 0.02, 0.3, 0.02], 0.1, 0.95), Since::Beginning);
         assert!(one.low(Corner::RearLeft) > 0.99 && one.low(Corner::FrontLeft) < 0.01, "{one:?}");
     }
 
     /// After a night all four reading low is more likely another car; one of them against the others is still that one.
     #[test]
     fn a_car_that_has_changed_hides_no_single_tire() {
-        let found = |lacking| {
-            shares(lacking, 0.03, 0.3).probabilities(0.2, Since::EarlierDay, &Tuning::DEFAULT).unwrap()
-        };
+        let found = |lacking| weighed(&shares(lacking, 0.03, 0.3), Since::EarlierDay);
         assert!(found([0.18; 4]).all_low() < 0.5);
         assert!(found([0.15, 0.15, 0.0, 0.0]).any_low() < 0.5);
         let one = found([0.15, 0.4, 0.15, 0.15]);
@@ -310,9 +308,7 @@ mod tests {
             (-0.5 * square).exp() / covariance.determinant().sqrt()
         };
         for lacking in [-0.28, -0.16, -0.12, -0.06, 0.02] {
-            let found = shares([lacking; 4], 0.04, 0.9)
-                .probabilities(0.2, Since::EarlierDay, &Tuning::DEFAULT)
-                .unwrap();
+            let found = weighed(&shares([lacking; 4], 0.04, 0.9), Since::EarlierDay);
             let (same, another) = (density(lacking, false), Tuning::DEFAULT.changed * density(lacking, true));
             let expected = (another / (same + another)).sqrt() * lacking;
             for tire in Corner::ALL {
@@ -322,8 +318,7 @@ mod tests {
                     "{lacking}: {doubt} {expected}"
                 );
             }
-            let today =
-                shares([lacking; 4], 0.04, 0.9).probabilities(0.2, Since::Ever, &Tuning::DEFAULT).unwrap();
+            let today = weighed(&shares([lacking; 4], 0.04, 0.9), Since::Ever);
             assert!(lacking < -0.1 || today.doubt(Corner::FrontLeft).abs() < 0.002);
         }
     }
@@ -332,7 +327,7 @@ mod tests {
     #[test]
     fn a_rim_reads_hard_and_hides_what_is_beside_it() {
         let on_rim = |lacking, sd| {
-            let found = shares(lacking, sd, 0.3).probabilities(0.2, Since::Ever, &Tuning::DEFAULT).unwrap();
+            let found = weighed(&shares(lacking, sd, 0.3), Since::Ever);
             assert!(Corner::ALL.iter().all(|tire| found.low(*tire) < 0.02), "{found:?}");
             Corner::ALL.map(|tire| found.on_rim(tire))
         };
@@ -345,8 +340,7 @@ mod tests {
     #[test]
     fn a_tire_of_which_nothing_is_known_is_as_likely_low_as_ever() {
         let known = [Some([0.0, 0.02]), None, Some([0.25, 0.02]), Some([f64::NAN, 0.02])];
-        let found =
-            Shares::new(&known, &NONE).probabilities(0.2, Since::Beginning, &Tuning::DEFAULT).unwrap();
+        let found = weighed(&Shares::new(&known, &NONE), Since::Beginning);
         assert!(found.low(Corner::RearLeft) > 0.99 && found.low(Corner::FrontLeft) < 0.01);
         assert!(found.low(Corner::FrontRight) < 0.3 && found.low(Corner::RearRight) < 0.3, "{found:?}");
     }
