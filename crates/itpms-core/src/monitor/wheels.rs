@@ -260,7 +260,10 @@ impl<T: Real> MonitoredWheels<T> {
                 let least = wheels.iter().map(|c| low_probability(report, c)).fold(T::one(), T::at_most);
                 (wheels, true, least)
             }
-            RadiusState::OneOf(wheels) => (wheels, false, report.any_low_probability),
+            // Days that name one of them know more.
+            RadiusState::OneOf(wheels) if !self.leaks_among(wheels, now_s) => {
+                (wheels, false, report.any_low_probability)
+            }
             _ => {
                 let leaks = self.slow_leak_alert(now_s);
                 let standing = self
@@ -294,6 +297,12 @@ impl<T: Real> MonitoredWheels<T> {
             reported_s: now_s,
             cause: Cause::Differs { lost_share, lost_sd_share, is_known, probability },
         }));
+    }
+
+    /// Whether days name a slow leak of one of these.
+    fn leaks_among(&self, wheels: Wheels, now_s: f64) -> bool {
+        let leaks = self.slow_leak_alert(now_s);
+        leaks.is_some_and(|alert| alert.wheels.iter().all(|wheel| wheels.contains(wheel)))
     }
 
     /// The alert of a slow leak by the days since the calibration.
