@@ -254,18 +254,17 @@ impl<T: Real> MonitoredWheels<T> {
         if self.alert.as_ref().is_some_and(|alert| matches!(alert.cause, Cause::Malfunction(_))) {
             self.alert.clear();
         }
-        let lasts = report.lasted_s >= T::lit(LASTING_S);
+        let (lasts, leaks) = (report.lasted_s >= T::lit(LASTING_S), self.slow_leak_alert(now_s));
+        let leaks_among =
+            |wheels: Wheels| leaks.is_some_and(|leak| leak.wheels.iter().all(|wheel| wheels.contains(wheel)));
         let (wheels, is_known, probability) = match report.state {
             RadiusState::Low(wheels) => {
                 let least = wheels.iter().map(|c| low_probability(report, c)).fold(T::one(), T::at_most);
                 (wheels, true, least)
             }
             // Days that name one of them know more.
-            RadiusState::OneOf(wheels) if !self.leaks_among(wheels, now_s) => {
-                (wheels, false, report.any_low_probability)
-            }
+            RadiusState::OneOf(wheels) if !leaks_among(wheels) => (wheels, false, report.any_low_probability),
             _ => {
-                let leaks = self.slow_leak_alert(now_s);
                 let standing = self
                     .alert
                     .get()
@@ -297,12 +296,6 @@ impl<T: Real> MonitoredWheels<T> {
             reported_s: now_s,
             cause: Cause::Differs { lost_share, lost_sd_share, is_known, probability },
         }));
-    }
-
-    /// Whether days name a slow leak of one of these.
-    fn leaks_among(&self, wheels: Wheels, now_s: f64) -> bool {
-        let leaks = self.slow_leak_alert(now_s);
-        leaks.is_some_and(|alert| alert.wheels.iter().all(|wheel| wheels.contains(wheel)))
     }
 
     /// The alert of a slow leak by the days since the calibration.
