@@ -10,7 +10,7 @@ use crate::warning::Rules;
 pub(crate) fn low_tires<T: Real>(
     estimate: &CarEstimate<T>,
     reference_kpa: [T; 4],
-    rules: &Rules<'_, T>,
+    &Rules { limits, decision, .. }: &Rules<'_, T>,
 ) -> Probabilities<T> {
     let is_stored = |i: Corner| valid(estimate, i).is_some_and(|tire| tire.level == Level::StoredCalibration);
     let since = if Corner::ALL.into_iter().any(is_stored) { Since::EarlierDay } else { Since::Ever };
@@ -24,19 +24,13 @@ pub(crate) fn low_tires<T: Real>(
     let [levels, losses] = evidence.map(|(lacking, correlation, since)| {
         let is_known = lacking.iter().any(Option::is_some);
         is_known
-            .then(|| {
-                Shares::new(&lacking, correlation).probabilities(
-                    rules.limits.loss_share(),
-                    since,
-                    rules.decision,
-                )
-            })
+            .then(|| Shares::new(&lacking, correlation).probabilities(limits.loss_share(), since, decision))
             .flatten()
     });
     match (levels, losses) {
         (Some(levels), Some(losses)) if losses.any_low() > levels.any_low() => losses.with_doubt_of(&levels),
         (Some(levels), _) => levels,
-        (None, losses) => losses.unwrap_or(Probabilities::of_nothing(rules.decision)),
+        (None, losses) => losses.unwrap_or(Probabilities::of_nothing(decision)),
     }
 }
 
@@ -44,17 +38,17 @@ pub(crate) fn low_tires<T: Real>(
 pub(crate) fn leaking_tires<T: Real>(
     estimate: &CarEstimate<T>,
     reference_kpa: [T; 4],
-    rules: &Rules<'_, T>,
+    &Rules { limits, decision, tuning }: &Rules<'_, T>,
 ) -> Probabilities<T> {
     let losses = losses(estimate, reference_kpa);
-    let loss = T::lit(rules.tuning.leak_of_a_loss) * rules.limits.loss_share();
-    let nothing = Probabilities::of_nothing(rules.decision);
+    let loss = T::lit(tuning.leak_of_a_loss) * limits.loss_share();
+    let nothing = Probabilities::of_nothing(decision);
     // Most of the time no tire has lost so much, which needs no weighing.
     if !losses.iter().flatten().any(|[lost, _]| *lost > T::lit(DECISIVE) * loss) {
         return nothing;
     }
     Shares::new(&losses, &estimate.loss_correlation)
-        .probabilities(loss, Since::Beginning, rules.decision)
+        .probabilities(loss, Since::Beginning, decision)
         .unwrap_or(nothing)
 }
 

@@ -2,11 +2,11 @@
 
 mod reported;
 mod reset;
+mod tuning;
 
 use itpms_core::conditioning::SampleClock;
-use itpms_core::diagnosis::{self, DebounceTimes};
 use itpms_core::model::{CarSample, Corner, CornerSample, Level, Validity, Warning};
-use itpms_core::monitor::{Monitor, MonitorConfig, Tuning};
+use itpms_core::monitor::{Monitor, MonitorConfig};
 use itpms_core::warning::{Basis, Cause, Change, Doubt, MonitorReport, Regulation, WheelState};
 
 use reported::{Drive, FINE, RATE_HZ, Reported, car, estimate, lost, low, state};
@@ -262,62 +262,6 @@ fn without_a_speed_a_parked_car_is_not_stuck_and_one_sensor_of_a_driven_one_is()
     assert_eq!([stuck(0), stuck(4), stuck(7)], [0, 0, 1]);
 }
 
-/// When a fault of the front left wheel sensor, which begins after 10 s, is reported within a minute, with these numbers of the diagnosis.
-fn fault_reported_s(tuning: diagnosis::Tuning, wheel_m_s2: fn(u32) -> f64) -> Option<f64> {
-    let mut config = MonitorConfig::new(&car());
-    config.tuning.diagnosis = tuning;
-    let mut monitor = Monitor::new(&config, RATE_HZ).unwrap();
-    let mut clock = SampleClock::new(RATE_HZ).unwrap();
-    (0..(70.0 * RATE_HZ) as u32).find_map(|step| {
-        let (time_s, wiggle) = (f64::from(step) / RATE_HZ, 0.1 * f64::from(step % 7));
-        let fine = CornerSample { body_accel_m_s2: wiggle, wheel_accel_m_s2: 2.0 * wiggle };
-        let mut corners = [Some(fine); 4];
-        if time_s >= 10.0 {
-            corners[0] = Some(CornerSample { wheel_accel_m_s2: wheel_m_s2(step), ..fine });
-        }
-        let at = clock.take(time_s, 20.0);
-        monitor.screen(&at, &CarSample { time_s, speed_m_s: 20.0, corners, wheel_speeds: None });
-        monitor.judge(&at, &mut estimate(time_s, &FINE));
-        let is_fault = monitor.report().alerts().any(|alert| matches!(alert.cause, Cause::Malfunction(_)));
-        is_fault.then_some(time_s - 10.0)
-    })
-}
-
-#[test]
-fn the_diagnosis_goes_by_the_numbers_that_are_set() {
-    let usual = diagnosis::Tuning::DEFAULT;
-    // Stuck: at once, and after ten seconds more.
-    let stuck = |tuning| fault_reported_s(tuning, |_| 0.3).unwrap();
-    let at_once_s = stuck(usual);
-    assert!(at_once_s < 2.0, "{at_once_s}");
-    let patient = DebounceTimes { set_s: 10.0, ..usual.stuck };
-    let later_s = stuck(diagnosis::Tuning { stuck: patient, ..usual }) - at_once_s;
-    assert!((9.0..10.1).contains(&later_s), "{later_s}");
-    // A spike every two seconds: the third is too many, or the first, or none is.
-    let spiky = |step: u32| 0.2 * f64::from(step % 7) + if step.is_multiple_of(40) { 60.0 } else { 0.0 };
-    let spikes = |many_spikes| fault_reported_s(diagnosis::Tuning { many_spikes, ..usual }, spiky);
-    let [first, third] = [spikes(0.5), spikes(usual.many_spikes)].map(Option::unwrap);
-    assert!(first < 2.0 && (4.0..8.0).contains(&third), "{first} {third}");
-    assert_eq!(spikes(1e3), None);
-}
-
-#[test]
-fn a_number_of_the_diagnosis_that_cannot_be_meant_is_refused() {
-    let usual = diagnosis::Tuning::DEFAULT;
-    let never = DebounceTimes { clear_s: f64::INFINITY, ..usual.swap };
-    for (name, tuning) in [
-        ("swap_sum", diagnosis::Tuning { swap_sum: -11.0, ..usual }),
-        ("filled", diagnosis::Tuning { filled: f64::NAN, ..usual }),
-        ("crossed_ratio", diagnosis::Tuning { crossed_ratio: 1.5, ..usual }),
-        ("shift_usual_blocks", diagnosis::Tuning { shift_usual_blocks: 0, ..usual }),
-        ("swap", diagnosis::Tuning { swap: never, ..usual }),
-    ] {
-        let mut config = MonitorConfig::new(&car());
-        config.tuning.diagnosis = tuning;
-        assert_eq!(Monitor::new(&config, RATE_HZ).unwrap_err().name, name);
-    }
-}
-
 #[test]
 fn all_four_are_more_certain_together_than_each_alone() {
     // With an sd of 6 % each alone says nothing; their mean's is half of that.
@@ -420,22 +364,6 @@ fn limits_are_those_of_the_rule_and_overfull_is_reported() {
     let reference_kpa = [None, None, Some(270.0), None];
     let warm = MonitorConfig { reference_kpa, ..MonitorConfig::new(&car()) };
     assert!(Drive::with(warm).on(30.0, &Reported { sd: 3.0, ..low(225.0) }).alerts().next().is_some());
-}
-
-#[test]
-fn its_numbers_can_be_set() {
-    let said = Reported { sd: 2.0, ..low(0.8 * 241.3) };
-    let reported = |set: fn(&mut Tuning)| {
-        let mut config = MonitorConfig::new(&car());
-        set(&mut config.tuning);
-        Drive::with(config).on(4.0, &said).alerts().next().is_some()
-    };
-    assert!(reported(|_| {}));
-    assert!(!reported(|tuning| tuning.warning.low.set_s = 20.0));
-    assert!(!reported(|tuning| tuning.decision.one_is_low = 1e-60));
-    let mut config = MonitorConfig::new(&car());
-    config.tuning.decision.fine_sd = f64::NAN;
-    assert_eq!(Monitor::new(&config, RATE_HZ).unwrap_err().name, "fine_sd");
 }
 
 #[test]
