@@ -60,15 +60,11 @@ fn a_fault_is_reported_by_the_numbers_that_are_set() {
 
 #[test]
 fn a_number_that_cannot_be_meant_is_refused() {
-    let cases: [(&str, fn(&mut Tuning)); 6] = [
-        ("fine_sd", |tuning| tuning.decision.fine_sd = f64::NAN),
-        ("swap_sum", |tuning| tuning.diagnosis.swap_sum = -11.0),
-        ("filled", |tuning| tuning.diagnosis.filled = f64::NAN),
-        ("crossed_ratio", |tuning| tuning.diagnosis.crossed_ratio = 1.5),
-        ("shift_usual_blocks", |tuning| tuning.diagnosis.shift_usual_blocks = 0),
-        ("swap", |tuning| tuning.diagnosis.swap.clear_s = f64::INFINITY),
-    ];
-    for (name, set) in cases {
-        assert_eq!(Monitor::new(&configured(set), RATE_HZ).unwrap_err().name, name);
-    }
+    let refused = |set: fn(&mut Tuning)| Monitor::new(&configured(set), RATE_HZ).unwrap_err().name;
+    assert_eq!(refused(|tuning| tuning.decision.fine_sd = f64::NAN), "fine_sd");
+    assert_eq!(refused(|tuning| tuning.diagnosis.swap_sum = -11.0), "swap_sum");
+    assert_eq!(refused(|tuning| tuning.diagnosis.filled = f64::NAN), "filled");
+    assert_eq!(refused(|tuning| tuning.diagnosis.crossed_ratio = 1.5), "crossed_ratio");
+    assert_eq!(refused(|tuning| tuning.diagnosis.shift_usual_blocks = 0), "shift_usual_blocks");
+    assert_eq!(refused(|tuning| tuning.diagnosis.swap.clear_s = f64::INFINITY), "swap");
 }
