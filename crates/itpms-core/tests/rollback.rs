@@ -6,37 +6,41 @@ use itpms_core::model::{CarEstimate, CarSample, Corner, CornerSample};
 use crate::common::car_ride::{CarRide, PLACARD_KPA, RATE_HZ, car, config, drive};
 
 /// The rear right wheel's sensor reads twice its value for four seconds, and is then kept away: the front right tire,
-/// which was taken for the one that had changed, is read as before. (Else it stays too low for many seconds more.)
+/// which was taken for the one that had changed, is read as before, to 12 kPa on three roads. (Else it stays too low for many seconds more.)
 #[test]
 fn what_a_sensor_taught_that_lied_is_unlearned() {
-    let rows = CarRide { seconds: 34.0, ..CarRide::new(5) }.rows();
-    let lying = |row: &CarSample<f64>, since_s: f64, until_s: f64| {
-        let mut row = *row;
-        if let Some(rear_right) = &mut row.corners[3] {
-            if row.time_s >= until_s {
-                *rear_right = CornerSample { body_accel_m_s2: f64::NAN, wheel_accel_m_s2: f64::NAN };
-            } else if row.time_s >= since_s {
-                rear_right.wheel_accel_m_s2 *= 2.0;
-            }
+    for seed in [1, 5, 9] {
+        let rows = CarRide { seconds: 34.0, ..CarRide::new(seed) }.rows();
+        let front_right = |car: &mut CarEstimator<f64>, from_s: f64, to_s: f64| {
+            let range = (from_s * RATE_HZ) as usize..(to_s * RATE_HZ) as usize;
+            let rows: Vec<_> = rows[range].iter().map(|row| lying(row, 24.0, 28.0)).collect();
+            drive(car, &rows).last().unwrap().corners[1].unwrap().pressure_kpa
+        };
+        let mut car = car(&config());
+        let before = front_right(&mut car, 0.0, 24.0);
+        let misled = front_right(&mut car, 24.0, 28.0);
+        assert!(misled < before - 40.0, "{seed}: {misled} kPa, {before} before");
+        let mut rolled_back = car.clone();
+        rolled_back.rollback([false, false, false, true]);
+        let [misled, rolled_back] = [&mut car, &mut rolled_back].map(|car| front_right(car, 28.0, 34.0));
+        assert!(
+            misled < before - 20.0 && (rolled_back - before).abs() < 12.0,
+            "{seed}: {misled} {rolled_back} {before} kPa"
+        );
+    }
+}
+
+/// The rear right wheel's sensor reads twice its value, and then nothing.
+fn lying(row: &CarSample<f64>, since_s: f64, until_s: f64) -> CarSample<f64> {
+    let mut row = *row;
+    if let Some(rear_right) = &mut row.corners[3] {
+        if row.time_s >= until_s {
+            *rear_right = CornerSample { body_accel_m_s2: f64::NAN, wheel_accel_m_s2: f64::NAN };
+        } else if row.time_s >= since_s {
+            rear_right.wheel_accel_m_s2 *= 2.0;
         }
-        row
-    };
-    let front_right = |car: &mut CarEstimator<f64>, from_s: f64, to_s: f64| {
-        let range = (from_s * RATE_HZ) as usize..(to_s * RATE_HZ) as usize;
-        let rows: Vec<_> = rows[range].iter().map(|row| lying(row, 24.0, 28.0)).collect();
-        drive(car, &rows).last().unwrap().corners[1].unwrap().pressure_kpa
-    };
-    let mut car = car(&config());
-    let before = front_right(&mut car, 0.0, 24.0);
-    let misled = front_right(&mut car, 24.0, 28.0);
-    assert!(misled < before - 40.0, "{misled} kPa, {before} before");
-    let mut rolled_back = car.clone();
-    rolled_back.rollback([false, false, false, true]);
-    let [misled, rolled_back] = [&mut car, &mut rolled_back].map(|car| front_right(car, 28.0, 34.0));
-    assert!(
-        misled < before - 20.0 && (rolled_back - before).abs() < 3.0,
-        "{misled} {rolled_back} {before} kPa"
-    );
+    }
+    row
 }
 
 /// Nothing contradicts what was known at the start, and a driver's word is no contradiction: the tire that has 200 kPa has its

@@ -106,6 +106,8 @@ impl<T: Real> Circumstances<T> {
 }
 
 /// How the quantities change by themselves over a time: by which share each stays, and the variance it gains.
+#[derive(Debug, Clone, PartialEq, Blank)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Wandering<T: Real> {
     stays: State<T>,
     variance: State<T>,
@@ -174,6 +176,11 @@ impl<T: Real> Hypothesis<T> {
             return;
         }
         let (stays, joins) = (self.weight / total, weight / total);
+        self.weight = total;
+        // So little is lost in the rounding of what is there.
+        if joins < T::epsilon() {
+            return;
+        }
         let off = part.mean - self.mean;
         self.mean.axpy(joins, &off, T::one());
         // The rate, which comes last, has covariances of its own.
@@ -183,7 +190,6 @@ impl<T: Real> Hypothesis<T> {
             let joined = joins * part.rate_covariance(i) + between * off[i] * off[RATE];
             self.covariance[(i, RATE)] = stays * self.covariance[(i, RATE)] + joined;
         }
-        self.weight = total;
     }
 
     /// What changes by itself does so: about the vehicle file, and never further than a car may be from it.

@@ -9,7 +9,9 @@ use super::hypotheses::{
 };
 use super::instruments::Instruments;
 use super::measurement::{AxleResidual, SideMeasurement, UpdateRecord};
-use super::state::{IN_COMMON, MASS, RATE, SIZE, SPECTRUM_BIAS_SD, SPECTRUM_BIASES, State, TIRE};
+use super::state::{
+    IN_COMMON, MASS, RATE, SIZE, SPECTRUM_BIAS_SD, SPECTRUM_BIASES, SideReading, State, TIRE,
+};
 use super::tires::Tires;
 use super::transition::{NOTICED, Transition};
 use super::update::{Lesson, Likelihood, own_covariance, score};
@@ -50,6 +52,8 @@ struct FrameUpdate<T: Real> {
     log_weight: [T; HYPOTHESES],
     /// Of the most likely one, before the frame.
     record: Placed<UpdateRecord<T>>,
+    /// What the frame teaches the one that it was compared with last.
+    lesson: Placed<Lesson<T>>,
     best: usize,
     frames: u32,
 }
@@ -135,12 +139,13 @@ impl<T: Real> HypothesisBank<T> {
         self.instruments.learn(side, weight, &mut self.hypotheses);
         self.update.best = self.most_likely();
         self.update.record.clear();
+        self.update.lesson.clear();
         self.update.frames = self.update.frames.wrapping_add(1);
     }
 
-    /// Updates one hypothesis with a frame of one side, which `linearize` linearizes at a state; false if it is left out for its low weight
-    /// ([`FrameUpdate::follows`]).
-    pub(super) fn update_hypothesis(
+    /// How likely a frame of one side is by a hypothesis, and what it teaches that, which `linearize` linearizes at a state; false if it is
+    /// left out for its low weight ([`FrameUpdate::follows`]).
+    pub(super) fn compare(
         &mut self,
         index: usize,
         measurement: &SideMeasurement<T>,
@@ -153,26 +158,19 @@ impl<T: Real> HypothesisBank<T> {
             self.update.log_weight.get_mut(index).into_iter().for_each(|log_weight| *log_weight = usual);
             return false;
         }
-        let mut lesson = Lesson::BLANK;
-        if self.compare(index, measurement, linearize, &mut lesson).is_some()
-            && let Some(hypothesis) = self.hypotheses.get_mut(index)
-        {
-            lesson.teach(hypothesis, reading);
-        }
+        self.compare_followed(index, measurement, linearize);
         true
     }
 
-    /// How likely the frame is by a hypothesis, and what it teaches that; `None`: nothing. Apart from the teaching, as both take much of the stack.
     #[inline(never)]
-    fn compare(
+    fn compare_followed(
         &mut self,
         index: usize,
         measurement: &SideMeasurement<T>,
         linearize: impl Fn(&State<T>) -> AxleResidual<T>,
-        lesson: &mut Lesson<T>,
     ) -> Option<()> {
         let SideMeasurement { reading, expected, instrument, weight, .. } = measurement;
-        let FrameUpdate { log_weight, record, best, .. } = &mut self.update;
+        let FrameUpdate { log_weight, record, lesson, best, .. } = &mut self.update;
         let (hypothesis, log_weight) = self.hypotheses.get(index).zip(log_weight.get_mut(index))?;
         *log_weight = T::lit(IMPOSSIBLE);
         let prefit = linearize(&hypothesis.mean);
@@ -180,14 +178,25 @@ impl<T: Real> HypothesisBank<T> {
         let likelihood = Likelihood::new(&own, &prefit, instrument, expected)?;
         *log_weight = *weight * likelihood.log;
         let score = score(&prefit, instrument, expected);
-        let learned = lesson.learn(&own, &score, &expected.information_root, &likelihood, *weight);
+        let learn = |lesson: &mut Lesson<T>| {
+            lesson.learn(&own, &score, &expected.information_root, &likelihood, *weight).ok_or(())
+        };
         if index == *best {
             record.place(|record| {
-                (record.road_power, record.power_ratio) = (prefit.road_power, likelihood.ratio);
+                (record.road_power, record.power_ratio) = (prefit.road_power, likelihood.power_ratio());
                 record.weight = *weight;
             });
         }
-        learned
+        lesson.try_place(learn).ok()
+    }
+
+    /// Teaches a hypothesis what it was compared with last; false if that taught nothing. A sample of its own: with the comparison it would
+    /// be the dearest.
+    pub(super) fn teach(&mut self, index: usize, reading: &SideReading<T>) -> bool {
+        let lesson = self.update.lesson.as_ref().zip(self.hypotheses.get_mut(index));
+        let teaches = lesson.map(|(lesson, hypothesis)| lesson.teach(hypothesis, reading)).is_some();
+        self.update.lesson.clear();
+        teaches
     }
 
     /// With all of them updated, weighs them; gives the record of the one that was the most likely before.
@@ -388,6 +397,7 @@ impl<T: Real> HypothesisBank<T> {
     /// Only the constant hypothesis is left: somebody knows that nothing moves.
     pub(super) fn collapse(&mut self) {
         self.has_changed = true;
+        self.update.lesson.clear();
         for hypothesis in &mut self.hypotheses[1..] {
             hypothesis.weight = T::zero();
         }

@@ -2,7 +2,7 @@
 //! the vehicle file, as a bank of Gaussians, one for every way in which pressures may be changing
 //! (docs/math/shared-road.md, sections 3, 4 and 6).
 //!
-//! Entered by [`Belief::predict`] and its parts, [`Belief::begin_update`], [`Belief::update_hypothesis`] and [`Belief::finish_update`] for a frame,
+//! Entered by [`Belief::predict`] and its parts, [`Belief::begin_update`], [`Belief::compare`], [`Belief::teach`] and [`Belief::finish_update`] for a frame,
 //! [`Belief::update_scalar`] for a number, [`Belief::checkpoint`] and [`Belief::restore`]; all
 //! state is private. Called by [`crate::car`]; knows no signals, no frames and no samples.
 //!
@@ -50,7 +50,7 @@ pub(crate) use self::hypotheses::HYPOTHESES;
 use self::hypothesis_bank::HypothesisBank;
 use self::losses::Losses;
 use self::measurement::{AxleResidual, SideMeasurement, UpdateRecord};
-use self::state::{State, TIRE};
+use self::state::{SideReading, State, TIRE};
 pub(crate) use self::tire_scale::{LEAST_COMPLIANCE, TireScale};
 pub(crate) use self::tires::Tires;
 pub(crate) use self::transition::PARTS as PREDICTION_PARTS;
@@ -168,7 +168,7 @@ impl<T: Real> Belief<T> {
         self.bank.predict_part(part);
     }
 
-    /// Begins to update with a frame of one side. [`update_hypothesis`](Self::update_hypothesis) has to follow for each of
+    /// Begins to update with a frame of one side. [`compare`](Self::compare) and [`teach`](Self::teach) have to follow for each of
     /// [`HYPOTHESES`], then [`finish_update`](Self::finish_update) and [`settle`](Self::settle).
     pub(crate) fn begin_update(&mut self, measurement: &SideMeasurement<T>) {
         let side = measurement.reading.side;
@@ -178,14 +178,19 @@ impl<T: Real> Belief<T> {
         self.bank.begin_update(side, measurement.weight);
     }
 
-    /// Updates one hypothesis with the frame, which `linearize` linearizes at a state; false if that one is left out.
-    pub(crate) fn update_hypothesis(
+    /// Compares one hypothesis with the frame, which `linearize` linearizes at a state; false if that one is left out.
+    pub(crate) fn compare(
         &mut self,
         index: usize,
         measurement: &SideMeasurement<T>,
         linearize: impl Fn(&State<T>) -> AxleResidual<T>,
     ) -> bool {
-        self.bank.update_hypothesis(index, measurement, linearize)
+        self.bank.compare(index, measurement, linearize)
+    }
+
+    /// Teaches it what the comparison showed; false if that is nothing.
+    pub(crate) fn teach(&mut self, index: usize, reading: &SideReading<T>) -> bool {
+        self.bank.teach(index, reading)
     }
 
     /// Weighs the hypotheses; gives the record of the most likely one.

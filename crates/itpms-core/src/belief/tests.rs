@@ -14,7 +14,7 @@ use super::floor::Floor;
 use super::gaussian::{self, Hypothesis};
 use super::hypotheses::{CONSTANT, HYPOTHESES, RANDOM_WALK, SIDE};
 use super::hypothesis_bank::HypothesisBank;
-use super::measurement::{BINS, Gram, Score};
+use super::measurement::{Gram, Score};
 use super::state::{
     BAR, COUPLING, DAMPING, GAIN, LEVEL, MASS, RATE, ROAD_BIAS, SIDE_SIZE, SIDE_TIRES, SIZE, SPRING,
     SideReading, State, TIRE, WHEELBASE, prior_sd, read_compliance, return_rate, side_indices, wander_sd,
@@ -229,7 +229,8 @@ fn learn(
     information_root: &Gram<f64>,
     mahalanobis_sq: f64,
 ) {
-    let likelihood = Likelihood { log: 0.0, mahalanobis_sq, scale: 1.0, ratio: [1.0; BINS] };
+    let likelihood =
+        Likelihood { log: 0.0, mahalanobis_sq, scale: 1.0, white: SVector::zeros(), root: SMatrix::zeros() };
     let (own, mut lesson) = (own_covariance(&hypothesis.covariance, reading), Lesson::BLANK);
     assert!(lesson.learn(&own, score, information_root, &likelihood, 1.0).is_some());
     lesson.teach(hypothesis, reading);

@@ -26,11 +26,8 @@ const FORGOTTEN: f64 = 1e-20;
 /// Largest chance of a step that a suspected wheel begins to move.
 const LARGEST_CHANCE: f64 = 0.2;
 
-/// Parts of a prediction: changes of single tires end, and of several; those of several go on or begin, then those of one; then time passes,
-/// for these and those.
-pub(crate) const PARTS: usize = 6;
-/// First hypothesis for which time passes in the second of two parts.
-const SECOND_HALF: usize = HYPOTHESES / 2;
+/// Parts of a prediction: changes of single tires end, and of several; those of several go on or begin, then those of one; then time passes.
+pub(crate) const PARTS: usize = 5;
 
 /// A prediction that is under way, as a whole of [`PARTS`].
 #[derive(Debug, Clone, PartialEq, Blank)]
@@ -44,6 +41,7 @@ pub(super) struct Transition<T: Real> {
     join: T,
     /// What nothing moves any more in; takes the constant one's place once everything else has begun from that.
     still: Hypothesis<T>,
+    wandering: Wandering<T>,
 }
 
 impl<T: Real> Transition<T> {
@@ -102,9 +100,9 @@ impl<T: Real> Transition<T> {
             3 => {
                 self.mix_single(hypotheses);
                 hypotheses[CONSTANT].take_over(&self.still);
+                self.wandering = Wandering::over(self.seconds, circumstances);
             }
-            4 => self.pass(hypotheses, circumstances, 0..SECOND_HALF),
-            _ => self.pass(hypotheses, circumstances, SECOND_HALF..HYPOTHESES),
+            _ => self.pass(hypotheses),
         }
     }
 
@@ -125,16 +123,10 @@ impl<T: Real> Transition<T> {
         }
     }
 
-    fn pass(
-        &self,
-        hypotheses: &mut Hypotheses<T>,
-        circumstances: &Circumstances<T>,
-        some: core::ops::Range<usize>,
-    ) {
+    fn pass(&self, hypotheses: &mut Hypotheses<T>) {
         let seconds = self.seconds;
-        let wandering = Wandering::over(seconds, circumstances);
-        for (index, hypothesis) in hypotheses.iter_mut().enumerate().take(some.end).skip(some.start) {
-            hypothesis.wander(&wandering);
+        for (index, hypothesis) in hypotheses.iter_mut().enumerate() {
+            hypothesis.wander(&self.wandering);
             if index == RANDOM_WALK {
                 for i in 0..4 {
                     hypothesis.covariance[(TIRE + i, TIRE + i)] += T::lit(LOOSE_SD * LOOSE_SD) * seconds;

@@ -16,6 +16,8 @@ use crate::spectrum::OVERLAP;
 const TAILS: f64 = 8.0;
 /// Chance that a frame is none that any hypothesis foretells, as where the axles' roads part.
 const STRAY: f64 = 1e-3;
+/// Half of a bin's power is in each of its two numbers; frames that overlap say half of everything twice.
+const SHARE: f64 = 0.5 / OVERLAP;
 /// Least power of a road in a bin, in m²/s².
 const LEAST_POWER: f64 = 1e-12;
 
@@ -51,7 +53,8 @@ fn spread<T: Real>(own: &Gram<T>, slope: &Slope<T>) -> SMatrix<T, ROWS, ROWS> {
 
 /// What a frame teaches one Gaussian, in the side's quantities: with the covariances `P_o` of everything with these it takes `P_o W W' P_o'`
 /// off the covariance, and moves the mean by `P_o` times the pull.
-#[derive(Blank)]
+#[derive(Debug, Clone, PartialEq, Blank)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Lesson<T: Real> {
     root: Gram<T>,
     pull: Score<T>,
@@ -158,8 +161,9 @@ pub(crate) struct Likelihood<T: Real> {
     pub(crate) mahalanobis_sq: T,
     /// Factor by which the residual's variance is larger than expected, at least one.
     pub(crate) scale: T,
-    /// Power of the residual over its expectation, per bin.
-    pub(crate) ratio: [T; BINS],
+    /// The residual, white by these, and the root that makes it so.
+    pub(super) white: SVector<T, ROWS>,
+    pub(super) root: SMatrix<T, ROWS, ROWS>,
 }
 
 impl<T: Real> Likelihood<T> {
@@ -179,8 +183,7 @@ impl<T: Real> Likelihood<T> {
         }
         let rows: SVector<T, ROWS> = SVector::from_fn(|row, _| found.rows[row] * relative[row % BINS]);
         let known = spread(own, instrument);
-        // Half of a bin's power in each of its two numbers; frames that overlap say half of everything twice.
-        let share = T::lit(0.5 / OVERLAP);
+        let share = T::lit(SHARE);
         let root = |scale: T| {
             let mut total = known;
             (0..ROWS).for_each(|row| total[(row, row)] += expected.power[row % BINS] * share * scale);
@@ -194,13 +197,6 @@ impl<T: Real> Likelihood<T> {
         let scale = ((tails + mahalanobis_sq) / (tails + degrees)).max(T::one());
         let root = if scale > T::one() { root(scale)? } else { plain };
         let white = cholesky::solve(&root, &rows);
-        let mut ratio = [T::zero(); BINS];
-        for row in 0..ROWS {
-            // A column of the root's inverse, with which rows and columns of the whole inverse are products.
-            let column = cholesky::solve(&root, &SVector::ith(row, T::one()));
-            let weighted = column.dot(&white);
-            ratio[row % BINS] += share * scale * weighted * weighted / column.norm_squared();
-        }
         let density = |log_determinant: T, mahalanobis_sq: T| {
             let beyond = (T::one() + mahalanobis_sq / tails).ln_fast();
             T::lit(-0.5) * (log_determinant + (tails + degrees) * beyond)
@@ -214,7 +210,20 @@ impl<T: Real> Likelihood<T> {
         let own = density(log_determinant, mahalanobis_sq);
         let most = own.max(stray);
         let log = most + ((own - most).exp_fast() + (stray - most).exp_fast()).ln_fast();
-        Some(Self { log, mahalanobis_sq: white.norm_squared(), scale, ratio })
+        Some(Self { log, mahalanobis_sq: white.norm_squared(), scale, white, root })
+    }
+
+    /// Power of the residual over its expectation, per bin.
+    #[inline(never)]
+    pub(crate) fn power_ratio(&self) -> [T; BINS] {
+        let mut ratio = [T::zero(); BINS];
+        for row in 0..ROWS {
+            // A column of the root's inverse, with which rows and columns of the whole inverse are products.
+            let column = cholesky::solve(&self.root, &SVector::ith(row, T::one()));
+            let weighted = column.dot(&self.white);
+            ratio[row % BINS] += T::lit(SHARE) * self.scale * weighted * weighted / column.norm_squared();
+        }
+        ratio
     }
 }
 

@@ -17,11 +17,16 @@ const ROAD_DEPENDENT: f64 = 0.2;
 /// What a car may change besides between a calibration and a later day: load, speed and road, warmth and wear of tires and dampers.
 const BETWEEN_DAYS_SDS: [f64; 4] = [0.03, 0.016, 0.008, 0.0045];
 
-/// Covariance of two tires' errors that come in these shapes.
-fn covariance_of_shapes<T: Real>(sds: &[f64; 4], i: usize, j: usize) -> T {
-    let (same_side, same_axle) = (i % 2 == j % 2, i / 2 == j / 2);
-    let signs = [true, same_side, same_axle, same_side == same_axle];
-    T::lit(sds.iter().zip(signs).map(|(sd, same)| if same { sd * sd } else { -sd * sd }).sum())
+/// Covariance of tires' errors that come in these shapes.
+fn covariance_of_shapes<T: Real>([all, sides, axles, diagonals]: [f64; 4]) -> SMatrix<T, 4, 4> {
+    let [all, sides, axles, diagonals] =
+        [all * all, sides * sides, axles * axles, diagonals * diagonals].map(T::lit);
+    SMatrix::from_fn(|i, j| match (i % 2 == j % 2, i / 2 == j / 2) {
+        (true, true) => all + sides + axles + diagonals,
+        (true, false) => all + sides - axles - diagonals,
+        (false, true) => all - sides + axles - diagonals,
+        (false, false) => all - sides - axles + diagonals,
+    })
 }
 
 /// Covariance of the factors of the four corners, and the stiffnesses at placard pressure. See the [module](self).
@@ -92,30 +97,27 @@ impl<T: Real> Considered<T> {
         SMatrix::from_fn(|i, j| (self.relative[(i, j)] + coupling) * k[i] * k[j])
     }
 
-    /// Effect of another road on a pair of tires after a calibration, as shares of their stiffnesses.
-    pub(super) fn between_roads(&self, i: usize, j: usize) -> T {
+    /// Covariance of what another road makes of the tires after a calibration, as shares of their stiffnesses.
+    pub(super) fn between_roads(&self) -> SMatrix<T, 4, 4> {
         let count = T::lit(self.per_kpa.iter().filter(|&&there| there > T::zero()).count().max(1) as f64);
         let mean = self.relative.sum() / (count * count) + self.coupling * self.coupling;
-        covariance_of_shapes::<T>(&CALIBRATED_SDS, i, j) + T::lit(ROAD_DEPENDENT * ROAD_DEPENDENT) * mean
+        covariance_of_shapes(CALIBRATED_SDS).add_scalar(T::lit(ROAD_DEPENDENT * ROAD_DEPENDENT) * mean)
     }
 
     /// The same once a calibration has set them: a factor is an error of the change since then, not of the level.
     pub(super) fn calibrated(&self, stiffness_n_per_m: &SVector<T, 4>) -> SMatrix<T, 4, 4> {
         let change = stiffness_n_per_m - self.placard_n_per_m;
-        let k = stiffness_n_per_m;
-        SMatrix::from_fn(|i, j| {
-            self.relative[(i, j)] * change[i] * change[j] + self.between_roads(i, j) * k[i] * k[j]
-        })
+        let (k, roads) = (stiffness_n_per_m, self.between_roads());
+        SMatrix::from_fn(|i, j| self.relative[(i, j)] * change[i] * change[j] + roads[(i, j)] * k[i] * k[j])
     }
 
     /// The same where that was on an earlier day: never worse than the vehicle file.
     pub(super) fn stored(&self, stiffness_n_per_m: &SVector<T, 4>) -> SMatrix<T, 4, 4> {
         let k = stiffness_n_per_m;
         let by_file = self.uncalibrated(k);
-        let calibrated = self.calibrated(k);
-        let stored: SMatrix<T, 4, 4> = SMatrix::from_fn(|i, j| {
-            calibrated[(i, j)] + covariance_of_shapes::<T>(&BETWEEN_DAYS_SDS, i, j) * k[i] * k[j]
-        });
+        let (calibrated, days) = (self.calibrated(k), covariance_of_shapes::<T>(BETWEEN_DAYS_SDS));
+        let stored: SMatrix<T, 4, 4> =
+            SMatrix::from_fn(|i, j| calibrated[(i, j)] + days[(i, j)] * k[i] * k[j]);
         let total = |of: &SMatrix<T, 4, 4>| (0..4).fold(T::zero(), |sum, i| sum + of[(i, i)]);
         if total(&by_file) < total(&stored) { by_file } else { stored }
     }

@@ -31,10 +31,10 @@ impl<T: Real> Considered<T> {
             let by = SVector::<T, 4>::from_fn(|i, _| kpa(i, weights[i]));
             by.dot(&(covariance * by)).max(T::zero())
         };
+        let roads = self.between_roads();
         let errors: SMatrix<T, 4, 4> = SMatrix::from_fn(|i, j| {
             let now = |i: usize| kpa(i, level_n_per_m[i] - lost_n_per_m[i]);
-            kpa(i, T::one()) * kpa(j, T::one()) * covariance[(i, j)]
-                + self.between_roads(i, j) * now(i) * now(j)
+            kpa(i, T::one()) * kpa(j, T::one()) * covariance[(i, j)] + roads[(i, j)] * now(i) * now(j)
         });
         let variance = |weights: &SVector<T, 4>| weights.dot(&(errors * weights)).max(T::zero());
         let losses = core::array::from_fn(|i| {

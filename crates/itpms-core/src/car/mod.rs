@@ -18,7 +18,7 @@ use crate::estimator::{CornerEstimator, OutsideStiffness, Pace};
 use crate::memory::{Blank, Placed};
 use crate::model::{
     BodyFit, CalibrationError, CarConfig, CarEstimate, CarSample, Corner, Inflation, Misfit, ParameterError,
-    QuarterCar, RadiusDifferences, StrutReading, VehicleCalibration, positive,
+    QuarterCar, RadiusDifferences, Side, StrutReading, VehicleCalibration, positive,
 };
 use crate::real::Real;
 use crate::suspension::{BodyEquation, Learning};
@@ -72,6 +72,8 @@ pub struct CarEstimator<T: Real> {
     /// Samples from one conclusion to the next, and how many are left until one that cannot wait.
     conclude_every: u32,
     conclude_in: u32,
+    /// The side whose corners may work on their frames in this sample, where samples come fast.
+    turn: Side,
 }
 
 impl<T: Real> CarEstimator<T> {
@@ -109,7 +111,9 @@ impl<T: Real> CarEstimator<T> {
         if let Some(wheelbase_m) = Fusion::wheelbase_m(config) {
             self.fusion.place(|fusion| fusion.configure(config, wheelbase_m, sample_rate_hz, grid_period_s));
             // No sample is to work on all corners' frames, besides those of the axles.
-            self.corners[2..].iter_mut().flatten().for_each(CornerEstimator::stagger);
+            for corner in Corner::ALL {
+                self.corners[corner].as_mut().into_iter().for_each(|estimator| estimator.stagger(corner));
+            }
         }
         self.considered.configure(config);
         self.radii.clear();
@@ -118,6 +122,7 @@ impl<T: Real> CarEstimator<T> {
         (self.calibration_s, self.calibration_ends_s) = (None, f64::NEG_INFINITY);
         self.concluded = Concluded::BLANK;
         (self.conclude_every, self.conclude_in) = ((sample_rate_hz * CONCLUDE_S).to_whole().max(1) as u32, 0);
+        self.turn = Side::Left;
         Ok(())
     }
 
@@ -260,7 +265,7 @@ impl<T: Real> CarEstimator<T> {
     /// Takes one sample, gives the estimate after it. A missing speed is the last one, for half a second ([`SpeedHold`](crate::conditioning::SpeedHold)).
     pub fn update(&mut self, sample: &CarSample<T>) -> CarEstimate<T> {
         let at = self.clock.take(sample.time_s, sample.speed_m_s);
-        self.update_at(&at, sample)
+        self.update_at(&at, sample, false)
     }
 
     /// The clock of the car, for whoever screens samples before they are taken.
@@ -268,19 +273,27 @@ impl<T: Real> CarEstimator<T> {
         &mut self.clock
     }
 
-    /// The same with time and speed as they were taken; the sample's own speed does not count.
-    pub(crate) fn update_at(&mut self, at: &Moment<T>, sample: &CarSample<T>) -> CarEstimate<T> {
+    /// The same with time and speed as they were taken; the sample's own speed does not count. `is_taken`: something else is much work already.
+    pub(crate) fn update_at(
+        &mut self,
+        at: &Moment<T>,
+        sample: &CarSample<T>,
+        is_taken: bool,
+    ) -> CarEstimate<T> {
+        let mut corners_work = false;
         match at.time_s {
-            Some(time_s) => self.take(time_s, at.speed_m_s, sample),
+            Some(time_s) => corners_work = self.take(time_s, at.speed_m_s, sample, is_taken),
             // Counted corner by corner.
             None => self.corners.iter_mut().flatten().for_each(CornerEstimator::refuse),
         }
-        // No sample does more than one of these: a part of a frame, of the struts' identification, or a corner's own measurement.
-        let mut has_room = self.fusion.as_mut().is_none_or(|fusion| fusion.work_on(at.now_s));
+        // No sample does more than one of these: a part of a frame, of the struts' identification, or a corner's own measurement; and that not beside
+        // the corners' frames.
+        let mut has_room = self.fusion.as_mut().is_none_or(|fusion| fusion.work_on(at.now_s, is_taken));
         // A calibration that is to begin is much work by itself.
         if has_room && self.calibration_s.is_none() {
             has_room = !self.identify();
         }
+        has_room &= !corners_work || self.calibration_s.is_some();
         // Nor is one drawn beside one of these, unless it would come late.
         let concludes = self.conclude_in == 0 || has_room && self.conclude_in <= self.conclude_every;
         if concludes {
@@ -299,20 +312,29 @@ impl<T: Real> CarEstimator<T> {
         CarEstimate { time_s, corners: [None; 4], correlation, loss_correlation, tracks }
     }
 
-    /// Gives a sample's values to the corners and to the road they share.
+    /// Gives a sample's values to the corners and to the road they share; true if corners worked on their frames, where samples come fast.
     #[inline(never)]
-    fn take(&mut self, time_s: f64, speed_m_s: T, sample: &CarSample<T>) {
+    fn take(&mut self, time_s: f64, speed_m_s: T, sample: &CarSample<T>, is_taken: bool) -> bool {
         if let Some(fusion) = self.fusion.as_mut() {
             fusion.drive(time_s, speed_m_s);
         }
-        let has_other_work = match self.fusion.as_ref() {
-            Some(fusion) if !fusion.is_at_rest() => fusion.is_large_next(),
-            _ => self.conclude_in <= self.conclude_every || self.body_equation.is_learning(),
-        };
-        let pace = if has_other_work && self.conclude_every > 1 { Pace::Waits } else { Pace::Works };
+        let has_other_work = is_taken
+            || match self.fusion.as_ref() {
+                Some(fusion) if !fusion.is_at_rest() => fusion.is_large_next(),
+                _ => self.body_equation.is_learning() || self.is_measuring_next(),
+            };
+        let (is_fast, turn) = (self.conclude_every > 1, self.turn);
+        self.turn = turn.other();
+        let mut corners_work = false;
         for corner in Corner::ALL {
             let estimator = self.corners[corner].as_mut();
             let (Some(estimator), Some(values)) = (estimator, &sample.corners[corner]) else { continue };
+            let pace = match is_fast {
+                true if has_other_work => Pace::Waits,
+                true if self.fusion.as_ref().is_some() && corner.side() != turn => Pace::Yields,
+                _ => Pace::Works,
+            };
+            let before = estimator.units_done();
             match self.fusion.as_mut() {
                 Some(fusion) => {
                     let mut tap = |step: &_, signals: &_| fusion.push(corner, step, signals);
@@ -320,7 +342,15 @@ impl<T: Real> CarEstimator<T> {
                 }
                 None => estimator.take(time_s, speed_m_s, values, pace, |_, _| {}),
             }
+            corners_work |= is_fast && estimator.units_done() != before;
         }
+        corners_work
+    }
+
+    /// Whether the next conclusion may be drawn with this sample, and has a corner's own measurement to make.
+    fn is_measuring_next(&self) -> bool {
+        self.conclude_in <= self.conclude_every
+            && self.corners.iter().flatten().any(CornerEstimator::has_pseudo_measurement)
     }
 
     /// Identifies the struts and the body that they carry; true if there was something to do.

@@ -43,7 +43,7 @@ use crate::diagnosis::sensor_statistics::SensorBlock;
 use crate::diagnosis::signals::{Block, Signals, width_hz};
 use crate::diagnosis::single_sensor::SingleSensorMonitor;
 use crate::memory::Blank;
-use crate::model::{CarConfig, CarSample, Corner, CornerConfig, HOP_BAND_HZ, Wheels};
+use crate::model::{CarConfig, Corner, CornerConfig, CornerSample, HOP_BAND_HZ, Wheels};
 use crate::real::Real;
 
 /// Seconds between two looks at what the sensors did: accelerations, or wheel speeds.
@@ -119,8 +119,13 @@ impl<T: Real> Diagnosis<T> {
 
     /// Takes a sample of a clock that does not go back.
     #[inline(never)]
-    pub(crate) fn push(&mut self, sample: &CarSample<T>, tuning: &Tuning) {
-        let time_s = sample.time_s;
+    pub(crate) fn push(
+        &mut self,
+        time_s: f64,
+        speed_m_s: T,
+        corners: &[Option<CornerSample<T>>; 4],
+        tuning: &Tuning,
+    ) {
         let step_s = time_s - self.last_s;
         if step_s <= 0.0 {
             return; // The same sample again; the intake counts it.
@@ -129,7 +134,7 @@ impl<T: Real> Diagnosis<T> {
         if !(step_s < PAUSE_S) {
             self.begin_block(time_s);
             self.calm_blocks = 0;
-            self.slowest_m_s = sample.speed_m_s;
+            self.slowest_m_s = speed_m_s;
         }
         if step_s > tuning.longest_step * self.period_s {
             self.sensors.iter_mut().flatten().for_each(SingleSensorMonitor::interrupted);
@@ -138,19 +143,19 @@ impl<T: Real> Diagnosis<T> {
         let spike = [tuning.spike_m_s2, tuning.spike_over_usual].map(T::lit);
         let mut values = [T::zero(); 8];
         let [bodies, wheels] = &mut self.sensors;
-        for (i, corner) in sample.corners.iter().enumerate().filter(|(i, _)| self.present[*i]) {
+        for (i, corner) in corners.iter().enumerate().filter(|(i, _)| self.present[*i]) {
             let [body, wheel] = corner.map_or(nothing, |c| [c.body_accel_m_s2, c.wheel_accel_m_s2]);
             values[i] = bodies[i].push(time_s, body, spike);
             values[4 + i] = wheels[i].push(time_s, wheel, spike);
         }
         self.signals.push(&values);
-        if !(self.slowest_m_s <= sample.speed_m_s) {
-            self.slowest_m_s = sample.speed_m_s;
+        if !(self.slowest_m_s <= speed_m_s) {
+            self.slowest_m_s = speed_m_s;
         }
         if time_s >= self.block_ends_s {
             self.end_block(time_s, time_s - self.block_from_s, tuning);
             self.begin_block(time_s);
-            self.slowest_m_s = sample.speed_m_s;
+            self.slowest_m_s = speed_m_s;
         }
     }
 

@@ -78,9 +78,9 @@ impl<T: Real> CornerEstimator<T> {
         Ok(())
     }
 
-    /// Its frames are worked on when those of the car's other axle are not; before the first sample.
-    pub(crate) fn stagger(&mut self) {
-        self.informed.stagger();
+    /// Its frames are worked on when those of the car's other corners are not; before the first sample.
+    pub(crate) fn stagger(&mut self, corner: Corner) {
+        self.informed.stagger(corner);
     }
 
     /// Sets the prior before the first frame.
@@ -166,12 +166,22 @@ impl<T: Real> CornerEstimator<T> {
         self.hold_calibration(time_s);
     }
 
+    /// How much of the work on its newest frames is done.
+    pub(crate) fn units_done(&self) -> usize {
+        self.informed.units_done()
+    }
+
     /// What the last frames reported of the stiffness to one who believed in this one with that sd, in N/m, when there is something new.
     pub(crate) fn pseudo_measurement(
         &mut self,
         believed: impl FnOnce() -> (T, T),
     ) -> Option<StiffnessPseudoMeasurement<T>> {
         self.informed.pseudo_measurement(believed)
+    }
+
+    /// Whether there is something new in them.
+    pub(crate) fn has_pseudo_measurement(&self) -> bool {
+        self.informed.has_pseudo_measurement()
     }
 
     /// See [`Estimator::take_pseudo_measurement`](super::Estimator::take_pseudo_measurement).

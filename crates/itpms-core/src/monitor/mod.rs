@@ -62,6 +62,8 @@ pub struct Monitor<T: Real> {
     diagnosis: Diagnosis<T>,
     faults: [Placed<Fault<T>>; 4],
     suspects: Wheels,
+    /// Whether the sensors were judged with this sample.
+    has_judged_sensors: bool,
     /// When each corner was last found to have been wrong for seconds, and those of which it was found just now.
     late_detection_s: [f64; 4],
     rollback_requested: Wheels,
@@ -109,7 +111,7 @@ impl<T: Real> Monitor<T> {
         self.reference_kpa = self.configured_kpa;
         self.diagnosis.configure(&config.car, sample_rate_hz, &config.tuning.diagnosis);
         self.faults.iter_mut().for_each(Placed::clear);
-        self.suspects = Wheels::NONE;
+        (self.suspects, self.has_judged_sensors) = (Wheels::NONE, false);
         self.late_detection_s = [f64::NEG_INFINITY; 4];
         self.rollback_requested = Wheels::NONE;
         self.faulted = Wheels::NONE;
@@ -164,14 +166,15 @@ impl<T: Real> Monitor<T> {
         self.standstill.is_denied()
     }
 
-    /// Takes a sample and the moment it was taken at; gives both back without what is not to be learned from.
+    /// Takes a sample and the moment it was taken at; gives both back without what is not to be learned from, and without the wheel speeds.
     pub fn screen(&mut self, at: &Moment<T>, sample: &CarSample<T>) -> (Moment<T>, CarSample<T>) {
         let tuning = &self.config.tuning.diagnosis;
         if let Some(time_s) = at.time_s {
             self.speed_m_s = self.standstill.take(time_s, at.speed_m_s, sample, tuning);
-            self.diagnosis.push(&CarSample { time_s, speed_m_s: self.speed_m_s, ..*sample }, tuning);
+            self.diagnosis.push(time_s, self.speed_m_s, &sample.corners, tuning);
         }
-        if self.diagnosis.take_news() {
+        self.has_judged_sensors = self.diagnosis.take_news();
+        if self.has_judged_sensors {
             for (fault, found) in self.faults.iter_mut().zip(self.diagnosis.faults()) {
                 fault.set(found);
             }
@@ -182,7 +185,7 @@ impl<T: Real> Monitor<T> {
             self.retract_beside_faults();
             self.faulted = self.faulted | faulty;
         }
-        let (mut at, mut screened) = (*at, *sample);
+        let (mut at, mut screened) = (*at, CarSample { wheel_speeds: None, ..*sample });
         if self.standstill.is_denied() {
             (at.speed_m_s, screened.speed_m_s) = (T::lit(f64::NAN), T::lit(f64::NAN));
         }
@@ -225,6 +228,17 @@ impl<T: Real> Monitor<T> {
         core::mem::replace(&mut self.rollback_requested, Wheels::NONE)
     }
 
+    /// Whether it weighs the pressures with this sample: not where the sensors have just been judged, as either is much work.
+    fn decides_at(&self, at: &Moment<T>) -> bool {
+        let is_due = at.now_s - self.decided_s >= DECIDE_S - 1e-9;
+        is_due && at.time_s.is_some() && !self.has_judged_sensors
+    }
+
+    /// Whether this sample is much work for the monitor, one way or the other.
+    pub(crate) fn is_busy_at(&self, at: &Moment<T>) -> bool {
+        self.has_judged_sensors || self.decides_at(at)
+    }
+
     /// Takes what was estimated after the sample; gives the wheels whose estimator should start again, because their
     /// sensors have come back. The estimate leaves with the monitor's validity and warnings.
     #[inline(never)]
@@ -243,7 +257,7 @@ impl<T: Real> Monitor<T> {
         }
         let time_s = at.now_s;
         let step_s = time_s - self.decided_s;
-        if at.time_s.is_some() && step_s >= DECIDE_S - 1e-9 {
+        if self.decides_at(at) {
             self.decided_s = time_s;
             self.cold.advance(step_s, self.speed_m_s);
             self.ahead_s = at.ahead_s;

@@ -130,7 +130,7 @@ impl<T: Real, S: WheelSensors<T>> MonitoredCar<T, S> {
         if !suspected.is_empty() {
             self.estimator.rollback(Corner::ALL.map(|corner| suspected.contains(corner)));
         }
-        let mut estimate = self.estimator.update_at(&at, &screened);
+        let mut estimate = self.estimator.update_at(&at, &screened, watched && self.monitor.is_busy_at(&at));
         // Without corners the report is the wheel speeds'.
         if watched {
             for corner in self.monitor.judge(&at, &mut estimate).iter() {

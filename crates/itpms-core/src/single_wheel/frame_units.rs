@@ -47,10 +47,12 @@ const _: () = assert!(LEVEL_MODES == 3 && ORDER.len() == 10 + FITS as usize);
 /// A frame's units have to fit into its hop.
 const _: () = assert!(ORDER.len() < (HOP_S * LEAST_GRID_HZ) as usize);
 
-/// Whether a grid step does a unit, or leaves it to a later one, if there are enough before the next pair, because there is other work.
+/// Whether a grid step does a unit, or leaves it to a later one if there are enough before the next pair: because it is another corner's turn, which is every second
+/// step, or because there is other work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Pace {
     Works,
+    Yields,
     Waits,
 }
 
@@ -150,6 +152,11 @@ impl<T: Real> Informed<T> {
         self.work.take(FirstFrame { evidence, nis: self.gate.nis(), log_speed_ratio }, moves);
     }
 
+    /// How many units of the newest pair of frames are done.
+    pub(crate) fn units_done(&self) -> usize {
+        self.work.done
+    }
+
     /// Does one unit of the newest frame's work; true if there is something new to say after it.
     pub(super) fn work_on(&mut self, pace: Pace) -> bool {
         if !self.work.under_way {
@@ -157,7 +164,12 @@ impl<T: Real> Informed<T> {
         }
         let hops_left = u32::from(self.work.first.as_ref().is_none());
         let units_left = ORDER.len() - self.work.done;
-        if pace == Pace::Waits && units_left + 1 < self.clock.steps_until(hops_left) {
+        let needed = match pace {
+            Pace::Works => usize::MAX,
+            Pace::Yields => units_left + units_left / 2,
+            Pace::Waits => units_left + 1,
+        };
+        if needed < self.clock.steps_until(hops_left) {
             return false;
         }
         let unit = ORDER.get(self.work.done).copied().unwrap_or(Unit::Tables);

@@ -31,7 +31,7 @@ use nalgebra::Complex;
 
 use crate::conditioning::{GridSample, STANDING_M_S};
 use crate::memory::{Blank, Placed};
-use crate::model::{CornerConfig, QuarterCar};
+use crate::model::{Corner, CornerConfig, QuarterCar, Side};
 use crate::real::Real;
 use crate::single_wheel::frame_units::FrameWork;
 pub(crate) use crate::single_wheel::frame_units::Pace;
@@ -127,9 +127,13 @@ impl<T: Real> Informed<T> {
         self.restart();
     }
 
-    /// Its pairs of frames end when those of the car's other axle begin; before the first sample.
-    pub(crate) fn stagger(&mut self) {
-        self.work.set_late(true);
+    /// Its pairs of frames end when those of the car's other axle begin, and those of the right wheels half a hop after the left ones'; before
+    /// the first sample.
+    pub(crate) fn stagger(&mut self, corner: Corner) {
+        self.work.set_late(corner.side().rear() == corner);
+        if corner.side() == Side::Right {
+            self.clock.delay();
+        }
     }
 
     /// Forgets everything, as before the first sample. The tables come back to the car as configured cell by cell: all of them at once
@@ -293,6 +297,11 @@ impl<T: Real> Informed<T> {
             learned_s: self.learned_s,
             is_in_range: true,
         }
+    }
+
+    /// Whether there is something new for a filter that believes in a stiffness.
+    pub(crate) fn has_pseudo_measurement(&self) -> bool {
+        self.posterior.has_enough_frames()
     }
 
     /// As [`take_pseudo_measurement`](Self::take_pseudo_measurement), for a filter that believes in a stiffness

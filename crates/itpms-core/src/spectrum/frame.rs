@@ -60,6 +60,9 @@ pub(crate) struct FrameClock<T: Real, const BINS: usize, const SIGNALS: usize> {
     hop: u32,
     grid_period_s: f64,
     step: u32,
+    /// Steps that are left out after a restart, and how many of them are to come.
+    late: u32,
+    waits: u32,
     /// Whether the hop before this one is part of a frame.
     is_under_way: bool,
     /// `e^{-jα (i+½)}`, at the first step, and how far it turns in a step: its parts are the window's halves.
@@ -76,10 +79,16 @@ impl<T: Real, const BINS: usize, const SIGNALS: usize> FrameClock<T, BINS, SIGNA
         let hop = (hop_s / grid_period_s + 0.5).max(1.0) as u32;
         let angle = T::lit(0.5 * core::f64::consts::PI / f64::from(hop));
         let half = T::lit(0.5) * angle;
-        (self.hop, self.grid_period_s) = (hop, grid_period_s);
+        (self.hop, self.grid_period_s, self.late) = (hop, grid_period_s, 0);
         self.turn = [angle.cos(), -angle.sin()];
         self.first_phase = [half.cos(), -half.sin()];
         self.restart();
+    }
+
+    /// Its hops begin half a hop later than those of others; before the first step.
+    pub(crate) fn delay(&mut self) {
+        self.late = self.hop / 2;
+        self.waits = self.late;
     }
 
     pub(crate) fn hop_s(&self) -> f64 {
@@ -98,7 +107,7 @@ impl<T: Real, const BINS: usize, const SIGNALS: usize> FrameClock<T, BINS, SIGNA
 
     #[inline(never)]
     pub(crate) fn restart(&mut self) {
-        (self.step, self.is_under_way) = (0, false);
+        (self.step, self.waits, self.is_under_way) = (0, self.late, false);
         self.phase = self.first_phase;
         (self.before, self.now) = (Sums::BLANK, Sums::BLANK);
     }
@@ -114,6 +123,10 @@ impl<T: Real, const BINS: usize, const SIGNALS: usize> FrameClock<T, BINS, SIGNA
         counts: bool,
         signals: &[T; SIGNALS],
     ) -> Option<Frame<T, BINS, SIGNALS>> {
+        if self.waits > 0 {
+            self.waits -= 1;
+            return None;
+        }
         let phase = self.phase;
         if counts {
             self.now.add(phase, signals);

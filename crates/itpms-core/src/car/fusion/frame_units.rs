@@ -27,8 +27,9 @@ enum Unit {
     Prepare(usize),
     /// Measurement by the frame, and its weight.
     Measure,
-    /// One hypothesis is updated.
-    Update(usize),
+    /// One hypothesis is compared with it, and what that showed is taught to it.
+    Compare(usize),
+    Teach(usize),
     /// Hypotheses are weighed, and what is known of the side learns from it.
     Conclude,
 }
@@ -42,17 +43,20 @@ impl Unit {
             PREDICTION_PARTS => Self::Checkpoint,
             _ if done < PREPARED => Self::Prepare(done - PREDICTION_PARTS - 1),
             PREPARED => Self::Measure,
-            _ if done <= PREPARED + HYPOTHESES => Self::Update(done - PREPARED - 1),
-            _ => Self::Conclude,
+            _ => match (done - PREPARED - 1) / 2 {
+                HYPOTHESES.. => Self::Conclude,
+                hypothesis if done % 2 != PREPARED % 2 => Self::Compare(hypothesis),
+                hypothesis => Self::Teach(hypothesis),
+            },
         }
     }
 }
 
-const UNITS: usize = PREDICTION_PARTS + PRODUCT_PARTS + HYPOTHESES + 3;
-/// Both sides' units have to fit into a hop, with what falls due between two samples at 20 Hz, and leave a quarter of it for the work that
-/// is done between frames.
-const _: () =
-    assert!(2.0 * UNITS as f64 * UNIT_S < 0.5 * HOP_S && 2.0 * UNITS as f64 * FAST_UNIT_S < 0.75 * HOP_S);
+/// Units of a frame whose products are known but for one bin's.
+const UNITS: usize = PREDICTION_PARTS + 2 * HYPOTHESES + 4;
+/// Both sides' units have to fit into a hop, with what falls due between two samples at 20 Hz. Some four hypotheses of eight are followed
+/// ([`Belief::compare`](crate::belief::Belief::compare)), so that two fifths of it are left for the work that is done between frames.
+const _: () = assert!(2.0 * UNITS as f64 * UNIT_S <= 0.5 * HOP_S && 2.0 * UNITS as f64 * FAST_UNIT_S < HOP_S);
 
 /// Frames that are to be learned from. See the [module](self).
 #[derive(Debug, Clone, PartialEq, Blank)]
@@ -107,23 +111,32 @@ impl<T: Real> FrameQueue<T> {
         }
         due
     }
+
+    /// Whether a sample's time is that of a unit.
+    fn is_fast(&self) -> bool {
+        self.unit_s >= FAST_UNIT_S
+    }
 }
 
 impl<T: Real> Fusion<T> {
-    /// Does the units that are due; true if that leaves room for other work. Where samples come fast a unit is a sample's work, where they
-    /// come slowly a sample has the time of several.
+    /// Does the units that are due; true if that leaves room for other work. Where samples come fast a unit is a sample's work, and waits for
+    /// the next one if this one `is_taken`; where they come slowly a sample has the time of several.
     #[inline(never)]
-    pub(in crate::car) fn work_on(&mut self, time_s: f64) -> bool {
-        let mut has_room = true;
+    pub(in crate::car) fn work_on(&mut self, time_s: f64, is_taken: bool) -> bool {
+        let is_fast = self.queue.is_fast();
+        let mut has_room = !(is_fast && is_taken);
         while self.queue.is_due(time_s) {
-            self.do_unit();
-            has_room = self.queue.unit_s < FAST_UNIT_S;
+            if has_room {
+                self.do_unit();
+            }
+            has_room &= !is_fast;
         }
         has_room && self.is_at_rest()
     }
 
     pub(in crate::car) fn is_large_next(&self) -> bool {
-        !self.queue.is_empty() && matches!(Unit::after(self.queue.done), Unit::Predict(_) | Unit::Update(_))
+        !self.queue.is_empty()
+            && matches!(Unit::after(self.queue.done), Unit::Predict(_) | Unit::Prepare(_) | Unit::Teach(_))
     }
 
     /// Whether the belief is at rest, and not in the middle of a frame.
@@ -146,7 +159,8 @@ impl<T: Real> Fusion<T> {
                 Unit::Checkpoint => self.checkpoint(),
                 Unit::Prepare(part) => self.prepare(side, part),
                 Unit::Measure => self.measure(side),
-                Unit::Update(hypothesis) => self.update_hypothesis(side, hypothesis),
+                Unit::Compare(hypothesis) => self.compare(side, hypothesis),
+                Unit::Teach(hypothesis) => self.teach(hypothesis),
                 Unit::Conclude => {
                     self.conclude(side);
                     true
@@ -207,13 +221,19 @@ impl<T: Real> Fusion<T> {
     }
 
     #[inline(never)]
-    fn update_hypothesis(&mut self, side: Side, hypothesis: usize) -> bool {
+    fn compare(&mut self, side: Side, hypothesis: usize) -> bool {
         let frame = self.queue.frames[side].as_ref().zip(self.queue.measured.as_ref());
         let (Some((frame, measured)), Some(wheels)) = (frame, self.inter_axle.wheels(side)) else {
             return false;
         };
         let at = |state: &State<T>| linearize(frame, Signals::Measured, &wheels, side, state);
-        self.belief.update_hypothesis(hypothesis, &measured.measurement, at)
+        self.belief.compare(hypothesis, &measured.measurement, at)
+    }
+
+    #[inline(never)]
+    fn teach(&mut self, hypothesis: usize) -> bool {
+        let reading = self.queue.measured.as_ref().map(|measured| &measured.measurement.reading);
+        reading.is_some_and(|reading| self.belief.teach(hypothesis, reading))
     }
 
     #[inline(never)]

@@ -71,7 +71,7 @@ pub(crate) struct PairingContext<'a, T: Real> {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct AxlePair<T: Real> {
     side: Side,
-    period_s: f64,
+    period_s: T,
     noise_density: [T; 2],
     delay_line: DelayLine<T>,
     delay_search: DelaySearch<T>,
@@ -105,7 +105,7 @@ pub(crate) struct AxlePair<T: Real> {
 
 impl<T: Real> AxlePair<T> {
     pub(crate) fn configure(&mut self, side: Side, period_s: f64, noise_density: [T; 2]) {
-        (self.side, self.period_s, self.noise_density) = (side, period_s, noise_density);
+        (self.side, self.period_s, self.noise_density) = (side, T::lit(period_s), noise_density);
         self.delay_line.configure(period_s);
         self.delay_search = DelaySearch::new(AT_FIRST);
         self.aligned = false;
@@ -172,7 +172,7 @@ impl<T: Real> AxlePair<T> {
             return None;
         }
         let [wheelbase, skew] = self.delay_search.count_from([road.wheelbase, road.skew]);
-        let (delay_line, per_second) = (&self.delay_line, T::lit(1.0 / self.period_s));
+        let delay_line = &self.delay_line;
         let steps = delay_line.steps_back_at(entry.way?.ahead(-road.length_m(wheelbase)))?;
         let axles = road.axles();
         let rear = axles[1].road_velocity(&with_other(entry.signals, None, None));
@@ -180,8 +180,8 @@ impl<T: Real> AxlePair<T> {
         let skew_s = T::lit(SKEW_UNIT_S) * skew;
         let stretch =
             delay_line.read_back(steps).map_or(T::zero(), |read| (entry.speed_m_s / read.speed_m_s).ln());
-        self.delay_search.push(rear, [delay_s, stretch], self.period_s, |later_s| {
-            let read = delay_line.read_back(steps + (skew_s + later_s) * per_second)?;
+        self.delay_search.push(rear, [delay_s, stretch], self.period_s.to_f64(), |later_s| {
+            let read = delay_line.read_back(steps + (skew_s + later_s) * delay_line.rate_hz())?;
             Some(axles[0].road_velocity(&with_other(read.signals, None, None)))
         })
     }
@@ -290,14 +290,14 @@ impl<T: Real> AxlePair<T> {
         }
         let [wheelbase, skew] = self.used?;
         let there = self.delay_line.steps_back_at(entry.way?.ahead(-road.length_m(wheelbase)))?;
-        let steps = there + T::lit(SKEW_UNIT_S / self.period_s) * skew;
+        let steps = there + T::lit(SKEW_UNIT_S) * self.delay_line.rate_hz() * skew;
         let read = self.delay_line.read_back(steps)?;
         (read.speed_m_s > T::lit(STANDING_M_S)).then(|| (read, steps, self.delay_s(entry, there)))
     }
 
     /// Seconds from so many steps before the front's newest entry to an entry of the rear.
     fn delay_s(&self, entry: &Entry<T>, steps: T) -> T {
-        T::lit(entry.time_s - self.delay_line.newest_s()) + steps * T::lit(self.period_s)
+        T::lit(entry.time_s - self.delay_line.newest_s()) + steps * self.period_s
     }
 
     /// The other side's incoherence in every bin, if there were frames of it while this side had none before a time in s.

@@ -99,6 +99,11 @@ impl<T: Real> DelayLine<T> {
         self.newest_s
     }
 
+    /// Entries a second.
+    pub(crate) fn rate_hz(&self) -> T {
+        self.rate_hz
+    }
+
     /// Steps from a time to the newest entry.
     pub(crate) fn steps_back(&self, time_s: f64) -> T {
         T::lit(self.newest_s - time_s) * self.rate_hz

@@ -36,7 +36,7 @@ impl<T: Real> Instrument<T> {
     }
 
     /// Takes over an axle's parameters, for steps of `period_s`.
-    pub(crate) fn tune(&mut self, axle: &Axle<T>, mode: Mode, sprung_mass_kg: T, period_s: f64) {
+    pub(crate) fn tune(&mut self, axle: &Axle<T>, mode: Mode, sprung_mass_kg: T, period_s: T) {
         let [_, damper, spring, ..] = axle.factors;
         let (damping, tire) = (axle.whole_damping, T::one() / axle.theta.max(T::lit(1e-8)));
         let wheel = axle.mode_mass_kg(mode);
@@ -50,10 +50,10 @@ impl<T: Real> Instrument<T> {
             one,                       -one,                      zero,                     zero,
             -tire,                     zero,                      zero,                     zero,
         );
-        let half = rates * T::lit(0.5 * period_s);
+        let half = rates * T::lit(0.5) * period_s;
         let Some(inverse) = (SMatrix::identity() - half).try_inverse() else { return };
         self.transition = inverse * (SMatrix::identity() + half);
-        self.input = inverse * SVector::<T, STATES>::new(zero, zero, zero, tire) * T::lit(0.5 * period_s);
+        self.input = inverse * SVector::<T, STATES>::new(zero, zero, zero, tire) * T::lit(0.5) * period_s;
     }
 
     /// Takes the road's velocity; gives wheel velocity, wheel jerk with friction's part taken out, relative acceleration, relative velocity.

@@ -13,9 +13,8 @@ use crate::real::Real;
 use crate::spectrum::COHERENCE_S;
 use crate::spectrum::transfer::{DescribingFunction, response};
 
-/// Bins whose expected products are computed at once, and parts in which they are where none is known; the last one is measured with.
-const PRODUCTS_AT_ONCE: usize = 2;
-pub(crate) const PRODUCT_PARTS: usize = (BINS - 1).div_ceil(PRODUCTS_AT_ONCE);
+/// Parts in which the expected products are computed where none is known: a bin each.
+pub(crate) const PRODUCT_PARTS: usize = BINS;
 /// Pseudo-measurements of a side's spectra without a frame between them, after which the side is left to pseudo-measurements: some five seconds of both
 /// corners, nine of one.
 const MOST_SPECTRAL_UPDATES: u32 = 12;
@@ -24,8 +23,8 @@ const MOST_SPECTRAL_UPDATES: u32 = 12;
 const SNR_FULL: f64 = 25.0;
 
 impl<T: Real> AxlePair<T> {
-    /// Computes up to [`PRODUCTS_AT_ONCE`] bins whose expected products are not known; the first of a frame's parts forgets all of them if the
-    /// last frame was long ago. False if there was nothing to compute.
+    /// Computes the expected products of a bin where they are not known, and in the first of a frame's parts in any case; that forgets all of them
+    /// if the last frame was long ago. False if there was nothing to compute.
     #[inline(never)]
     pub(crate) fn prepare(
         &mut self,
@@ -38,14 +37,13 @@ impl<T: Real> AxlePair<T> {
             self.products.forget();
             self.coherence.restart();
         }
-        // The last one is left for the measurement, which computes one in any case.
-        let due = self.products.missing.saturating_sub(1).min(PRODUCTS_AT_ONCE);
-        if due > 0 {
+        let is_due = part == 0 || self.products.missing > 0;
+        if is_due {
             let frf_ratios = self.frf_correction.frf_ratios();
             let road = UnitRoad::new(wheels, self.side, state, &frf_ratios);
-            (0..due).for_each(|_| self.products.advance(|bin| road.expected_products(bin)));
+            self.products.advance(|bin| road.expected_products(bin));
         }
-        due > 0
+        is_due
     }
 
     /// What a frame is worth to a belief whose most likely state this is, into `out`; `None` if the road does not stand out of the sensors'
@@ -71,11 +69,9 @@ impl<T: Real> AxlePair<T> {
             return None;
         }
         let frf_ratios = self.frf_correction.frf_ratios();
-        let road = UnitRoad::new(wheels, side, state, &frf_ratios);
         (out.common, out.noise) = (common, noise);
         let SideMeasurement { reading, expected, instrument, weight, incoherent_s } = &mut out.measurement;
         *reading = SideReading { side, delay_s: frame.delay_s };
-        self.products.advance(|bin| road.expected_products(bin));
         *expected = self.coherence.expect(&road_power, &noise, self.products.of_all_bins());
         *instrument = instrument_slope(frame, &frf_ratios, wheels, side, state);
         let counted = if self.on_line.contains(&true) { T::zero() } else { self.snr_weight() };
