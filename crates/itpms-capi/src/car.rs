@@ -19,7 +19,7 @@ use crate::status::itpms_status;
 
 const CALIBRATION: Kind = Kind::new(b'C', 2);
 /// A program with another layout of the estimator has another format.
-const STATE: Kind = Kind::new(b'S', 7);
+const STATE: Kind = Kind::new(b'S', 8);
 
 /// See the [module](self).
 #[derive(Serialize, Deserialize)]

@@ -20,7 +20,7 @@ use crate::struts::{Struts, damper, load};
 use crate::variables::{Causality, OfCar, OfCorner, Role, Variable, parameter, variables};
 
 /// How a saved state begins: what it is, its format and the program's version, which has to be the same.
-const MAGIC: &str = concat!("itpms-fmu-state 6 ", env!("CARGO_PKG_VERSION"), " ");
+const MAGIC: &str = concat!("itpms-fmu-state 7 ", env!("CARGO_PKG_VERSION"), " ");
 /// Wheel speeds alone come at least so often.
 const WHEEL_SPEED_RATE_HZ: f64 = 9.5;
 /// Stack of what builds a car from bytes; a simulation tool's thread may have less.

@@ -26,7 +26,7 @@ use crate::error::LiveError;
 use crate::roughness::Roughness;
 
 /// The format that is written, and the only one that is read.
-pub const FORMAT: u32 = 35;
+pub const FORMAT: u32 = 36;
 
 const MAGIC: &str = "itpms-live-state ";
 /// The largest car takes some 400 kB.
