@@ -6,9 +6,7 @@ use crate::diagnosis::matching::{Changed, Following, PAIRS, Plane, following, ga
 use crate::diagnosis::moments::Moments;
 use crate::diagnosis::signals::{BOUNCE_HZ, Block, SLOW_HZ, width_hz};
 use crate::diagnosis::single_sensor::evidence;
-use crate::diagnosis::wheel_gain::balance::WheelGainBalance;
-use crate::diagnosis::wheel_gain::jump::{Hop, WheelGainJump, jumps};
-use crate::diagnosis::wheel_gain::shift::WheelGainShift;
+use crate::diagnosis::wheel_gain::WheelGains;
 use crate::diagnosis::{Fault, Malfunction, Place, Sensor, Tuning};
 use crate::memory::Blank;
 use crate::model::{Corner, HOP_BAND_HZ, SURELY_SD, Wheels};
@@ -34,12 +32,9 @@ pub(crate) struct CrossSensorPlausibility<T: Real> {
     /// Both sensors of corners are swapped, left with right or front with rear.
     corners: [FaultLatch<T>; 2],
     body_gains: [FaultLatch<T>; 4],
-    wheel_gains: WheelGainBalance<T>,
+    wheel_gains: WheelGains<T>,
     /// A wheel sensor is upside down.
     reversed: [FaultLatch<T>; 4],
-    /// Whether what a wheel's hop does to its body has changed at once; and by less, in seconds.
-    jumps: [WheelGainJump<T>; 4],
-    shifts: WheelGainShift<T>,
 }
 
 impl<T: Real> CrossSensorPlausibility<T> {
@@ -54,13 +49,11 @@ impl<T: Real> CrossSensorPlausibility<T> {
         self.for_swaps = [T::zero(); 6];
         self.corners.fill(FaultLatch::new());
         self.body_gains.fill(FaultLatch::new());
-        self.wheel_gains = WheelGainBalance::new();
+        self.wheel_gains = WheelGains::new();
         self.reversed.fill(FaultLatch::new());
-        self.jumps.fill(WheelGainJump::new());
-        self.shifts = WheelGainShift::new();
     }
 
-    /// Drops what is only suspected, and suspected changes of gain: with a sensor out of order it cannot be checked whether they hold.
+    /// Drops what is only suspected: with a sensor out of order it cannot be checked whether they hold.
     pub(crate) fn drop_suspicions(&mut self) {
         let latches = self.pairs.iter_mut().chain(&mut self.corners).chain(&mut self.reversed);
         latches.for_each(FaultLatch::drop_suspicion);
@@ -69,14 +62,7 @@ impl<T: Real> CrossSensorPlausibility<T> {
                 *sum = T::zero();
             }
         }
-        self.drop_gain_suspicions();
-    }
-
-    fn drop_gain_suspicions(&mut self) {
-        for jump in self.jumps.iter_mut().filter(|jump| jump.is_suspected()) {
-            *jump = WheelGainJump::new();
-        }
-        self.shifts.drop_suspicions();
+        self.wheel_gains.drop_suspicions();
     }
 
     /// Takes a block of a car that drives, with all eight sensors there and none of them odd by itself.
@@ -91,8 +77,6 @@ impl<T: Real> CrossSensorPlausibility<T> {
         self.judge_corners(at, following.as_ref(), plane.as_ref(), tuning);
         self.judge_direction(at, following.as_ref(), plane.as_ref(), tuning);
         self.judge_body_gains(at, plane.as_ref(), tuning);
-        let flat = plane.is_some_and(|plane| plane.warp < T::lit(tuning.flat_warp));
-        self.wheel_gains.judge(at, flat, tuning);
     }
 
     fn noise(&self, i: Corner, band_hz: [f64; 2], tuning: &Tuning) -> T {
@@ -100,8 +84,8 @@ impl<T: Real> CrossSensorPlausibility<T> {
     }
 
     fn average(&mut self, block: &Block<T>, tuning: &Tuning) {
-        let [hop, bounce, slow_noise] = [HOP_BAND_HZ, BOUNCE_HZ, SLOW_HZ]
-            .map(|band_hz| Corner::ALL.map(|i| self.noise(i, band_hz, tuning)));
+        let [hop, bounce] =
+            [HOP_BAND_HZ, BOUNCE_HZ].map(|band_hz| Corner::ALL.map(|i| self.noise(i, band_hz, tuning)));
         // What the struts make of the wheels is what bodies should do: both must be there.
         let least = T::lit(tuning.hop_over_noise / tuning.over_noise);
         if (0..4).all(|i| block.hop[(4 + i, 4 + i)] > least * hop[i]) {
@@ -111,10 +95,6 @@ impl<T: Real> CrossSensorPlausibility<T> {
         if (0..4).any(|i| block.bounce[(i, i)] > bounce[i]) {
             self.bounce.add_block(&block.bounce, block.bounce.trace(), tuning.bounce_blocks);
         }
-        let slow = block.slow.iter().fold(T::zero(), |sum, power| sum + *power);
-        // A body's sensor and a wheel's at each corner.
-        let noise = slow_noise.into_iter().fold(T::zero(), |sum, noise| sum + noise);
-        self.wheel_gains.average(block, slow > T::lit(2.0) * noise, tuning);
     }
 
     fn plane(&self, tuning: &Tuning) -> Option<Plane<T>> {
@@ -177,36 +157,45 @@ impl<T: Real> CrossSensorPlausibility<T> {
             || self.odd[corner].debouncer.is_suspected()
     }
 
-    /// Takes the block that was just compared, of a car none of whose sensors is odd by itself: has what a wheel does to its body
-    /// changed at once?
-    pub(crate) fn look_for_jumps(&mut self, at: [f64; 2], block: &Block<T>, tuning: &Tuning) {
+    /// A car that stands.
+    pub(crate) fn stand(&mut self, time_s: f64) {
+        self.wheel_gains.stand(time_s);
+    }
+
+    /// Takes the block that was just compared, of a car none of whose sensors is odd by itself: is a wheel's gain wrong? `settled`: it drives, and
+    /// the filters have forgotten what was wrong.
+    pub(crate) fn judge_wheel_gains(
+        &mut self,
+        at: [f64; 2],
+        block: &Block<T>,
+        settled: bool,
+        tuning: &Tuning,
+    ) {
         // What a wheel does to a body is the corner's own only while all bodies are one.
-        if self.plane(tuning).is_some_and(|plane| plane.warp > T::lit(tuning.bent_warp)) {
-            self.drop_gain_suspicions();
+        let warp = self.plane(tuning).map(|plane| plane.warp);
+        let latches = self.odd.iter().chain(&self.pairs).chain(&self.reversed).chain(&self.corners);
+        let explained = latches.chain(&self.body_gains).any(|latch| latch.debouncer.is_active());
+        if explained || warp.is_some_and(|warp| warp > T::lit(tuning.bent_warp)) {
+            self.wheel_gains.drop_suspicions();
             return;
         }
+        let flat = warp.is_some_and(|warp| warp < T::lit(tuning.flat_warp));
         let least = T::lit(tuning.hop_over_noise / tuning.over_noise);
-        let is_above_noise = |corner: Corner| {
+        let moves = |corner: Corner| {
             let i = corner.index();
             let loud = block.hop[(i, i)] > least * self.noise(corner, HOP_BAND_HZ, tuning);
-            loud && self.newest_ratio[corner].is_finite() && block.hop[(4 + i, 4 + i)] > T::zero()
+            let reads =
+                loud && self.newest_ratio[corner].is_finite() && block.hop[(4 + i, 4 + i)] > T::zero();
+            // What a swapped sensor reads is so much more than its own that sums would be long in forgetting it.
+            reads && !self.is_odd(corner, tuning)
         };
-        let latches = self.odd.iter().chain(&self.pairs).chain(&self.reversed).chain(&self.corners);
-        let active =
-            latches.chain(&self.body_gains).filter_map(FaultLatch::fault).chain(self.wheel_gains.faults());
-        let active = active.fold(Wheels::NONE, |all, fault| all | fault.malfunction.wheels());
-        let explained = Corner::ALL.map(|corner| active.contains(corner));
-        if Corner::ALL.into_iter().all(is_above_noise) {
-            let hop = |corner: Corner| {
-                let i = corner.index();
-                let strut_over_body = (block.hop[(4 + i, 4 + i)] / block.hop[(i, i)]).ln();
-                Hop { strut_over_body, wheel_over_strut: self.newest_ratio[corner] - strut_over_body }
-            };
-            jumps(&mut self.jumps, at, &Corner::ALL.map(hop), explained, tuning);
-            // What a swapped sensor reads is so much more than its own that averages would be long in forgetting it.
-            if !Corner::ALL.into_iter().any(|corner| self.is_odd(corner, tuning)) {
-                self.shifts.take(at, block, explained, tuning);
-            }
+        if flat && Corner::ALL.into_iter().all(moves) {
+            let sum = |powers: T, power: T| powers + power;
+            let slow = block.slow.iter().copied().fold(T::zero(), sum);
+            // A body's sensor and a wheel's at each corner.
+            let noise = Corner::ALL.map(|i| T::lit(2.0) * self.noise(i, SLOW_HZ, tuning));
+            let has_slow = slow > noise.into_iter().fold(T::zero(), sum);
+            self.wheel_gains.take(at, block, [settled, has_slow], tuning);
         }
     }
 
@@ -221,7 +210,7 @@ impl<T: Real> CrossSensorPlausibility<T> {
         let place = if bent.is_some() { Place::Body } else { Place::Wheel };
         let Some(Following { own_over_other, .. }) = following else { return };
         let least = own_over_other.iter().fold(own_over_other[0], |least, other| least.min(*other));
-        let (step_s, sure) = (T::lit(at[1]), T::lit(tuning.swap_sum));
+        let (step_s, sure) = (T::lit(at[1]), T::lit(tuning.cusum));
         for (k, [i, j]) in PAIRS.into_iter().enumerate() {
             let own = own_over_other[k];
             // Bodies that are no plane, and none if two of them change places, are not one rigid body: each follows other wheels, too.
@@ -233,7 +222,7 @@ impl<T: Real> CrossSensorPlausibility<T> {
             }
             let sum = self.for_swaps[k];
             let set_s = if sum < sure { f64::INFINITY } else { 0.0 };
-            let evidence = evidence(sum > sure * T::lit(tuning.swap_suspected), !(sum > T::zero()));
+            let evidence = evidence(sum > sure * T::lit(tuning.cusum_suspected), !(sum > T::zero()));
             let sensor = |corner| Sensor { corner, place };
             let malfunction = || Malfunction::Swapped(sensor(i), sensor(j));
             self.pairs[k].update(at, evidence, DebounceTimes { set_s, clear_s: 0.0 }, malfunction);
@@ -315,7 +304,7 @@ impl<T: Real> CrossSensorPlausibility<T> {
         let latches = odd.iter().chain(&self.pairs).chain(&self.reversed);
         let latches = latches.chain(&self.corners).chain(&self.body_gains);
         let all =
-            crossed.into_iter().chain(latches.filter_map(FaultLatch::fault)).chain(self.wheel_gains.faults());
+            crossed.into_iter().chain(latches.filter_map(FaultLatch::fault)).chain(self.wheel_gains.fault());
         for fault in all {
             if let Some(corner) = fault.malfunction.wheels().iter().next() {
                 faults[corner].get_or_insert(fault);
@@ -338,11 +327,8 @@ impl<T: Real> CrossSensorPlausibility<T> {
     }
 
     /// The corners whose gain may be about to be suspected.
-    pub(crate) fn pending_fault(&self, now_s: f64, tuning: &Tuning) -> Wheels {
-        let is_pending = |corner: &Corner| {
-            self.shifts.is_pending_fault(*corner, now_s, tuning) || self.wheel_gains.is_pending_fault(*corner)
-        };
-        Corner::ALL.into_iter().filter(is_pending).collect()
+    pub(crate) fn pending_fault(&self) -> Wheels {
+        Corner::ALL.into_iter().filter(|&corner| self.wheel_gains.is_pending_fault(corner)).collect()
     }
 
     /// The corners whose sensors may be swapped, or whose gain may have changed. That a gain was wrong all the time is waited for.
@@ -356,11 +342,8 @@ impl<T: Real> CrossSensorPlausibility<T> {
     pub(crate) fn late_detection(&self) -> Wheels {
         let latches = self.odd.iter().chain(&self.pairs).chain(&self.reversed).chain(&self.corners);
         let suspected = latches.filter(|latch| latch.debouncer.is_suspected());
-        let jumped =
-            |corner: &Corner| self.jumps[*corner].is_suspected() || self.shifts.is_suspected(*corner);
-        let jumped = Corner::ALL.into_iter().filter(jumped).collect();
         suspected
             .filter_map(|word| word.malfunction.as_ref())
-            .fold(jumped, |all: Wheels, malfunction| all | malfunction.wheels())
+            .fold(self.wheel_gains.suspected(), |all, malfunction| all | malfunction.wheels())
     }
 }

@@ -184,9 +184,6 @@ impl<T: Real> Diagnosis<T> {
             present == [true; 4] && !self.sensors.iter().flatten().any(SingleSensorMonitor::is_suspected);
         let calm = calm && blocks.iter().flatten().all(few);
         if calm {
-            self.cross_sensor.look_for_jumps([time_s, step_s], &block, tuning);
-        }
-        if calm {
             (self.calm_blocks, self.rough_blocks) =
                 (self.calm_blocks.min(tuning.settling_blocks).saturating_add(1), 0);
         } else {
@@ -197,6 +194,13 @@ impl<T: Real> Diagnosis<T> {
         }
         if driving && self.calm_blocks > tuning.settling_blocks {
             self.cross_sensor.take([time_s, step_s], &block, tuning);
+        }
+        if self.slowest_m_s < T::lit(tuning.standing_m_s) {
+            self.cross_sensor.stand(time_s);
+        }
+        if calm {
+            let settled = driving && self.calm_blocks > tuning.settling_blocks;
+            self.cross_sensor.judge_wheel_gains([time_s, step_s], &block, settled, tuning);
         }
     }
 
@@ -263,8 +267,8 @@ impl<T: Real> Diagnosis<T> {
     }
 
     /// The corners that may be among these in a moment.
-    pub(crate) fn pending_fault(&self, tuning: &Tuning) -> Wheels {
-        self.cross_sensor.pending_fault(self.last_s, tuning)
+    pub(crate) fn pending_fault(&self) -> Wheels {
+        self.cross_sensor.pending_fault()
     }
 }
 

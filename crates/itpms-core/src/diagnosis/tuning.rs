@@ -1,6 +1,6 @@
 //! The numbers of the diagnosis.
 
-use crate::diagnosis::debounce::{AT_ONCE, DebounceTimes};
+use crate::diagnosis::debounce::DebounceTimes;
 
 crate::tuning::tuning! {
     /// Numbers of the sensor fault detection: thresholds, times and lengths of averages (docs/math/monitor.md, sections 2 and 3). A block is half
@@ -17,7 +17,7 @@ crate::tuning::tuning! {
         dropping_blocks: u32 = 20,
         /// Share of an average that must be filled before it counts.
         filled: f64 = 0.4,
-        /// Hysteresis: share of its threshold below which a noise, a standing car's motion, a shift of the hop frequency or a pending gain is over.
+        /// Hysteresis: share of its threshold below which a noise or a standing car's motion is over.
         hysteresis: f64 = 0.5,
 
         // A single sensor.
@@ -84,11 +84,11 @@ crate::tuning::tuning! {
         over_alike: f64 = 2.0,
 
         // Sensors of corners swapped, and wheels upside down.
-        /// Sum over time of what speaks for a swap (7a) from which it is reported, if that shall happen once in a hundred hours by chance: the log
-        /// of those over the memory of the moments, 6 s.
-        swap_sum: f64 = 11.0,
-        /// Share of that sum from which the two sensors are not trusted.
-        swap_suspected: f64 = 0.25,
+        /// Sum of log-likelihood ratios from which a swap (7a) or a wheel sensor's gain is reported, if that shall happen once in a hundred hours by
+        /// chance: the log of those over the memory of the moments, 6 s.
+        cusum: f64 = 11.0,
+        /// Share of that sum from which sensors are not trusted.
+        cusum_suspected: f64 = 0.25,
         /// Debouncing of swapped corners and of a wheel sensor upside down.
         swap: DebounceTimes = DebounceTimes { set_s: 4.0, clear_s: 4.0 },
         /// Warp of the bodies' plane, as a share of all power, below which it is flat. A healthy car has less.
@@ -112,77 +112,23 @@ crate::tuning::tuning! {
         /// Debouncing of a body sensor's gain.
         body_gain: DebounceTimes = DebounceTimes { set_s: 5.0, clear_s: 5.0 },
 
-        // Gain of a wheel sensor: balance of the four.
-        /// Blocks over which ratios in the slow band and power in the hop band are averaged.
-        balance_blocks: f64 = 20.0,
-        /// The most that a block counts of a ratio's log, where it is judged: a hole under one wheel makes two of a single block.
-        balance_step: f64 = 0.35,
-        /// The same where it is reported.
-        balance_step_reported: f64 = 2.0,
-        /// The same of the hop's log.
-        balance_step_hop: f64 = 1.0,
-        /// Log of a gain that is wrong.
-        balance_wrong: f64 = 0.14,
-        /// The same that is fine again.
-        balance_fine: f64 = 0.11,
-        /// Share of the most that a gain was off, below which it is fine again.
-        balance_fine_share: f64 = 0.4,
-        /// The most that a gain was off, from which on that is enough, whatever its hop does: averages of so much take long to be forgotten.
-        balance_large: f64 = 0.31,
-        /// Mean log of hop power over that of the other wheels that a wrong gain must have, in the direction of the gain. It alone is no sign of
-        /// one: a tire with little air hops less, too.
-        balance_hop: f64 = 0.15,
-        /// Debouncing of a wheel sensor's gain.
-        balance: DebounceTimes = DebounceTimes { set_s: 5.0, clear_s: 10.0 },
-
-        // Gain of a wheel sensor: changes, by a jump or a shift.
-        /// Debouncing of a change, which is only suspected.
-        change: DebounceTimes = AT_ONCE,
+        // Gain of a wheel sensor.
+        /// Log of the least gain that is looked for.
+        gain_least: f64 = 0.2,
+        /// Standard deviations in a block of what two corners differ by: logs of strut over body, of the slow band, and of hop.
+        gain_sd: [f64; 3] = [0.36, 0.45, 0.4],
+        /// The most of them that a block counts: a hole under one wheel makes two of a single block.
+        gain_outlier: f64 = 2.0,
+        /// Share of the gain reported that is looked for from then on: the least of it is left at half of that.
+        gain_fine: f64 = 0.75,
+        /// Blocks after which the usual strut over body is known.
+        gain_known_blocks: u32 = 24,
+        /// Blocks that it is the mean of.
+        gain_usual_blocks: u32 = 160,
+        /// Seconds after a stop in which strut over body may change by a load.
+        gain_load_s: f64 = 10.0,
         /// Seconds of driving after which a change that nothing else explains is taken for another car: a load that was moved, a damper that broke.
         change_longest_s: f64 = 120.0,
-
-        // A jump, in the middle one of the newest blocks.
-        /// Blocks over which the usual ratio is averaged.
-        jump_usual_blocks: u32 = 40,
-        /// Blocks after which it is known.
-        jump_known_blocks: u32 = 12,
-        /// The most by which a single block moves the usual ratio, over their number.
-        jump_step: f64 = 1.0,
-        /// Log of powers by which a corner's ratio is off from its usual one, more than the others', from which it has jumped. A gain of one half
-        /// or two makes 1.39.
-        jump: f64 = 0.75,
-        /// The same while another corner's hop frequency has changed: a wheel on a flat tire shakes the other bodies, too.
-        jump_beside: f64 = 1.1,
-        /// The same below which it has not jumped.
-        jump_fine: f64 = 0.5,
-        /// The same of the hop's log of frequencies squared from which on it is the tire that has changed. One that loses 100 kPa makes 0.3, two
-        /// hours of everyday driving no more than 0.25.
-        jump_hop: f64 = 0.2,
-
-        // A shift, in averages over seconds.
-        /// Share of the average that must be filled before it counts.
-        shift_filled: f64 = 0.6,
-        /// What a wheel does to the body over another one, as a share of the power that it gives the one over itself.
-        shift_to_others: f64 = 0.05,
-        /// Averages that the usual one is the mean of.
-        shift_usual_blocks: u32 = 60,
-        /// Averages after which the usual hop frequency is known.
-        shift_hop_known_blocks: u32 = 16,
-        /// Averages after which all of it is.
-        shift_known_blocks: u32 = 48,
-        /// Log of powers by which a corner is off from its usual, more than the others, from which it has shifted. A gain of 0.75 makes 0.52, five
-        /// hours over holes and humps 0.38.
-        shift: f64 = 0.35,
-        /// The same while another corner's tire is another one.
-        shift_beside: f64 = 0.55,
-        /// The same below which it has not shifted, and is taken for usual.
-        shift_fine: f64 = 0.2,
-        /// The same of the hop's log of frequencies squared from which on it is the tire that has changed.
-        shift_hop: f64 = 0.14,
-        /// What a tire that changes by less may make of the other log, over that.
-        shift_by_tire: f64 = 2.0,
-        /// Seconds for which what is unusual, and no tire makes, is a reason to wait with a tire of its side that looks low.
-        shift_wait_s: f64 = 15.0,
 
         // Standstill.
         /// Speed in m/s, forwards or backwards, up to which a car counts as standing. On the worst road it shakes its wheels with 1 m/s² rms at 0.2 m/s.

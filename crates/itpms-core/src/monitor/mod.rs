@@ -316,7 +316,7 @@ impl<T: Real> Monitor<T> {
             rules.tuning,
         );
         let diagnosis = &self.config.tuning.diagnosis;
-        let pending_fault = self.diagnosis.pending_fault(diagnosis);
+        let pending_fault = self.diagnosis.pending_fault();
         let doubted = Side::ALL.map(|side| {
             let parting =
                 self.decorrelation[side].update(step_s, estimate.tracks[side].incoherence, diagnosis);

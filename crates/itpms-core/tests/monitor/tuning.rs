@@ -62,9 +62,9 @@ fn a_fault_is_reported_by_the_numbers_that_are_set() {
 fn a_number_that_cannot_be_meant_is_refused() {
     let refused = |set: fn(&mut Tuning)| Monitor::new(&configured(set), RATE_HZ).unwrap_err().name;
     assert_eq!(refused(|tuning| tuning.decision.fine_sd = f64::NAN), "fine_sd");
-    assert_eq!(refused(|tuning| tuning.diagnosis.swap_sum = -11.0), "swap_sum");
+    assert_eq!(refused(|tuning| tuning.diagnosis.cusum = -11.0), "cusum");
     assert_eq!(refused(|tuning| tuning.diagnosis.filled = f64::NAN), "filled");
     assert_eq!(refused(|tuning| tuning.diagnosis.crossed_ratio = 1.5), "crossed_ratio");
-    assert_eq!(refused(|tuning| tuning.diagnosis.shift_usual_blocks = 0), "shift_usual_blocks");
+    assert_eq!(refused(|tuning| tuning.diagnosis.gain_usual_blocks = 0), "gain_usual_blocks");
     assert_eq!(refused(|tuning| tuning.diagnosis.swap.clear_s = f64::INFINITY), "swap");
 }
