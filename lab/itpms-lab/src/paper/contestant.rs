@@ -35,6 +35,7 @@ impl Contestant {
             EstimatorKind::AekfUiInformed,
             EstimatorKind::Informed,
         ];
+        let is_published = |kind| matches!(kind, EstimatorKind::AekfUi | EstimatorKind::EkfUi);
         let one = |kind| Self { kind, reset_s: if is_published(kind) { 0.0 } else { reset_s } };
         kinds.into_iter().map(one).collect()
     }
@@ -56,11 +57,6 @@ impl Contestant {
     pub(super) fn stroke(&self) -> Stroke {
         if self.kind == EstimatorKind::EkfUi { Stroke::Dashed } else { Stroke::Solid }
     }
-}
-
-/// As in the paper, to the letter.
-pub(super) fn is_published(kind: EstimatorKind) -> bool {
-    matches!(kind, EstimatorKind::AekfUi | EstimatorKind::EkfUi)
 }
 
 /// Estimate of a contestant after a sample.
