@@ -102,7 +102,7 @@ impl<T: Real> CrossSensorPlausibility<T> {
     fn average(&mut self, block: &Block<T>, tuning: &Tuning) {
         let [hop, bounce, slow_noise] = [HOP_BAND_HZ, BOUNCE_HZ, SLOW_HZ]
             .map(|band_hz| Corner::ALL.map(|i| self.noise(i, band_hz, tuning)));
-        // What the struts make of the wheels is what bodies should do: both must be there.
+        // The struts turn the wheels' motion into the bodies': both must be there.
         let least = T::lit(tuning.hop_over_noise / tuning.over_noise);
         if (0..4).all(|i| block.hop[(4 + i, 4 + i)] > least * hop[i]) {
             let wheels = block.hop.fixed_view::<4, 4>(4, 4).trace();
@@ -180,7 +180,7 @@ impl<T: Real> CrossSensorPlausibility<T> {
     /// Takes the block that was just compared, of a car none of whose sensors is odd by itself: has what a wheel does to its body
     /// changed at once?
     pub(crate) fn look_for_jumps(&mut self, at: [f64; 2], block: &Block<T>, tuning: &Tuning) {
-        // What a wheel does to a body is the corner's own only while all bodies are one.
+        // A wheel's effect on a body is the corner's own only while all bodies are one.
         if self.plane(tuning).is_some_and(|plane| plane.warp > T::lit(tuning.bent_warp)) {
             self.drop_gain_suspicions();
             return;
@@ -203,7 +203,7 @@ impl<T: Real> CrossSensorPlausibility<T> {
                 Hop { strut_over_body, wheel_over_strut: self.newest_ratio[corner] - strut_over_body }
             };
             jumps(&mut self.jumps, at, &Corner::ALL.map(hop), explained, tuning);
-            // What a swapped sensor reads is so much more than its own that averages would be long in forgetting it.
+            // A swapped sensor reads so much more than its own that averages would be long in forgetting it.
             if !Corner::ALL.into_iter().any(|corner| self.is_odd(corner, tuning)) {
                 self.shifts.take(at, block, explained, tuning);
             }

@@ -68,7 +68,7 @@ crate::tuning::tuning! {
         bounce_blocks: f64 = 5.0,
         /// Power over the sensors' noise in a band from which it counts.
         over_noise: f64 = 10.0,
-        /// The same in the hop band of what wheels do to the bodies.
+        /// The same in the hop band, of the bodies' motion caused by the wheels.
         hop_over_noise: f64 = 3.0,
 
         // Body and wheel swapped.
@@ -84,7 +84,7 @@ crate::tuning::tuning! {
         over_alike: f64 = 2.0,
 
         // Sensors of corners swapped, and wheels upside down.
-        /// Sum over time of what speaks for a swap (7a) from which it is reported, if that shall happen once in a hundred hours by chance: the log
+        /// Sum of evidence for a swap (7a) from which it is reported, if that shall happen once in a hundred hours by chance: the log
         /// of those over the memory of the moments, 6 s.
         swap_sum: f64 = 11.0,
         /// Share of that sum from which the two sensors are not trusted.
@@ -162,7 +162,7 @@ crate::tuning::tuning! {
         // A shift, in averages over seconds.
         /// Share of the average that must be filled before it counts.
         shift_filled: f64 = 0.6,
-        /// What a wheel does to the body over another one, as a share of the power that it gives the one over itself.
+        /// Power that a wheel gives the body over another one, as a share of that it gives the one over itself.
         shift_to_others: f64 = 0.05,
         /// Averages that the usual one is the mean of.
         shift_usual_blocks: u32 = 60,

@@ -50,7 +50,7 @@ pub(super) fn drive(
         run.park();
         run.recover()?;
     }
-    // What was not driven counts as done.
+    // Stretches not driven count as done.
     let left_s = course.longest_s() - run.simulated_s;
     odometer.advance(left_s.max(0.0) as u64)?;
     Ok(Outcome::new(procedure, course, run.findings, run.trace, run.simulated_s))

@@ -61,7 +61,7 @@ pub struct Request {
 }
 
 itpms_core::labelled! {
-    /// What a car with wheel speeds alone knows of what it carries. More load is a smaller radius, as less pressure is.
+    /// How well a car with wheel speeds alone knows its load. More load is a smaller radius, as less pressure is.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
     #[serde(rename_all = "kebab-case")]
     pub enum StatedLoads {

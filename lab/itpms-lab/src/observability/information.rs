@@ -97,7 +97,7 @@ fn at_frequency(
             Occurrence::Once => 1.0,
             Occurrence::Repeated(period_s) => pass.seconds / period_s,
         };
-        // What the pass has for itself is noise along its own transfer; both are whitened together (eq. 19).
+        // The pass's own part is noise along its own transfer; both are whitened together (eq. 19).
         let own = road * stretch.incoherent / noise;
         let shrink = (1.0 - (1.0 + own * transfer.norm_squared()).sqrt().recip()) / transfer.norm_squared();
         let scale = Complex::from((road * (1.0 - stretch.incoherent) / noise * repetitions).sqrt());

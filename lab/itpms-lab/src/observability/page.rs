@@ -81,7 +81,7 @@ impl Observability {
         )
     }
 
-    /// What the ranks mean, as a paragraph of HTML.
+    /// The meaning of the ranks, as a paragraph of HTML.
     pub(crate) fn rank_text(&self) -> String {
         format!(
             "<p>Unknown are the states, the stiffness and the road with its derivatives; known are both accelerations with theirs. What no singular value \
@@ -119,7 +119,7 @@ impl Observability {
         )
     }
 
-    /// What the bounds hold for, as a paragraph of HTML.
+    /// The bounds' assumptions, as a paragraph of HTML.
     pub(crate) fn conditions_text(&self) -> String {
         let c = &self.conditions;
         format!(
@@ -159,7 +159,7 @@ impl Observability {
         format!("<h3>Over speed, damping, noise and tracks</h3>{}", self.circumstances_text())
     }
 
-    /// What the sweeps show, as a paragraph of HTML.
+    /// The sweeps' results, as a paragraph of HTML.
     pub(crate) fn circumstances_text(&self) -> String {
         "<p>Speed and noise hardly matter to the road's spectrum (a), which is far louder than the sensors; the damper does, through the width of the \
          wheel-hop resonance. For wheels that compare (b, c) it is the other way round: more speed is more road and less noise is a better comparison. \

@@ -198,7 +198,7 @@ mod tests {
             worst = worst.max((plant.accelerations_m_s2()[1] - a).abs());
             largest = largest.max(a.abs());
         }
-        // What the two integrators differ by at 60 Hz: (ωh)^4 of some hundredths, over its own decay time.
+        // The two integrators' difference at 60 Hz: (ωh)^4 of some hundredths, over its own decay time.
         assert!(worst < 1e-3 * largest, "{worst} of {largest}");
     }
 }

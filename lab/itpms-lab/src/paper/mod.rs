@@ -1,5 +1,5 @@
 //! The paper's study made again: every figure and table with numbers from our own drives, the paper's numbers beside
-//! them, and an account of what agrees.
+//! them, and an account of the agreement.
 //!
 //! Called by the binary's `reproduce`, which writes the [`File`]s. Deterministic: the same [`Request`] gives the same
 //! bytes on any number of processors. Nothing here looks at a clock, a path or the network.

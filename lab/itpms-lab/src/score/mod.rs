@@ -80,7 +80,7 @@ impl Part {
         self >= Self::Drive
     }
 
-    /// What the table says above the rows of a part.
+    /// The table's heading above the rows of a part.
     fn title(part: &str) -> Option<&'static str> {
         Some(match part {
             "paper" => {

@@ -128,7 +128,7 @@ fn compare(record: &[f64], truth: &[f64], spacing_m: f64) -> Result<Fidelity> {
     Ok(Fidelity { error: 100.0 * error, iri: 100.0 * (iri(record)? / iri(truth)? - 1.0) })
 }
 
-/// Rms in m of what lies within the band.
+/// Rms in m within the band.
 fn band_rms(heights_m: impl Iterator<Item = f64>, spacing_m: f64) -> Result<f64> {
     let half = (0.5 * SEGMENT_M / spacing_m) as usize;
     let mut welch = Welch::new(2 * half, spacing_m)?;

@@ -86,7 +86,6 @@ pub struct Cell {
     #[serde(flatten)]
     pub column: Column,
     pub value: f64,
-    /// Its goal, if any.
     pub goal: Option<Goal>,
     pub verdict: Option<Verdict>,
 }

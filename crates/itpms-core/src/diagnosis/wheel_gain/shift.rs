@@ -365,7 +365,7 @@ mod tests {
 
     #[test]
     fn a_tire_that_goes_flat_before_the_usual_is_known_is_no_shift() {
-        // What a tire that falls from 250 to 190 kPa makes: less than what its wheel's power would tell, and a slower hop.
+        // A tire that falls from 250 to 190 kPa: a smaller change than that of its wheel's power, and a slower hop.
         let (masses, hop_shift) = ([1.25, 1.0, 1.0, 1.0], [-0.25, 0.0, 0.0, 0.0]);
         for blocks in [20, 30, 40, TUNING.shift_known_blocks] {
             let mut car = Car::that_has_driven(blocks);

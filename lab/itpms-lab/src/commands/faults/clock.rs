@@ -63,7 +63,7 @@ pub(super) fn jumps(campaign: &mut Campaign<'_>) -> Result<Outcome, Failure> {
             }
             tried += 1;
             warned += false_warnings;
-            // Half of what comes in that time without a jump.
+            // Half the number of estimates in that time without a jump.
             let goes_on = f64::from(soon) >= 0.5 * SOON_S * TOLD_HZ && resumed_s < SOON_S;
             lost += u64::from(!goes_on || false_warnings > 0);
             if resumed_s > worst.0 {

@@ -172,7 +172,7 @@ fn car(turn: Turn) -> Result<(Scenario, CarConfig<f64>)> {
     Ok((scenario, file))
 }
 
-/// What the car learns at its placard's pressures on a day before.
+/// The car's reference, learned at its placard's pressures on a day before.
 fn calibrated_before(
     scenario: &Scenario,
     file: &CarConfig<f64>,
