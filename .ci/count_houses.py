@@ -28,10 +28,10 @@ LABORATORY = ("lab/", "crates/itpms-sim", "crates/itpms-paper")
 # House, ceiling in lines, goal in lines. The core is a part of the product.
 HOUSES = [
     ("core, with its tests", 35_950, 26_000),
-    ("product, with the core", 123_700, 92_000),
-    ("formats", 16_290, 16_000),
-    ("laboratory", 37_180, 34_000),
-    ("all, with examples and checks", 178_270, 150_000),
+    ("product, with the core", 123_370, 92_000),
+    ("formats", 16_270, 16_000),
+    ("laboratory", 37_090, 34_000),
+    ("all, with examples and checks", 177_820, 150_000),
 ]
 # Constants of the core that are numbers to choose, not sizes or names, and fields of its tables that can be set, at most.
 CHOSEN = 465

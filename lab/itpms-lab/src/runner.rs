@@ -17,7 +17,6 @@ pub type Progress<'a> = &'a (dyn Fn(u64, u64) -> ControlFlow<()> + Sync);
 
 pub type Result<T, E = StudyError> = std::result::Result<T, E>;
 
-/// Why there is no result.
 #[derive(Debug)]
 pub enum StudyError {
     /// The caller wanted no more.
@@ -94,7 +93,6 @@ pub(crate) struct Turn {
     pub(crate) seed: u64,
 }
 
-/// Hands out drives and counts them.
 pub(crate) struct Runner<'a> {
     first_seed: u64,
     odometer: Odometer<'a>,

@@ -48,7 +48,6 @@ pub use test_case::{Failure, Test};
 #[derive(Debug, Clone)]
 pub struct Request {
     pub extent: Extent,
-    /// Only tests whose names contain this.
     pub only: Option<String>,
     /// Seed of the first test's course; the others follow.
     pub seed: u64,

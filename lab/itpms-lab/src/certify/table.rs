@@ -95,7 +95,6 @@ impl Certificate {
         self.outcomes.iter().filter(|outcome| outcome.verdict != Verdict::Pass).count()
     }
 
-    /// How many passed, in a line.
     pub fn summary(&self) -> String {
         let passed = self.outcomes.len() - self.failed();
         let wrong = self.outcomes.iter().filter(|outcome| !outcome.named_wrongly.is_empty()).count();

@@ -36,7 +36,6 @@ pub struct Request {
     pub drives: usize,
     /// Seed of the first; the others follow.
     pub first_seed: u64,
-    /// Only malfunctions whose names contain this.
     pub only: Option<String>,
 }
 
@@ -100,7 +99,6 @@ pub struct Row {
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Study {
-    /// Of this structure: 1.
     pub version: u32,
     pub drives: usize,
     pub first_seed: u64,

@@ -27,7 +27,6 @@ pub(super) struct Outcome {
     /// Its label then, and whether nothing but the very malfunction was reported.
     pub(super) label: &'static str,
     pub(super) exactly: bool,
-    /// Seconds of driving while it lasted.
     pub(super) driven_s: f64,
     /// Pressures shown before it was reported, after that, and after its end.
     pub(super) before: Shown,

@@ -10,7 +10,6 @@ use nalgebra::{Complex, DMatrix, DVector, Vector2};
 use super::car;
 use itpms_analysis::bound::{BoundSetting, LEVEL_HZ, STEP_HZ, transfers};
 
-/// Assumptions about a stretch of road.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum RoadModel {
     /// Nothing: another unknown power at every frequency.
@@ -32,7 +31,6 @@ pub(super) struct Pass {
     pub(super) seconds: f64,
 }
 
-/// How often a stretch is met.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Occurrence {
     /// Once by every pass, which then take the same time: a spectrum without gaps.

@@ -13,7 +13,6 @@ use super::section::{Section, Table, number, signed};
 use super::standing::{spread, standing};
 use itpms_analysis::plot::{Axis, Figure, Ink, Panel};
 
-/// Parameters of the three studies.
 pub(super) struct Study<'a> {
     pub(super) figure: u32,
     pub(super) table: u32,

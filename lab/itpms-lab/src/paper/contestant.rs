@@ -59,7 +59,6 @@ impl Contestant {
     }
 }
 
-/// Estimate of a contestant after a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Word {
     pub(super) pressure_kpa: f64,

@@ -73,7 +73,6 @@ impl Outcome {
         self.records.iter().take(EstimatorKind::ALL.len())
     }
 
-    /// The default estimator as it is drawn.
     pub(super) fn informed(&self) -> Option<&Record> {
         self.shown().find(|record| record.who.kind == EstimatorKind::Informed)
     }

@@ -28,7 +28,6 @@ const STIFFNESS_PERIOD_S: f64 = 0.1;
 const ERROR_PERCENT: f64 = 8.0;
 const IRI_PERCENT: f64 = 5.0;
 
-/// Result of one drive, in percent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Fidelity {
     /// Rms of the error over rms of the road, in the band.

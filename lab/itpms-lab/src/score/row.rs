@@ -5,7 +5,6 @@
 use itpms_paper::EstimatorKind;
 use serde::Serialize;
 
-/// Goal of a cell's figure.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Goal {
@@ -105,7 +104,6 @@ pub struct Row {
 }
 
 impl Row {
-    /// A row, judged by its cells.
     pub fn new(
         part: &'static str,
         name: impl Into<String>,

@@ -10,7 +10,6 @@ use super::{Campaign, Outcome};
 /// Seconds of rows before a jump, and after it.
 const BEFORE_S: f64 = 25.0;
 const AFTER_S: f64 = 20.0;
-/// Estimates published per second.
 const TOLD_HZ: f64 = 10.0;
 /// Seconds after a jump within which estimates have to come as before.
 const SOON_S: f64 = 5.0;

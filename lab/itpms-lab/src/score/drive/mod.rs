@@ -54,7 +54,6 @@ itpms_core::labelled! {
     }
 }
 
-/// How an estimator goes into a drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Setup {
     /// Suffix of the row's name; empty for the usual one.
@@ -209,7 +208,6 @@ impl Drive {
     }
 }
 
-/// Which drives the asked-for parts need.
 pub(super) struct Plan {
     errors: errors::Plan,
     detection: detect::Plan,

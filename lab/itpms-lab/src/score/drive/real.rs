@@ -30,7 +30,6 @@ const LEFT: f64 = 0.8;
 const UNKNOWN: Setup = Setup { label: "", ..Setup::USUAL };
 const CALIBRATED: Setup = Setup { label: "calibrated", reset_s: Some(CALIBRATION_S), ..Setup::USUAL };
 
-/// Result of one drive with one estimator.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Level {
     wheels: [ValidErrors; 4],
@@ -39,7 +38,6 @@ struct Level {
     sensors: u32,
 }
 
-/// Outcome of a drive with a loss.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Found {
     struck: Corner,

@@ -35,7 +35,6 @@ const MOTORWAY_FRICTION_N: f64 = 50.0;
 const MOTORWAY_IMBALANCE_KG_M: f64 = 0.004;
 
 itpms_core::labelled! {
-    /// Which tires have lost air, and when.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
     enum Loss {
         None = "nothing lost",

@@ -128,7 +128,6 @@ impl OwnCar {
     }
 }
 
-/// Common parameters of an axle's corners.
 struct Axle {
     quarter: QuarterCar<f64>,
     friction_n: f64,

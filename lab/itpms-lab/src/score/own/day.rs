@@ -108,7 +108,6 @@ impl Day {
     }
 }
 
-/// Changes of a car since its calibration.
 #[derive(Debug)]
 pub(super) struct Change {
     pub(super) name: &'static str,

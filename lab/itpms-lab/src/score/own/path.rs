@@ -41,7 +41,6 @@ pub(super) struct Taught {
     wheels: Option<RadiusCalibration<f64>>,
 }
 
-/// A drawn car after its first day.
 pub(super) struct Owned {
     index: usize,
     car: OwnCar,
