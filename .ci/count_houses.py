@@ -27,11 +27,11 @@ FORMATS = ("crates/itpms-mdf4", "crates/itpms-can-log", "crates/itpms-opencrg", 
 LABORATORY = ("lab/", "crates/itpms-sim", "crates/itpms-paper")
 # House, ceiling in lines, goal in lines. The core is a part of the product.
 HOUSES = [
-    ("core, with its tests", 35_270, 26_000),
-    ("product, with the core", 123_020, 92_000),
-    ("formats", 16_290, 16_000),
-    ("laboratory", 37_180, 34_000),
-    ("all, with examples and checks", 177_600, 150_000),
+    ("core, with its tests", 35_410, 26_000),
+    ("product, with the core", 122_840, 92_000),
+    ("formats", 16_270, 16_000),
+    ("laboratory", 37_090, 34_000),
+    ("all, with examples and checks", 177_290, 150_000),
 ]
 # Constants of the core that are numbers to choose, not sizes or names, and fields of its tables that can be set, at most.
 CHOSEN = 465

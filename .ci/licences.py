@@ -1,6 +1,6 @@
 """Checks every dependency against deny.toml: a licence from its list, and crates.io as its source.
 
-A small part of what cargo-deny does, for machines that do not have it. Needs Python 3.11 and cargo alone.
+A subset of cargo-deny's checks, for machines without it. Needs Python 3.11 and cargo alone.
 """
 
 import json

@@ -1,4 +1,4 @@
-"""The licences of what is linked into the program, as its packages must carry them.
+"""The licences of the linked dependencies, as the program's packages must carry them.
 
     third_party.py TRIPLE PACKAGE... > THIRD-PARTY.txt
 

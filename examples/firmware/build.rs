@@ -12,7 +12,7 @@ use itpms_sim::simulation::Simulation;
 const DRIVE_S: f64 = 30.0;
 /// When the wire of the front right wheel's sensor is off.
 const LOST_S: Range<f64> = 10.0..14.0;
-/// What a bit is: accelerations, in 1/m/s², and the speed, in 1/m/s.
+/// Bits per unit of accelerations in m/s², and of the speed in m/s.
 const PER_M_S2: f64 = 128.0;
 const PER_M_S: f64 = 256.0;
 /// The same of a bus with wheel speeds: steps of .03 km/h, of the yaw rate in 1/rad/s, of accelerations.

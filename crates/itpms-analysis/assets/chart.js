@@ -245,7 +245,7 @@ const Chart = (() => {
       },
     }, columns, holder);
     register(plot, holder, spec.group, spec.height || 210, full);
-    // Room for the longest of what hovering shows, so that nothing below moves.
+    // Room for the longest hover text, so that nothing below moves.
     const places = Array.from({ length: 60 }, (_, k) => Math.round((k * (spec.x.length - 1)) / 59));
     reserve(at, places.map((i) => (spec.at ? spec.at(spec.x[i]) : short(spec.x[i]))));
     items.forEach((item, k) => item.text && reserve(outputs[k], places.map((i) => item.text(i))));

@@ -1,6 +1,6 @@
 //! A page that is one file: a template with its parts, under a policy that lets nothing run but the template's own scripts and styles.
 //!
-//! Called by every page that the programs write. The hashes of the policy are those of what stands in the template's `<script>` and
+//! Called by every page that the programs write. The hashes of the policy are those of the template's `<script>` and
 //! `<style>` elements; what comes into the page from outside, through any other place, is never hashed and so never runs.
 
 use crate::plot::{escape, night_style};

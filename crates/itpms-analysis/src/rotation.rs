@@ -126,7 +126,6 @@ pub struct RotationWatch {
     rise: Option<(Measured, f64)>,
 }
 
-/// The line in a window.
 #[derive(Debug, Clone, Copy)]
 struct Window {
     time_s: f64,
@@ -323,7 +322,7 @@ impl RotationWatch {
     }
 }
 
-/// What a wheel feels once per turn, from what its accelerations do.
+/// A wheel's force once per turn, from its accelerations.
 fn force(wheel: &TurningWheel, part: &Part) -> Complex<f64> {
     let w = part.rad_per_s;
     let [a, b] = part.accel.map(|[re, im]| Complex::new(re, im));

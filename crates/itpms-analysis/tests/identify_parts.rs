@@ -174,7 +174,9 @@ fn the_sign_of_the_force_does_not_matter_but_the_springs_must_agree() {
         .map(|(t, x, f)| (t.clone(), x.iter().rev().copied().collect(), f.iter().rev().copied().collect()))
         .collect();
     let error = identify(&backwards, Some(SPRING_N_PER_M)).unwrap_err();
-    assert!(matches!(error, IdentifyError::NegativeDamping { value } if value < -400.0), "{error}");
+    let text = error.to_string();
+    let damping: f64 = text.split(' ').nth(3).unwrap().parse().unwrap();
+    assert!(text.starts_with("the damping is -") && damping < -400.0, "{error}");
 }
 
 #[test]
@@ -310,7 +312,7 @@ fn table_1_gives_the_least_squares_line_with_its_errors() {
     near(result.curvature.unwrap().p, TABLE_1.7);
     near(result.rows[4].studentized.unwrap(), TABLE_1.8);
     assert!(result.lack_of_fit.is_none());
-    // What the paper prints differs by 0.03 % and 0.15 %.
+    // The paper's printed values differ by 0.03 % and 0.15 %.
     assert!((result.stiffness_per_kpa.value / 713.91 - 1.0).abs() < 4e-4);
     assert!((result.stiffness_at_zero.value / 60_880.0 - 1.0).abs() < 2e-3);
 }

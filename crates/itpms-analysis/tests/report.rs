@@ -461,7 +461,7 @@ fn every_pressure_on_the_page_is_in_the_unit_that_was_asked_for() {
             PressureUnit::Psi => ["placard 35.0 psi", "20.3"],
         };
         assert!(text.contains(placard) && headline(&data).contains(low), "{}", headline(&data));
-        // What a script reads stays in kPa.
+        // Output for scripts stays in kPa.
         assert!(script.contains("\"placard\":241.3,"));
     }
 }

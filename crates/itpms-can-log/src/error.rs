@@ -1,4 +1,4 @@
-//! What can be wrong with a CAN log as a whole: where, what was found, what was expected. What is wrong with a part of
+//! Problems with a CAN log as a whole: where, what was found, what was expected. A problem with a part of
 //! it is a repair, see [`FrameRepairs`](super::FrameRepairs).
 //!
 //! Made by the modules beside it.

@@ -1,8 +1,11 @@
 //! A text log of which each line is for itself, as frames. Called by `FrameReader` for the formats that are nothing more: PEAK's traces, tables of frames,
 //! BUSMASTER's logs.
 
+use std::fmt::Debug;
+
 use super::frame::CanFrame;
 use super::lines::TextLines;
+use super::reader::FrameSource;
 use super::repairs::{FramePlace, FrameRepairs};
 use super::strange::StrangeLines;
 use crate::error::CanProblem;
@@ -17,7 +20,7 @@ pub(super) enum LineContent {
 }
 
 /// A format, with what the lines so far have stated of those that follow.
-pub(super) trait LineFormat {
+pub(super) trait LineFormat: Debug + Send + Sync {
     /// An example of a line.
     const EXPECTED: &'static str;
 
@@ -36,12 +39,10 @@ impl<F: LineFormat> LineReader<F> {
     pub(super) fn new(lines: TextLines, format: F) -> Self {
         Self { lines, format, strange: StrangeLines::new(F::EXPECTED, F::EXPECTED) }
     }
+}
 
-    pub(super) fn progress(&self) -> f64 {
-        self.lines.progress()
-    }
-
-    pub(super) fn next_frame(&mut self, repairs: &mut FrameRepairs) -> Result<Option<CanFrame>, CanProblem> {
+impl<F: LineFormat> FrameSource for LineReader<F> {
+    fn next_frame(&mut self, repairs: &mut FrameRepairs) -> Result<Option<CanFrame>, CanProblem> {
         while self.lines.advance()? {
             let place = FramePlace::Line(self.lines.number());
             match self.format.line(self.lines.text()) {
@@ -57,5 +58,9 @@ impl<F: LineFormat> LineReader<F> {
             }
         }
         self.strange.end(&self.lines).map(|()| None)
+    }
+
+    fn progress(&self) -> f64 {
+        self.lines.progress()
     }
 }

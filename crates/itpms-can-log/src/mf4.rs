@@ -9,6 +9,7 @@ use itpms_mdf4::Mdf4Reader;
 use itpms_mdf4::bus::{FrameCursor, FrameField, FrameGroupKind};
 
 use super::frame::{CanFrame, CanId, Direction, FrameKind, Payload, length_of_code};
+use super::reader::FrameSource;
 use super::repairs::{FramePlace, FrameRepairs};
 use super::writer::MOST_TIME_S;
 use crate::error::{CanError, CanProblem};
@@ -48,12 +49,10 @@ impl Mf4Reader {
         frames.repairs.extend(found.warnings());
         Ok(frames)
     }
+}
 
-    pub(super) fn progress(&self) -> f64 {
-        self.groups.iter().map(|group| group.cursor.cursor.progress()).fold(1.0, f64::min)
-    }
-
-    pub(super) fn next_frame(&mut self, repairs: &mut FrameRepairs) -> Result<Option<CanFrame>, CanProblem> {
+impl FrameSource for Mf4Reader {
+    fn next_frame(&mut self, repairs: &mut FrameRepairs) -> Result<Option<CanFrame>, CanProblem> {
         let with_next = self.groups.iter_mut().filter(|group| group.next.is_some());
         let Some(oldest) = with_next.min_by(|a, b| a.next_s().total_cmp(&b.next_s())) else {
             self.repairs.drain(..).for_each(|sentence| repairs.assume(sentence));
@@ -64,6 +63,10 @@ impl Mf4Reader {
         let frame = oldest.next;
         oldest.advance(self.start_s, repairs)?;
         Ok(frame)
+    }
+
+    fn progress(&self) -> f64 {
+        self.groups.iter().map(|group| group.cursor.cursor.progress()).fold(1.0, f64::min)
     }
 }
 

@@ -1,5 +1,6 @@
 //! Frames from a CAN log of any format. Called by the log reader and the commands; knows nothing of signals.
 
+use std::fmt::Debug;
 use std::path::{Path, PathBuf};
 
 use itpms_files::input;
@@ -19,25 +20,20 @@ use super::repairs::FrameRepairs;
 use super::trc::Trc;
 use crate::error::{CanError, CanProblem};
 
-/// A CAN log, frame by frame. What is not understood is left out and counted; see [`FrameReader::repairs`].
+/// A CAN log, frame by frame. Lines and objects that are not understood are left out and counted; see [`FrameReader::repairs`].
 #[derive(Debug)]
 pub struct FrameReader {
     path: PathBuf,
-    source: Source,
+    source: Box<dyn FrameSource>,
     repairs: FrameRepairs,
     is_over: bool,
 }
 
-#[derive(Debug)]
-enum Source {
-    Candump(CandumpReader),
-    Asc(AscReader),
-    Blf(BlfReader),
-    Trc(LineReader<Trc>),
-    Busmaster(LineReader<Busmaster>),
-    Table(LineReader<FrameTable>),
-    #[cfg(feature = "mdf4")]
-    Mf4(Mf4Reader),
+/// A log of one format.
+pub(crate) trait FrameSource: Debug + Send + Sync {
+    fn next_frame(&mut self, repairs: &mut FrameRepairs) -> Result<Option<CanFrame>, CanProblem>;
+
+    fn progress(&self) -> f64;
 }
 
 impl FrameReader {
@@ -51,28 +47,28 @@ impl FrameReader {
         let of_file = |problem| CanError::new(path, CanProblem::File(problem));
         let text =
             || input::open(path).map(|(file, about)| TextLines::new(file, about.len())).map_err(of_file);
-        let source = match LogFormat::of(path)? {
+        let source: Box<dyn FrameSource> = match LogFormat::of(path)? {
             LogFormat::Candump => {
                 let mut lines = text()?;
                 if lines.beginning().map_err(fail)?.starts_with(busmaster::BEGINNING) {
-                    Source::Busmaster(LineReader::new(lines, Busmaster::default()))
+                    Box::new(LineReader::new(lines, Busmaster::default()))
                 } else {
-                    Source::Candump(CandumpReader::new(lines))
+                    Box::new(CandumpReader::new(lines))
                 }
             }
-            LogFormat::Asc => Source::Asc(AscReader::new(text()?)),
-            LogFormat::Trc => Source::Trc(LineReader::new(text()?, Trc::default())),
+            LogFormat::Asc => Box::new(AscReader::new(text()?)),
+            LogFormat::Trc => Box::new(LineReader::new(text()?, Trc::default())),
             LogFormat::Csv => {
                 let mut lines = text()?;
                 let table = frame_table(&mut lines).map_err(fail)?;
-                Source::Table(LineReader::new(lines, table))
+                Box::new(LineReader::new(lines, table))
             }
             LogFormat::Blf => {
                 let (file, about) = input::open_regular(path, "BLF").map_err(of_file)?;
-                Source::Blf(BlfReader::new(file, about.len()).map_err(fail)?)
+                Box::new(BlfReader::new(file, about.len()).map_err(fail)?)
             }
             #[cfg(feature = "mdf4")]
-            LogFormat::Mf4 => Source::Mf4(Mf4Reader::open(path)?),
+            LogFormat::Mf4 => Box::new(Mf4Reader::open(path)?),
         };
         Ok(Self { path: path.to_owned(), source, repairs: FrameRepairs::default(), is_over: false })
     }
@@ -85,17 +81,7 @@ impl FrameReader {
         if self.is_over {
             return Ok(None);
         }
-        let next = match &mut self.source {
-            Source::Candump(source) => source.next_frame(&mut self.repairs),
-            Source::Asc(source) => source.next_frame(&mut self.repairs),
-            Source::Blf(source) => source.next_frame(&mut self.repairs),
-            Source::Trc(source) => source.next_frame(&mut self.repairs),
-            Source::Busmaster(source) => source.next_frame(&mut self.repairs),
-            Source::Table(source) => source.next_frame(&mut self.repairs),
-            #[cfg(feature = "mdf4")]
-            Source::Mf4(source) => source.next_frame(&mut self.repairs),
-        };
-        match next {
+        match self.source.next_frame(&mut self.repairs) {
             Ok(Some(frame)) => {
                 self.repairs.frames += 1;
                 Ok(Some(frame))
@@ -114,16 +100,7 @@ impl FrameReader {
     /// How much of the file has been read, 0 to 1.
     #[must_use]
     pub fn progress(&self) -> f64 {
-        match &self.source {
-            Source::Candump(source) => source.progress(),
-            Source::Asc(source) => source.progress(),
-            Source::Blf(source) => source.progress(),
-            Source::Trc(source) => source.progress(),
-            Source::Busmaster(source) => source.progress(),
-            Source::Table(source) => source.progress(),
-            #[cfg(feature = "mdf4")]
-            Source::Mf4(source) => source.progress(),
-        }
+        self.source.progress()
     }
 
     /// The omissions and repairs so far.

@@ -172,7 +172,7 @@ proptest! {
     #[test]
     fn any_text_is_a_line_or_not(line in "[ (]{0,2}[0-9.:-]{0,20}[) ]{0,2}[a-z0-9]{0,6} [0-9A-F#R.\\[\\] _TX]{0,40}") {
         if let Ok(parsed) = candump::parse_line(&line) {
-            // What is understood can be written and is understood the same way, up to the six digits of the stamp.
+            // Every frame read can be written and is read back the same, up to the six digits of the stamp.
             let again = candump::format_line(&parsed.frame, "can0");
             let again = candump::parse_line(&again).unwrap().frame;
             prop_assert!(again.data() == parsed.frame.data() || again.kind == FrameKind::Error);

@@ -156,7 +156,7 @@ SIG_GROUP_ 356 G 1 : S;
     assert_eq!(Dbc::from_bytes(bytes).unwrap().messages()[0].signals[0].unit, "m/s²");
 }
 
-/// What is wrong with this text, one per line of the answer.
+/// The problems of this text, one per line of the answer.
 fn problems(text: &str) -> Vec<String> {
     let good = "BO_ 9 Good: 8 X\n SG_ S : 0|8@1+ (1,0) [0|0] \"\" Y\n";
     let dbc = Dbc::parse(&format!("{good}{text}")).unwrap();

@@ -358,7 +358,7 @@ fn a_blf_is_read_past_a_damaged_container() {
     let (read, repairs) = read(&path);
     assert!(!repairs.is_clean());
     assert!(read.len() < frames.len() && read.len() > frames.len() / 2);
-    // Nothing is made up: what was read is, up to the bytes damaged themselves, a subsequence of what was written.
+    // Nothing is made up: but for the damaged bytes themselves, the frames read are a subsequence of those written.
     let mut written = frames.iter();
     let strange = read
         .iter()

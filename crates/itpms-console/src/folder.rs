@@ -63,7 +63,6 @@ impl Folder {
     }
 }
 
-/// The text of a page's title.
 fn title(page: &str) -> Option<&str> {
     page.split_once("<title>")?.1.split_once("</title>").map(|(title, _)| title)
 }

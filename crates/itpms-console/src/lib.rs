@@ -9,6 +9,7 @@
 //! | [`threads`] | on how many threads the work is done |
 //! | [`options`] | options and values that several commands take |
 //! | [`names`] | no file is written that is read, and none twice |
+//! | [`numbers`] | numbers as a person reads them |
 //! | [`former`] | what people edited by hand is kept when it is written anew |
 //! | `folder` | a folder that receives several files when all are complete |
 //! | `program` | which build this is |
@@ -20,6 +21,7 @@ mod folder;
 pub mod former;
 mod interrupt;
 pub mod names;
+pub mod numbers;
 pub mod options;
 mod program;
 pub mod progress;

@@ -136,7 +136,6 @@ impl Screen {
         self.say(&escaped(&text.to_string(), |c| !matches!(c, '\n' | '\t') && is_obeyed(c)));
     }
 
-    /// Bytes of the result, as they are.
     pub fn write(&self, bytes: &[u8]) {
         note(io::stdout().write_all(bytes));
     }

@@ -44,7 +44,7 @@ impl Deflection {
             stiffness_n_per_m: self.stiffness_n_per_m,
             stiffness_sd_n_per_m: self.variance.sqrt(),
             rate_per_s: 0.0,
-            // What a filter believes is not independent of what it believed before.
+            // A filter's estimate is not independent of its earlier ones.
             independent_sd_n_per_m: None,
             change_probability: 0.0,
             nis: self.nis,

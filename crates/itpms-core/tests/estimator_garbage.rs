@@ -67,7 +67,7 @@ fn finite_or_not_believed<T: Real>(estimate: &CornerEstimate<T>) {
     assert!(sound || !estimate.validity.is_valid(), "{estimate:?}");
 }
 
-/// What is asked of the default estimator after the clean drive.
+/// The requirements on the default estimator after the clean drive.
 #[derive(Clone, Copy, PartialEq)]
 enum Afterwards {
     Anything,

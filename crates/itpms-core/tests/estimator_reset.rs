@@ -55,7 +55,7 @@ fn calibration(placard_kpa: [f64; 4]) -> VehicleCalibration<f64> {
 #[test]
 fn what_was_learned_of_another_car_is_refused_and_changes_nothing() {
     let mut car = car(&config::<f64>());
-    // What is not known yet is NaN, which equals nothing.
+    // Unknown values are NaN, which equals nothing.
     let before = format!("{car:?}");
     // The last corner is the one that differs.
     let other = calibration([PLACARD_KPA, PLACARD_KPA, PLACARD_KPA, 260.0]);

@@ -1,4 +1,4 @@
-//! What the interval of an exact posterior holds while a tire falls (docs/math/shared-road.md, section 6): a level that is seen through
+//! The coverage of an exact posterior's interval while a tire falls (docs/math/shared-road.md, section 6): a level that is seen through
 //! white noise and may begin to fall at any moment, given how often and how fast tires do; every beginning and rate weighed by Bayes' rule.
 
 use crate::common::quarter_plant::Random;

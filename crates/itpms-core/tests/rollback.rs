@@ -1,4 +1,4 @@
-//! What the belief was taught by a sensor that read wrong is rolled back, and nothing else for long.
+//! The belief of the seconds in which a sensor read wrong is rolled back, and nothing else for long.
 
 use itpms_core::car::CarEstimator;
 use itpms_core::model::{CarEstimate, CarSample, Corner, CornerSample};

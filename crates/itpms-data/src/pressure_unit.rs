@@ -1,6 +1,6 @@
 //! A pressure in a unit that was not asked for.
 
-/// What a number that is no tire's pressure in kPa may be, in words: ` 2.4 bar is 240 kPa`; empty where no unit makes it one.
+/// The likely unit of a number that is no tire's pressure in kPa, in words: ` 2.4 bar is 240 kPa`; empty where no unit makes it one.
 pub fn pressure_in_other_unit(value: f64) -> String {
     let of = |unit: &str, kpa: f64| format!(" {value} {unit} is {kpa:.0} kPa");
     match value {

@@ -16,7 +16,6 @@ use crate::parquet_columns::ParquetColumns;
 pub struct RoadProfile {
     /// Distance in m, increasing.
     pub distance_m: Vec<f64>,
-    /// One or more tracks over the same distances.
     pub tracks: Vec<RoadTrack>,
     /// Time in s at those distances, where the file has `time_s`; else empty.
     pub time_s: Vec<f64>,

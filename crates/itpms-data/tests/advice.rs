@@ -120,7 +120,7 @@ fn refusals_are_short_whatever_is_in_the_log() {
         let refusal = bench.read(&log, &map).unwrap_err();
         assert!(refusal.chars().count() <= MOST, "{} characters", refusal.chars().count());
     }
-    // What a refusal calls the nearest name is one.
+    // The nearest name in a refusal is one that works.
     let refusal = bench.read(&log, "[signals]\nfl_body_accel_m_s2 = \"FL_BodyAccZ1 [q]\"\n").unwrap_err();
     let nearest = refusal.rsplit('"').nth(1).unwrap();
     assert!(header.split(',').any(|name| name == nearest), "{refusal}");

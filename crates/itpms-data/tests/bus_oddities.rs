@@ -50,7 +50,7 @@ fn candump(mut change: impl FnMut(u32, u32, Vec<u8>) -> Vec<u8>) -> String {
     text
 }
 
-/// The rows of a log, and what is said of it.
+/// The rows of a log, and the remarks on it.
 fn read(bench: &Bench, name: &str, log: &str, dbc: &str) -> Result<(Vec<LogRow>, Vec<String>), String> {
     let (log, dbc) = (bench.write(name, log), Some(bench.write("bus.dbc", dbc)));
     let options = LogOptions { units: UnitCheck::Trusting, dbc, ..LogOptions::default() };
@@ -125,7 +125,7 @@ fn a_message_that_never_comes_competes_with_none_that_does() {
         let map = resolved.to_toml(None);
         assert!(map.contains("fl_body_accel_m_s2 = \"Susp.fl_body_accel_m_s2\""), "{map}");
     }
-    // Where only that would be it, the reason is said.
+    // Where only that would be it, the reason is reported.
     let dbc = format!("{old}{}", DBC.replace("fl_body_accel_m_s2", "other"));
     let mut listing = read(&bench, "a.log", &log, &dbc);
     assert!(listing.is_err());

@@ -29,7 +29,7 @@ impl Bench {
     }
 }
 
-/// The rows of a log, and what is said of it.
+/// The rows of a log, and the remarks on it.
 pub(crate) struct Found {
     pub(crate) rows: Vec<LogRow>,
     pub(crate) warnings: Vec<String>,

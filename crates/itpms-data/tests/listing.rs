@@ -1,4 +1,4 @@
-//! What is in a log is the same in every format.
+//! A log's content is the same in every format.
 
 use std::path::{Path, PathBuf};
 

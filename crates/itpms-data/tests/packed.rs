@@ -24,7 +24,7 @@ fn packed(text: &str) -> Vec<u8> {
     encoder.finish().unwrap()
 }
 
-/// How many rows a file has, and what is said of it.
+/// How many rows a file has, and the remarks on it.
 fn read(bench: &Bench, bytes: &[u8]) -> Result<(usize, String), String> {
     let found = found(&bench.write("drive.csv.gz", bytes), &LogOptions::default())?;
     Ok((found.rows.len(), found.warnings.join("\n")))

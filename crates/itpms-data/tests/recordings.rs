@@ -314,7 +314,7 @@ fn folders_of_parts_hold_one_recording_or_say_which() {
     let text = read(&bench.path("twice")).err().unwrap();
     assert!(text.contains("the parts a.parquet and a (1).parquet have rows of the same time"), "{text}");
 
-    // What a later part has first.
+    // A column that only a later part has.
     bench.parquet("later/part-0.parquet", &a[..3000], false);
     bench.parquet("later/part-1.parquet", &a[3000..], true);
     let later = read(&bench.path("later")).unwrap();

@@ -30,7 +30,7 @@ fn by_name(list: &[(&str, &str, &str)]) -> Resolved {
     resolve(&candidates(list), None).unwrap()
 }
 
-/// The full name of what a column gets.
+/// The full name of the signal that a column gets.
 fn signal(resolved: &Resolved, slot: Slot) -> &str {
     resolved.get(slot).map_or("", |chosen| chosen.signal.as_str())
 }

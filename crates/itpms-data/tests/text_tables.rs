@@ -213,7 +213,7 @@ fn rows_that_are_messages_are_put_together_by_their_times() {
     }
 }
 
-/// Rows in memory are looked at as those of a file are, and one without a time is missed by nobody silently.
+/// Rows in memory are looked at as those of a file are, and one without a time is reported.
 #[test]
 fn messages_in_memory_and_one_without_a_time() {
     let mut columns: Vec<Vec<f64>> = vec![Vec::new(); NAMES.len()];

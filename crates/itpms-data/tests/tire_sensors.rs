@@ -16,7 +16,7 @@ fn sent(k: u32) -> [u32; 4] {
     [193 - step, 186, 198, 133 + step]
 }
 
-/// What a log has of the sensors, row by row, where it has anything.
+/// The sensors' values in a log, row by row, where it has any.
 fn found(log: LogReader) -> Vec<(f64, [f64; 4], [f64; 4])> {
     assert_eq!(log.columns().motion.tire_sensors, [true; 4]);
     let rows =

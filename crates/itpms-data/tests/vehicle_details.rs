@@ -176,7 +176,7 @@ fn values_that_mean_nothing_are_refused_with_their_line() {
 }
 
 proptest! {
-    /// What is written reads back to the bit, whichever keys are there.
+    /// A written file reads back to the bit, whichever keys are there.
     #[test]
     fn details_read_back(
         confidence in prop::sample::select(Confidence::ALL.to_vec()),
@@ -228,7 +228,7 @@ fn a_file_without_masses_is_complete_for_wheel_speeds() {
     assert_eq!(vehicle.placard_kpa(Corner::FrontLeft), None);
     assert_eq!(vehicle.rolling_radius_m(), Some(0.31));
     assert_eq!(Vehicle::parse(&vehicle.to_toml()).unwrap(), vehicle);
-    // What is missing for them is named, and then it takes masses.
+    // The missing keys are named, and then it takes masses.
     for key in ["wheelbase_m", "track_front_m", "track_rear_m", "driven"] {
         let without: String =
             WHEELS.lines().filter(|line| !line.starts_with(key)).map(|l| format!("{l}\n")).collect();

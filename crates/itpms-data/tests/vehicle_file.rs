@@ -33,7 +33,7 @@ fn edited(from: &str, to: &str) -> String {
 fn the_documented_file_is_the_papers_corner() {
     let vehicle = Vehicle::parse(SEDAN).unwrap();
     assert_eq!((vehicle.name.as_str(), vehicle.wheelbase_m), ("mid-size sedan", Some(2.7)));
-    // What it does not say is how well it is known.
+    // It does not say how well it is known.
     let uncertainty = ParameterUncertainty::of(Confidence::Typical);
     let typical = CornerConfig { uncertainty, ..CornerConfig::paper() };
     assert_eq!(vehicle.corner(Corner::FrontLeft), Some(&typical));

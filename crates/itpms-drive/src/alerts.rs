@@ -81,7 +81,6 @@ impl Events {
     }
 }
 
-/// The alerts of a drive.
 #[derive(Debug, Clone, Default)]
 pub struct Alerts {
     listed: Vec<Listed>,

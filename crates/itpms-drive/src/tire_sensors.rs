@@ -1,4 +1,4 @@
-//! How far the tires' own sensors are believed in a calibration: the median of what a tire at its placard can have, as far as nothing contradicts
+//! How far the tires' own sensors are believed in a calibration: the median of the possible pressures of a tire at its placard, as far as nothing contradicts
 //! it. A sensor that sleeps sends 0 or the end of its range.
 
 use std::collections::BTreeMap;

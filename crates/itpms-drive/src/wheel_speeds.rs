@@ -167,7 +167,6 @@ const IN_ORDER: std::ops::Range<f64> = 0.6..1.8;
 const FASTEST_RAD_S: f64 = 2.0;
 const FASTEST_DEG_S: f64 = 115.0;
 
-/// The fault of a yaw rate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum YawFault {
     Reversed,

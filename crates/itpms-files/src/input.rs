@@ -23,7 +23,7 @@ fn named(path: &Path) -> &Path {
     if is_stdin(path) { Path::new("/dev/stdin") } else { path }
 }
 
-/// What is under this name, if it is something to be read.
+/// Metadata of the file of this name, if it can be read.
 ///
 /// # Errors
 /// Nothing is there, or a directory.

@@ -102,7 +102,7 @@ mod tests {
         assert!(NameLock::take(&dir.path().join("car8.state")).is_ok());
         drop(first);
         assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 0);
-        // What a killed program left is taken.
+        // A killed program's lock is taken over.
         fs::write(dir.path().join(".car7.state.lock"), "4000000000").unwrap();
         drop(NameLock::take(&state).unwrap().unwrap());
         assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 0);

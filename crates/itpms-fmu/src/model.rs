@@ -23,7 +23,7 @@ use crate::variables::{Causality, OfCar, OfCorner, Role, Variable, parameter, va
 const MAGIC: &str = concat!("itpms-fmu-state 7 ", env!("CARGO_PKG_VERSION"), " ");
 /// Wheel speeds alone come at least so often.
 const WHEEL_SPEED_RATE_HZ: f64 = 9.5;
-/// Stack of what builds a car from bytes; a simulation tool's thread may have less.
+/// Stack for building a car from bytes; a simulation tool's thread may have less.
 const STACK_BYTES: usize = 32 << 20;
 
 /// Why a step, or what comes before it, did not happen.

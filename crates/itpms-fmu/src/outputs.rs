@@ -10,7 +10,7 @@ pub(crate) fn cold_pressure(estimate: &CornerEstimate<f64>) -> [f64; 2] {
     estimate.cold.map_or([f64::NAN; 2], |cold| [cold.pressure_kpa, cold.sd_kpa])
 }
 
-/// What is to be added in kPa, and what is known of it: 0 nothing, 1 fine, 2 add.
+/// The air to be added in kPa, and its state: 0 nothing known, 1 fine, 2 add.
 pub(crate) fn cold_add(estimate: Option<&CornerEstimate<f64>>, placard_kpa: f64) -> [f64; 2] {
     let cold = estimate.filter(|estimate| estimate.validity.is_valid()).and_then(|estimate| estimate.cold);
     let Some(cold) = cold else { return [f64::NAN, 0.0] };

@@ -18,7 +18,6 @@ pub fn library_name() -> String {
     format!("{}itpms_fmu{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX)
 }
 
-/// Why there is no package.
 #[derive(Debug, Error)]
 pub enum PackageError {
     #[error(

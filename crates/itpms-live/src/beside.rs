@@ -1,7 +1,7 @@
 //! Findings beside the pressures while a drive goes on: dampers and load, the tires' own sensors, what turns with the wheels.
 //!
 //! Owned by the drive. Rows are listened to as they come; what they show is worked out once a minute, on a thread of its own: it takes some
-//! tenths of a second, and the estimate waits for nobody. A drive ends with a long stop, after which the car may carry something else.
+//! tenths of a second, and the estimate waits for none. A drive ends with a long stop, after which the car may carry something else.
 
 use std::sync::Arc;
 use std::thread::{self, JoinHandle};
@@ -29,9 +29,9 @@ pub(crate) struct BesideWatch {
     working: Option<JoinHandle<Findings>>,
     looked_s: f64,
     moved_s: f64,
-    shown: Arc<Map<String, Value>>,
+    pub(crate) shown: Arc<Map<String, Value>>,
     /// The findings that stand, as alerts.
-    standing: Vec<Map<String, Value>>,
+    pub(crate) standing: Vec<Map<String, Value>>,
 }
 
 impl BesideWatch {
@@ -87,15 +87,6 @@ impl BesideWatch {
     pub(crate) fn finish(&mut self, drive: &Drive) {
         self.working = None;
         self.shown = shown(&self.watch.conclude(&Identified::by(drive.estimator())));
-    }
-
-    /// `dampers`, `load`, `once_per_turn` and `tire_sensors`, as in `itpms estimate --json`.
-    pub(crate) fn shown(&self) -> &Arc<Map<String, Value>> {
-        &self.shown
-    }
-
-    pub(crate) fn standing(&self) -> &[Map<String, Value>] {
-        &self.standing
     }
 
     /// Whether a tire's own sensor says that its tire leaks.

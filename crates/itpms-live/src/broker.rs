@@ -129,7 +129,7 @@ impl BrokerAddress {
         format!("{scheme}://{}:{}", self.host, self.port)
     }
 
-    /// What a client of ours asks of the broker. A new session at every connection: what was not acknowledged is kept here, for
+    /// Options of a connection to the broker. A new session at every connection: unacknowledged messages are kept here, for
     /// a broker that was restarted may have forgotten it.
     pub(crate) fn options(&self, role: &str) -> (MqttOptions, NetworkOptions) {
         let id = format!("itpms-{role}-{}", std::process::id());

@@ -114,7 +114,7 @@ pub(crate) fn tracks(drive: &LiveDrive) -> Vec<Track> {
 }
 
 pub(crate) fn alerts(drive: &LiveDrive) -> Vec<Map<String, Value>> {
-    let beside = drive.beside.standing().iter().cloned();
+    let beside = drive.beside.standing.iter().cloned();
     drive.report().alerts().map(alert_object).chain(beside).collect()
 }
 

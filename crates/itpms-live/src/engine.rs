@@ -275,9 +275,9 @@ impl Engine {
         let Some(saved) = self.saved.take() else {
             return LiveDrive::new(&self.vehicle, clock, &self.options);
         };
-        let rate_hz = saved.sample_rate_hz();
+        let rate_hz = saved.sample_rate_hz;
         let same_rate = (clock.sample_rate_hz / rate_hz - 1.0).abs() <= SAME_RATE;
-        if saved.corners() == clock.corners && saved.has_wheel_speeds() == clock.wheel_speeds && same_rate {
+        if saved.corners == clock.corners && saved.has_wheel_speeds() == clock.wheel_speeds && same_rate {
             let drive = saved.resume(&self.vehicle, &self.options)?;
             let time_s = drive.time_s();
             if self.options.settings.pulses.is_some() && !saved.has_pulses() {
@@ -289,7 +289,7 @@ impl Engine {
         }
         (self.notes)(Note::Warning(format!(
             "the saved state is of {} at {rate_hz} Hz, found {} at {} Hz: begins afresh",
-            labels(saved.corners()),
+            labels(&saved.corners),
             labels(&clock.corners),
             clock.sample_rate_hz
         )));
@@ -367,7 +367,7 @@ impl Engine {
             snapshot.wheels = describe::wheels(drive, &self.vehicle);
             snapshot.tracks = describe::tracks(drive);
             snapshot.alerts = describe::alerts(drive);
-            snapshot.beside = Arc::clone(drive.beside.shown());
+            snapshot.beside = Arc::clone(&drive.beside.shown);
             snapshot.sensors = describe::sensors(drive);
             // A wheel of which nothing is known may be the one that is low.
             snapshot.all_fine = self.source.state == SourceState::Live
@@ -394,7 +394,7 @@ impl Engine {
 
     /// Rows left out because their time was not after the last one's.
     pub fn out_of_order(&self) -> u64 {
-        self.past.left_out()
+        self.past.left_out
     }
 }
 

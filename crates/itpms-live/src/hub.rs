@@ -74,7 +74,6 @@ impl Hub {
         let _ = self.transitions.send(transition);
     }
 
-    /// The newest snapshot, if there is one.
     pub fn latest(&self) -> Option<Arc<Snapshot>> {
         self.latest.borrow().clone()
     }

@@ -34,7 +34,6 @@ pub enum Input {
     Disconnected(String),
     /// The connection is there again.
     Reconnected,
-    /// There will be nothing more.
     Ended,
     /// There will be nothing more, because something broke in the middle.
     Failed(String),

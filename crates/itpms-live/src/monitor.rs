@@ -30,7 +30,6 @@ const LOOK_EVERY: Duration = Duration::from_millis(50);
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum End {
-    /// The source has nothing more.
     SourceEnded,
     Stopped,
 }

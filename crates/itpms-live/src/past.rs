@@ -18,16 +18,12 @@ pub(crate) enum Place {
 pub(crate) struct Past {
     last_s: f64,
     in_a_row: u32,
-    left_out: u64,
+    pub(crate) left_out: u64,
 }
 
 impl Past {
     pub(crate) fn new() -> Self {
         Self { last_s: f64::NAN, in_a_row: 0, left_out: 0 }
-    }
-
-    pub(crate) fn left_out(&self) -> u64 {
-        self.left_out
     }
 
     /// Where a row belongs, given the time of the one before it, NaN for none, in s.
@@ -68,6 +64,6 @@ mod tests {
         let places: Vec<Place> = (0..16).map(|i| past.place(9.0, 3.0 + 0.01 * f64::from(i))).collect();
         assert!(places[..15].iter().all(|place| *place == Place::Late), "{places:?}");
         assert!(matches!(places[15], Place::SetBack(back_s) if (back_s - 5.85).abs() < 1e-9), "{places:?}");
-        assert_eq!(past.left_out(), 315);
+        assert_eq!(past.left_out, 315);
     }
 }

@@ -6,7 +6,6 @@ use serde_json::{Map, Value};
 /// Something that began or ended.
 #[derive(Debug)]
 pub enum Reported {
-    /// By the monitor.
     Change(Change<f64>),
     /// Found beside the pressures, as an alert.
     BesideBegun(Map<String, Value>),

@@ -38,8 +38,8 @@ pub struct SavedDrive {
     vehicle: (String, Option<String>, String),
     /// Settings that cannot change within a drive.
     regulation: String,
-    sample_rate_hz: f64,
-    corners: Vec<Corner>,
+    pub(crate) sample_rate_hz: f64,
+    pub(crate) corners: Vec<Corner>,
     gate: (f64, Option<f64>, f64),
     iri_m_per_km: [f64; 4],
     progress: Progress,
@@ -161,14 +161,6 @@ impl SavedDrive {
 
     pub fn drive(&self) -> &Drive {
         &self.drive
-    }
-
-    pub(crate) fn sample_rate_hz(&self) -> f64 {
-        self.sample_rate_hz
-    }
-
-    pub(crate) fn corners(&self) -> &[Corner] {
-        &self.corners
     }
 }
 

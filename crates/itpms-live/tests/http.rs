@@ -39,7 +39,7 @@ fn the_page_and_all_its_files_come_from_memory_with_a_strict_policy() {
     for name in named {
         let file = get(&server, name);
         assert!(file.status == 200 && file.body.len() > 200, "{name}: {}", file.status);
-        // What the scripts import has to be there as well.
+        // The scripts' imports have to be there as well.
         for import in file.body.split("from \"./").skip(1) {
             let import = format!("/assets/{}", import.split('"').next().unwrap());
             assert_eq!(get(&server, &import).status, 200, "{import}");

@@ -139,7 +139,7 @@ fn pulses_count_once_however_often_the_monitor_starts() {
         let whole = drive(&mut start(None, with_pulses()), 0..3000);
         let half = drive(&mut start(None, with_pulses()), 0..1500);
         assert_eq!(drive(&mut start(Some(half), with_pulses()), 1500..3000), whole);
-        // They are a part of what is known, and of a state without them they stay none.
+        // They are a part of the saved state; restored from a state without them, they stay absent.
         let without = drive(&mut start(None, options()), 0..1500);
         let later = drive(&mut start(Some(without.clone()), options()), 1500..3000);
         assert!(later != whole && drive(&mut start(Some(without), with_pulses()), 1500..3000) == later);

@@ -67,7 +67,7 @@ pub(super) struct Kind {
 #[derive(Debug, Default)]
 pub(super) struct Block {
     links: Vec<u64>,
-    data: Vec<u8>,
+    pub(super) data: Vec<u8>,
 }
 
 impl Block {
@@ -78,10 +78,6 @@ impl Block {
 
     pub(super) fn links(&self) -> usize {
         self.links.len()
-    }
-
-    pub(super) fn data(&self) -> &[u8] {
-        &self.data
     }
 
     /// `N` bytes of the data from `offset`; zeros if the block is shorter.
@@ -175,7 +171,7 @@ impl BlockFile {
         Ok(block)
     }
 
-    /// What is behind a frame; of its data at most `most` bytes.
+    /// The content behind a frame; of its data at most `most` bytes.
     pub(super) fn contents(
         &mut self,
         name: &'static str,

@@ -102,7 +102,7 @@ impl FrameCursor {
         self.cursor.next(&mut self.values)
     }
 
-    /// What a field of the present frame has; `None` where there is no such field, or it is no number of 32 bits.
+    /// The value of a field of the present frame; `None` where there is no such field, or it is no number of 32 bits.
     #[must_use]
     pub fn field(&self, field: FrameField) -> Option<u32> {
         let value = self.values[self.places[field as usize]?];

@@ -76,7 +76,7 @@ impl Walk<'_> {
             if block.link(1) != 0 {
                 composite = Some(ChannelKind::Composite);
                 let inside = self.file.frame("composition", block.link(1)).map(|frame| frame.id);
-                // What is inside an array has no channel of its own.
+                // An array's elements have no channels of their own.
                 if lists.len() <= DEEPEST && inside.as_ref().is_ok_and(|id| id == b"##CN") {
                     lists.push(block.link(1));
                 }

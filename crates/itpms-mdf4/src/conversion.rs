@@ -176,7 +176,7 @@ impl Conversions {
         block: &Block,
         depth: usize,
     ) -> Result<Conversion, Mdf4Problem> {
-        let stored = (block.data().len() - CONVERSION.data) / 8;
+        let stored = (block.data.len() - CONVERSION.data) / 8;
         let claimed = usize::from(block.u16(6));
         let value = |i: usize| block.f64(CONVERSION.data + 8 * i);
         let values: Vec<f64> = (0..claimed.min(stored)).map(value).collect();

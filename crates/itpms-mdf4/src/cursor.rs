@@ -114,7 +114,7 @@ impl GroupCursor {
             self.repairs.push(Mdf4Repair::Data { group: group(), damage });
         }
         let values = &parts.values;
-        match values.stop() {
+        match values.stop {
             Some(Stop::DataEnd { partial }) if partial > 0 => {
                 self.repairs.push(Mdf4Repair::PartialRecord { group: group(), bytes: partial });
             }
@@ -127,8 +127,8 @@ impl GroupCursor {
             }
             _ => {}
         }
-        if values.lost() > 0 {
-            self.repairs.push(Mdf4Repair::SamplesLost { group: group(), lost: values.lost() });
+        if values.lost > 0 {
+            self.repairs.push(Mdf4Repair::SamplesLost { group: group(), lost: values.lost });
         }
         if let Some(claimed) = self.claimed.filter(|claimed| self.given < *claimed) {
             self.repairs.push(Mdf4Repair::FewerSamples { group: group(), read: self.given, claimed });

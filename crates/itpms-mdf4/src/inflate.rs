@@ -136,7 +136,7 @@ impl Zipped {
     fn inflate_raw(&self, file: &mut BlockFile, buffer: &mut Vec<u8>) -> Result<End, Mdf4Problem> {
         let mut inflater = Decompress::new(true);
         buffer.clear();
-        // What is claimed is believed as far as deflate can reach from the bytes that are there.
+        // The claimed size is believed as far as deflate can reach from the bytes that are there.
         let reach = self.stored.saturating_mul(1032).saturating_add(64);
         buffer.reserve(self.original.min(reach) as usize + 64);
         let there = file.length().saturating_sub(self.from).min(self.stored);

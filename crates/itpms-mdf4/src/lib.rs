@@ -12,7 +12,7 @@
 //! | [`Mdf4Reader`], [`GroupCursor`] | what a reader sees |
 //! | [`Mdf4Writer`] | groups at native rates, compressed or not, written as a stream |
 //!
-//! What is readable of a file that is damaged, cut off or was never finished is read; what had to be mended or left out
+//! The readable part of a file that is damaged, cut off or was never finished is read; each repair or omission
 //! is an [`Mdf4Repair`]. Memory is bounded whatever a file says: texts 64 MB, tables of conversions 100 MB, 131 072
 //! channels, and per cursor one data block (see [`Mdf4Reader::cursor`]).
 //!

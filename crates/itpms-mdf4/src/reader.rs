@@ -60,7 +60,7 @@ impl Mdf4Reader {
         &self.structure.groups
     }
 
-    /// What was mended or left out of the tree. What was of the data, the cursors say.
+    /// Repairs and omissions in the tree; those in the data are the cursors'.
     #[must_use]
     pub fn repairs(&self) -> &[Mdf4Repair] {
         self.repairs.list()

@@ -55,14 +55,14 @@ pub(super) struct Records {
     limit: Option<u64>,
     /// Number of the next record, counting those in gaps.
     next: u64,
-    lost: u64,
+    pub(super) lost: u64,
     /// Bytes of the stream's piece that were used.
     used: usize,
     /// Bytes of the stream before the piece.
     before: u64,
     carry: Vec<u8>,
     current: Option<(u64, Taken)>,
-    stop: Option<Stop>,
+    pub(super) stop: Option<Stop>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -154,16 +154,8 @@ impl Records {
         }
     }
 
-    pub(super) fn stop(&self) -> Option<Stop> {
-        self.stop
-    }
-
     pub(super) fn passed(&self) -> u64 {
         self.next
-    }
-
-    pub(super) fn lost(&self) -> u64 {
-        self.lost
     }
 
     /// Share of the file in front of the last read.

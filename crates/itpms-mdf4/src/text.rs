@@ -77,7 +77,7 @@ pub(super) fn read(file: &mut BlockFile, at: u64) -> Result<String, super::block
         }
     };
     let block = file.contents("text", at, frame, LOOKED_THROUGH)?;
-    let bytes = block.data().split(|byte| *byte == 0).next().unwrap_or_default();
+    let bytes = block.data.split(|byte| *byte == 0).next().unwrap_or_default();
     let text = String::from_utf8_lossy(bytes);
     Ok(if plain { shortened(text.trim()) } else { shortened(inner_text(&text).trim()) })
 }

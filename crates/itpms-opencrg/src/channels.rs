@@ -1,4 +1,4 @@
-//! What the columns of the data mean: `$KD_DEFINITION`, and the lateral positions of the long sections.
+//! The meaning of the data's columns: `$KD_DEFINITION`, and the lateral positions of the long sections.
 //!
 //! Called by the reader between header and data. Knows nothing of heights.
 

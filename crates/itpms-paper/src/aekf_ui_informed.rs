@@ -109,7 +109,7 @@ impl<T: Real> AekfUiInformed<T> {
         self.restarts
     }
 
-    /// What the filter holds now, without a step: after a stiffness measurement, for one.
+    /// The filter's state now, without a step: after a stiffness measurement, for one.
     pub fn record(&self, status: InformedStatus) -> InformedRecord<T> {
         let nan = T::lit(f64::NAN);
         // (47)  x_r = x_w + F/k_t

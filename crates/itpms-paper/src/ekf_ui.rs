@@ -37,7 +37,7 @@ pub fn prior_covariance<T: Real>(propagated: &Matrix5<T>, lambda: T, Q: &Vector5
     propagated * lambda + Matrix5::from_diagonal(Q)
 }
 
-/// What the measurement looks like from the prior state (eq. 15, 19).
+/// The measurement predicted from the prior state (eq. 15, 19).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Outlook<T: Real> {
     /// `H_k`, 2x5.

@@ -35,7 +35,7 @@ impl<T: Real> ResidualMemory<T> {
     }
 }
 
-/// What the factor is drawn from: the measurement matrix, `A P⁺ Aᵀ`, the diagonals of `Q` and `R`, and the measured residual covariance.
+/// Inputs of the factor: the measurement matrix, `A P⁺ Aᵀ`, the diagonals of `Q` and `R`, and the measured residual covariance.
 #[derive(Debug, Clone, Copy)]
 pub struct Evidence<'a, T: Real> {
     /// `H_k`, 2x5.

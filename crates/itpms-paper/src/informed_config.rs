@@ -1,4 +1,4 @@
-//! What the corrected filter is given before it starts.
+//! Configuration of the corrected filter.
 //!
 //! Used by [`crate::aekf_ui_informed`]; knows nothing of the recursion.
 

@@ -1,4 +1,4 @@
-//! What a step of the corrected filter, and a stiffness measurement to it, say about themselves.
+//! Records of a step of the corrected filter, and of a stiffness measurement to it.
 //!
 //! Filled by [`crate::aekf_ui_informed`]; read by estimators, reports and tests.
 
@@ -35,7 +35,7 @@ pub struct InformedRecord<T: Real> {
     pub motion_covariance: Matrix5<T>,
     /// Variance of the stiffness in (N/m)²; it has no covariance with the motion.
     pub stiffness_variance: T,
-    /// What the measurement differed by from the prediction with the force held, in m/s².
+    /// Innovation with the force held, in m/s².
     pub residual_m_s2: Vector2<T>,
     /// Squared, normalised residual after the input is estimated: 1 on average when consistent.
     pub nis: T,

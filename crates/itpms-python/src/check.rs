@@ -60,7 +60,7 @@ fn run(
     result.map(Checked).map_err(|error| errors::drive(py, &error))
 }
 
-/// What a drive says of a vehicle file.
+/// A drive's check of a vehicle file.
 #[pyclass(frozen, module = "itpms._itpms")]
 pub(crate) struct Checked(CheckedVehicle);
 

@@ -5,7 +5,6 @@ use pyo3::types::PyBytes;
 
 use crate::errors::{Kind, raise};
 
-/// The numbers in these bytes.
 pub(crate) fn numbers(py: Python<'_>, name: &str, bytes: &[u8]) -> PyResult<Vec<f64>> {
     let (whole, rest) = bytes.as_chunks::<8>();
     if !rest.is_empty() {
@@ -19,7 +18,6 @@ pub(crate) fn numbers(py: Python<'_>, name: &str, bytes: &[u8]) -> PyResult<Vec<
     Ok(whole.iter().map(|eight| f64::from_le_bytes(*eight)).collect())
 }
 
-/// Bytes of these numbers.
 pub(crate) fn bytes<'py>(py: Python<'py>, numbers: &[f64]) -> PyResult<Bound<'py, PyBytes>> {
     PyBytes::new_with(py, 8 * numbers.len(), |out| {
         for (eight, number) in out.as_chunks_mut::<8>().0.iter_mut().zip(numbers) {
@@ -29,7 +27,6 @@ pub(crate) fn bytes<'py>(py: Python<'py>, numbers: &[f64]) -> PyResult<Bound<'py
     })
 }
 
-/// Columns with their names.
 pub(crate) type Columns = Vec<(String, Vec<f64>)>;
 
 /// The same as Python has them: names and bytes.
@@ -38,7 +35,6 @@ pub(crate) type Packed<'py> = Vec<(String, Bound<'py, PyBytes>)>;
 /// Words over time, with their names.
 pub(crate) type Words = Vec<(String, Vec<&'static str>)>;
 
-/// Columns for Python.
 pub(crate) fn all<'py>(py: Python<'py>, columns: &Columns) -> PyResult<Packed<'py>> {
     columns.iter().map(|(name, numbers)| Ok((name.clone(), bytes(py, numbers)?))).collect()
 }

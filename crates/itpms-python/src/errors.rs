@@ -7,7 +7,6 @@ use itpms_sim::error::ScenarioError;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
-/// Which exception.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Kind {
     /// A drive log that cannot be used.
@@ -22,7 +21,6 @@ pub(crate) enum Kind {
     Output,
 }
 
-/// The exception with this sentence.
 pub(crate) fn raise(py: Python<'_>, kind: Kind, sentence: impl std::fmt::Display) -> PyErr {
     let name = match kind {
         Kind::Log => "LogError",
@@ -39,7 +37,7 @@ pub(crate) fn raise(py: Python<'_>, kind: Kind, sentence: impl std::fmt::Display
     made.map_or_else(|_| PyRuntimeError::new_err(sentence.to_string()), PyErr::from_value)
 }
 
-/// What a file's error is where a file of this kind was read.
+/// The exception of a file's error, by the kind of file that was read.
 pub(crate) fn data(py: Python<'_>, kind: Kind, error: &DataError) -> PyErr {
     let kind = match *error.problem {
         Problem::File(FileProblem::Write(_) | FileProblem::NoDirectory(_)) => Kind::Output,

@@ -11,8 +11,8 @@ use itpms_data::{LogReader, LogRow};
 use itpms_drive::fleet::wheels::{Begun, wheels};
 use itpms_drive::reference::Saving;
 use itpms_drive::{
-    Done, DriveError, Heights, Job, LateRow, RoadSurvey, Settings, Sink, SurveyedRoad, common_corners,
-    corner_lines, summary_json, torsion_line, wheel_speed_lines, wheel_speed_use,
+    Done, DriveError, Heights, Job, LateRow, RoadSurvey, Settings, Sink, common_corners, corner_lines,
+    summary_json, torsion_line, wheel_speed_lines, wheel_speed_use,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyIterator;
@@ -95,7 +95,7 @@ fn run(
         if let Some(saving) = saving {
             saving.complete(settings.calibrate_s, done.data.drive.duration_s, done.learned)?.commit()?;
         }
-        let map = kept.survey.take().map(|survey| map_json(&survey.finish(vehicle.wheelbase_m)));
+        let map = kept.survey.take().map(|survey| survey.finish(vehicle.wheelbase_m).geojson().0.to_string());
         let rows = log.repairs().rows_kept;
         let figures = Value::Object(summary_json(&done, rows));
         let end_s = log.last_time_s().map_or(f64::NAN, |end_s| end_s - done.data.drive.origin_s);
@@ -120,11 +120,7 @@ fn run(
 /// Length in m of a segment of a road's map, the command's default.
 const SEGMENT_M: f64 = 100.0;
 
-fn map_json(road: &SurveyedRoad) -> String {
-    road.geojson().0.to_string()
-}
-
-/// What is kept of a drive while it is estimated: rows at the wanted rate, the road at the log's, transitions.
+/// The record of a drive under way: rows at the wanted rate, the road at the log's, transitions.
 struct Kept {
     corners: Vec<Corner>,
     gate: RateGate,
@@ -196,7 +192,7 @@ impl Sink for Kept {
     }
 }
 
-/// What was found in a drive.
+/// A drive's results.
 #[pyclass(frozen, module = "itpms._itpms")]
 pub(crate) struct Estimated {
     done: Done,
@@ -231,12 +227,12 @@ impl Estimated {
         self.map.clone()
     }
 
-    /// What the monitor reported and took back: a JSON list of the events that `itpms estimate --events` writes.
+    /// The monitor's alerts, begun and ended: a JSON list of the events that `itpms estimate --events` writes.
     fn transitions(&self) -> String {
         Value::Array(self.kept.transitions.clone()).to_string()
     }
 
-    /// What is known at the end, as JSON.
+    /// The state at the end, as JSON.
     fn figures(&self) -> String {
         self.figures.to_string()
     }

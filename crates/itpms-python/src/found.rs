@@ -7,7 +7,7 @@ use itpms_data::out::{
 
 use crate::columns::{Columns, Words};
 
-/// What is known of a corner in numbers, and in words: the columns of `itpms estimate -o`.
+/// A corner's numbers and labels: the columns of `itpms estimate -o`.
 const NUMBERS: [&str; 8] = [
     "pressure_kpa",
     "pressure_sd_kpa",

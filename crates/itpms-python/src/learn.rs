@@ -70,7 +70,6 @@ pub(crate) fn learn(
     raised.or(result.map(Learned).map_err(|error| errors::drive(py, &error)))
 }
 
-/// What was learned.
 #[pyclass(frozen, module = "itpms._itpms")]
 pub(crate) struct Learned(LearnedVehicle);
 

@@ -1,4 +1,4 @@
-//! What the Python layer hands over besides a drive and a vehicle, as the program's settings.
+//! Options of the Python layer besides a drive and a vehicle, as the program's settings.
 
 use std::path::PathBuf;
 
@@ -12,7 +12,7 @@ use pyo3::prelude::*;
 use crate::errors::{Kind, raise};
 use crate::pieces;
 
-/// What the Python layer hands over besides the log and the vehicle, all by the names of the command's options.
+/// Options of the Python layer besides the log and the vehicle, by the names of the command's options.
 #[derive(FromPyObject)]
 pub(crate) struct Options {
     #[pyo3(item)]
@@ -33,7 +33,6 @@ pub(crate) struct Options {
     pressure_unit: String,
     #[pyo3(item)]
     pub(crate) road: bool,
-    /// The road's map with its places.
     #[pyo3(item)]
     pub(crate) road_map: bool,
     #[pyo3(item)]
@@ -61,7 +60,6 @@ enum RoadRepeats {
 }
 
 impl Options {
-    /// The same as settings of the program.
     pub(crate) fn settings(&self, py: Python<'_>) -> PyResult<Settings> {
         let refuse = |sentence: String| raise(py, Kind::Setting, sentence);
         let known = |names: Vec<&str>, what: &str, found: &str| {
@@ -103,7 +101,6 @@ impl Options {
         })
     }
 
-    /// How a log is read.
     pub(crate) fn reading(&self, py: Python<'_>) -> PyResult<LogOptions> {
         pieces::reading(py, self.trust_units, self.dbc.clone(), self.signals.clone(), &self.rows)
     }

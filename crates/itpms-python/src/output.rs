@@ -8,13 +8,11 @@ use pyo3::prelude::*;
 
 use crate::errors::{self, Kind};
 
-/// Writes a file.
 #[pyfunction]
 pub(crate) fn write(py: Python<'_>, path: PathBuf, content: Vec<u8>) -> PyResult<()> {
     file(py, &path, &content)
 }
 
-/// The same for this crate.
 pub(crate) fn file(py: Python<'_>, path: &Path, content: &[u8]) -> PyResult<()> {
     let write = || -> Result<(), DataError> { Ok(AtomicFile::save(path, content)?) };
     py.detach(write).map_err(|error| errors::data(py, Kind::Output, &error))

@@ -11,7 +11,6 @@ use pyo3::types::{PyBytes, PyIterator};
 use crate::columns::numbers;
 use crate::errors::{Kind, raise};
 
-/// How a log is read.
 pub(crate) fn reading(
     py: Python<'_>,
     trust_units: bool,
@@ -50,7 +49,6 @@ impl Raised {
         raised.map_or(result, Err)
     }
 
-    /// Keeps it.
     pub(crate) fn keep(&self, error: PyErr) {
         if let Ok(mut raised) = self.0.lock() {
             *raised = Some(error);

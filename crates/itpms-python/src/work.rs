@@ -19,7 +19,7 @@ const LOOK: Duration = Duration::from_millis(50);
 /// Who receives the share that is done, 0 to 1, some twenty times a second, on the thread that called.
 pub(crate) type Progress = Option<Py<PyAny>>;
 
-/// What a computation and the thread that waits for it tell each other.
+/// State shared by a computation and the thread that waits for it.
 #[derive(Debug, Default)]
 pub(crate) struct Meanwhile {
     stop: AtomicBool,

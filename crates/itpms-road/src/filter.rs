@@ -296,7 +296,7 @@ impl<T: Real> RoadFilter<T> {
         self.recursion.mean()[state::ROAD]
     }
 
-    /// What the height's expectation lies above [`Self::road_m`], m.
+    /// Height of the expectation above [`Self::road_m`], m.
     pub(crate) fn expected_offset_m(&self) -> T {
         self.recursion.expected_offset_m()
     }

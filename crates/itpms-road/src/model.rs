@@ -280,7 +280,7 @@ impl<T: Real> Transition<T> {
     /// `Phi x + Gamma u`, `u` the measured body acceleration (0 for a step without).
     pub(crate) fn state(&self, x: &State<T>, body_accel_m_s2: T) -> State<T> {
         let mut driving = *x;
-        // What the offset adds, the measurement takes away: Gamma = -Phi e_(b_b).
+        // The measurement takes the offset away again: Gamma = -Phi e_(b_b).
         driving[BODY_BIAS] -= body_accel_m_s2;
         let mut out = *x;
         for i in 0..DYNAMIC {

@@ -147,7 +147,7 @@ where
     }
 
     /// The log's end: gives all points that are left. Rows pushed afterwards continue the log with the
-    /// knowledge of what was before, but what was given does not change any more.
+    /// knowledge of earlier samples, but heights already given do not change any more.
     pub fn finish(&mut self, mut give: impl FnMut(RoadPoint<T>)) {
         self.smooth();
         self.give_until(self.written, &mut give);

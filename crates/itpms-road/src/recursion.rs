@@ -145,7 +145,7 @@ impl<T: Real> Recursion<T> {
         self.p[(state::ROAD, state::ROAD)]
     }
 
-    /// What the height's expectation lies above the height given out, m.
+    /// Height of the expectation above the height given out, m.
     pub(crate) fn expected_offset_m(&self) -> T {
         self.twin.mean[0]
     }

@@ -22,7 +22,7 @@ pub struct Segment<T: Real> {
     road_variance_m2: T,
     /// From an error of the state at the snapshot to the error at the segment's end (eq. 15), transposed.
     propagation: CoreMatrix<T>,
-    /// What the segment's innovations say about the snapshot (eq. 16).
+    /// Score of the snapshot from the segment's innovations (eq. 16).
     score: CoreState<T>,
     /// How much they can say (eq. 17).
     information: CoreMatrix<T>,
@@ -100,7 +100,7 @@ impl<T: Real> Segment<T> {
     }
 }
 
-/// What the samples after a point say about the state there: score and information of its error.
+/// The later samples' score and information of the state's error at a point.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Later<T: Real> {
     score: CoreState<T>,

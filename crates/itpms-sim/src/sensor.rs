@@ -98,7 +98,7 @@ impl Sensor {
         Self { spec: *spec, noise: generator(seed, Purpose::SensorNoise, [number, 0]), dropout, lost }
     }
 
-    /// What the log says about a true acceleration in m/s²: gain, bias, noise, the sensor's range, the converter's
+    /// The log's value for a true acceleration in m/s²: gain, bias, noise, the sensor's range, the converter's
     /// steps, and NaN when it is lost on the way.
     pub(crate) fn read(&mut self, accel_m_s2: f64) -> f64 {
         let s = &self.spec;

@@ -193,7 +193,7 @@ fn another_load_is_carried_and_not_configured() {
             let strut = Complex::new(20_663.0, 435.2 * w);
             let expected = strut / (strut - kg * w * w);
             let found = body[3 * k as usize] / wheel[3 * k as usize];
-            // What is left of the start after 18 s decays: 1e-5 of the swing.
+            // The start's transient after 18 s: 1e-5 of the swing.
             assert!((found - expected).norm() < 1e-3 * expected.norm(), "{kg} kg, {k}: {found} {expected}");
         }
     }

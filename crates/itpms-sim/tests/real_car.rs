@@ -1,4 +1,4 @@
-//! What a real car has beyond its file, against closed forms: mounts, hop dampers, a body that twists, a rim, soft ground,
+//! A real car's properties beyond its file, against closed forms: mounts, hop dampers, a body that twists, a rim, soft ground,
 //! roads that repeat, sensors that lean.
 
 use std::f64::consts::TAU;
@@ -270,7 +270,7 @@ fn soft_ground_is_a_spring_under_the_tire() {
     for (a, b) in wheel_m_s2(&soft).into_iter().zip(wheel_m_s2(&worn)) {
         assert!((a - b).abs() < 1e-9, "{a} {b}");
     }
-    // What is stated of the tire is the tire's.
+    // Values stated for the tire are the tire's.
     let row = Simulation::new(&soft, 1).unwrap().last().unwrap().corners[0].unwrap();
     assert!((row.stiffness_n_per_m - k_t).abs() < 1e-6);
 }

@@ -200,7 +200,7 @@ fn fixed_amplitudes_make_every_road_equally_rough() {
 fn a_surveyed_road_is_read_and_extended() {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/profile_1.txt");
     if !path.exists() {
-        // What the macros print in a test that passes is not shown.
+        // Output of the macros in a test that passes is not shown.
         stderr().write_all(b"skipped: no ../shared/data/profile_1.txt\n").unwrap();
         return;
     }

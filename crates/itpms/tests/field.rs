@@ -11,7 +11,7 @@ use crate::common::{Bench, Outcome, table};
 const SCENARIO: &str = include_str!("data/field.toml");
 const VIN: &str = "1M8GDM9AXKP042788";
 const PRESSURES: &str = "--pressure-kpa 241 --pressure-kpa 480:fl=200 --pressure-kpa 900:fl=160";
-/// Where the car is said to have been: no sensor has such values.
+/// The car's place in the log: no sensor has such values.
 const LATITUDE: &str = "-33.8568";
 
 /// The drive with its vehicle file, whose owner has put the identification number wherever it goes; with places, heights and a message
@@ -60,7 +60,7 @@ fn unpacked(bench: &Bench, name: &str) -> Vec<(String, String)> {
         .collect()
 }
 
-/// What is asked for is there: packed, nobody and no place is found in any file, and the archive is estimated like the log.
+/// The archive has what was asked for, no person or place is found in any file, and it is estimated like the log.
 #[test]
 fn a_good_log_is_packed_without_its_owner_and_its_places() {
     let bench = drive(SCENARIO);

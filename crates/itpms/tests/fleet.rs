@@ -293,7 +293,7 @@ fn the_roads_of_a_fleet_are_one_map_with_a_factor_for_each_car() {
         bench.write(&format!("cars/{car}.toml"), bench.read("car.toml"));
     }
     let line = line.replace("--vehicle car.toml ", "");
-    // Nobody has asked for it.
+    // It was not asked for.
     bench.run(&line).success();
     assert!(!bench.path("out/road.geojson").exists());
     assert!(

@@ -31,7 +31,7 @@ fn assert_same(csv: &str, topics: &Topics, root: &str) {
             let wheel = name.split_once('_').filter(|(wheel, _)| ["fl", "fr", "rl", "rr"].contains(wheel));
             let (topic, field) = match wheel {
                 Some((wheel, field)) => (format!("{root}/{wheel}"), field),
-                // In every topic, and so also where there is none of what is no wheel's.
+                // In every topic, and so also where no topic but the wheels' has values.
                 None if name == "time_s" => (format!("{root}/fl"), name.as_str()),
                 None => (root.to_owned(), name.as_str()),
             };

@@ -225,7 +225,7 @@ fn a_polite_kill_saves_the_state_and_the_next_start_goes_on_to_the_same_bits() {
     resumed.success();
     let both = [first, estimates(&bench, "second.jsonl")].concat();
     assert_eq!(all_reported(&both), all_reported(&whole));
-    // What was reported before the restart is not reported again.
+    // Alerts reported before the restart are not reported again.
     let texts = |name: &str| -> Vec<Value> {
         lines(&bench, name, "warning").iter().map(|warning| warning["text"].clone()).collect()
     };
@@ -266,7 +266,7 @@ fn one_monitor_per_state_and_a_killed_one_leaves_the_next_nothing_to_complain_of
     assert_eq!(second.refusal(), format!("car.state: {by}"));
     first.kill().unwrap();
     first.wait().unwrap();
-    // What it left beside the state, and another's file of nearly the same name.
+    // Its temporary file beside the state, and another program's of nearly the same name.
     bench.write(&format!(".car.state.{}-3.tmp", first.id()), "half a state");
     bench.write(".car.state.mine.tmp", "mine");
     let third = begin("third.jsonl");
@@ -288,7 +288,7 @@ fn a_damaged_state_is_refused_loudly_and_the_monitor_begins_afresh() {
     let outcome = bench.run(&format!("{line} again.jsonl"));
     assert!(outcome.stderr.contains("car.state: is damaged") && outcome.stderr.contains("BEGINS AFRESH"));
     outcome.success();
-    // What was refused is knowledge of a car, and kept.
+    // A refused state is knowledge of a car, and kept.
     assert_eq!(std::fs::read(bench.path("car.state.refused")).unwrap(), state);
     bench.write("car.state", &state);
     bench.run(&format!("{line} third.jsonl")).success();

@@ -59,7 +59,7 @@ fn all_four_are_found_by_their_pulses_in_the_drive_and_on_the_next_one() {
     assert!(text.contains("all four tires have lost air since the calibration"), "{text}");
     assert!(text.contains("by the tooth pulses since the calibration fl -"), "{text}");
     the_monitor_and_a_fleet_find_them_too(&bench, text, &summary);
-    // Without pulses nobody knows.
+    // Without pulses it is unknown.
     let without =
         json(bench.run("estimate drive.csv --vehicle car.toml --reference car.reference --json").success());
     assert_eq!((&without["alerts"], &without["torsion"]), (&serde_json::json!([]), &Value::Null));

@@ -100,7 +100,7 @@ fn days_name_a_slow_leak_that_no_day_shows() {
     each_day("logs/day32.csv").success();
     assert_eq!(bench.read("car.reference"), before);
     assert_eq!(bench.names(), ["car.reference", "car.toml", "logs", "raw.csv", "scenario.toml"]);
-    // What has no date is no day, and is said.
+    // A drive without a date is no day, and is reported.
     drive(&bench, "undated.csv", 30, false);
     let outcome = each_day("undated.csv");
     assert!(

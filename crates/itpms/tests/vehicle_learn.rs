@@ -39,7 +39,7 @@ fn a_drive_at_a_known_pressure_teaches_the_file() {
             let parameter = &told["corners"][corner][name];
             ["before", "after", "after_sd"].map(|key| parameter[key].as_f64().unwrap())
         };
-        // Two and a half sd of what it says of itself: twelve comparisons.
+        // Two and a half of its own sds: twelve comparisons.
         for (name, truth) in [("stiffness_over_mass_per_s2", 0.95 / 1.10), ("damping_n_s_per_m", 1.30)] {
             let [before, after, sd] = parameter(name);
             assert!(
@@ -134,7 +134,7 @@ fn tire_sensors_that_sleep_count_as_missing_and_those_that_contradict_are_refuse
     refused("wheels.csv", "", &|wheel, _| [240.0, 240.0, 240.0, 180.0][wheel], "contradict each other: rr");
     refused("time.csv", "", &|_, time_s| 240.0 - 0.6 * time_s, "fl_tpms_kpa goes from");
     refused("gauge.csv", "--pressure-kpa 200", &|_, _| 240.0, "says 240 kPa and --pressure-kpa 200");
-    // What the sentence says, followed.
+    // The sentence's advice, followed.
     let followed = learn("wheels.csv", "--pressure-kpa fl=240,fr=240,rl=240,rr=180");
     followed.success();
 }

@@ -64,7 +64,7 @@ fn the_example_names_the_tire_that_lost_a_quarter() {
         rows.iter()
             .all(|row| row[column("fl_warning")] == "none" && row[column("fl_level")] == "other-tires")
     );
-    // What was measured: rear left over right has grown by -.007 ln .75, and two sds hold it.
+    // The true change, rear left over right, is -.007 ln .75, within two sds.
     let number = |name: &str| at(115.0)[column(name)].parse::<f64>().unwrap();
     let (difference, sd) = (number("rear_radius_difference"), number("rear_radius_difference_sd"));
     assert!((difference - 2.01e-3).abs() < 2.0 * sd && sd < 4e-4, "{difference} {sd}");

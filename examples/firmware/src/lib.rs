@@ -1,4 +1,4 @@
-//! What a program costs on the board: instructions, stack, flash and memory.
+//! A program's cost on the board: instructions, stack, flash and memory.
 #![no_std]
 
 pub mod drive;

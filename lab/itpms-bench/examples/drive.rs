@@ -11,7 +11,6 @@ use itpms_sim::error::ScenarioError;
 use itpms_sim::scenario::Scenario;
 use itpms_sim::simulation::Simulation;
 
-/// Length of the drive in s.
 const DRIVE_S: f64 = 1800.0;
 
 fn main() -> Result<(), ScenarioError> {

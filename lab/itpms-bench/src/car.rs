@@ -16,7 +16,6 @@ const WARM_UP_S: f64 = 8.0;
 /// Seconds over which costs repeat, nearly: ten frames of a corner and six of a side.
 pub const STRETCH_S: f64 = 0.6;
 const DRIVE_S: f64 = 12.0;
-/// Distance between the axles in m.
 const WHEELBASE_M: f64 = 2.7;
 /// Masses in kg of a rear corner: body, wheel.
 const REAR_KG: [f64; 2] = [216.0, 50.0];
@@ -130,7 +129,6 @@ impl<T: Real> RunningCar<T> {
         }
     }
 
-    /// The next `count` samples.
     pub fn advance_by(&mut self, count: usize) {
         for _ in 0..count {
             self.advance();

@@ -61,7 +61,6 @@ impl<T: Real> Running<T> {
         self.estimator.update(time_s, T::lit(SPEED_M_S), body, wheel)
     }
 
-    /// The next `count` samples.
     pub fn advance_by(&mut self, count: usize) {
         for _ in 0..count {
             self.advance();

@@ -1,6 +1,6 @@
 //! Many drives on all processors, in an order that does not depend on how many there are, and why a study ends before its time.
 //!
-//! Called by the studies. Knows nothing of what a drive is.
+//! Called by the studies. Knows nothing of drives.
 
 use std::fmt;
 use std::ops::ControlFlow;
@@ -17,7 +17,6 @@ pub type Progress<'a> = &'a (dyn Fn(u64, u64) -> ControlFlow<()> + Sync);
 
 pub type Result<T, E = StudyError> = std::result::Result<T, E>;
 
-/// Why there is no result.
 #[derive(Debug)]
 pub enum StudyError {
     /// The caller wanted no more.
@@ -58,7 +57,7 @@ pub(crate) fn pool() -> Result<rayon::ThreadPool> {
     pool.or_else(|error| refused(format!("threads cannot be started: {error}")))
 }
 
-/// Nobody looks, and nobody stops it.
+/// Neither shows progress nor stops.
 pub const UNWATCHED: Progress<'static> = &|_, _| ControlFlow::Continue(());
 
 /// Counts what is done over all threads, in the unit of [`Progress`], and asks whether to go on.
@@ -94,7 +93,6 @@ pub(crate) struct Turn {
     pub(crate) seed: u64,
 }
 
-/// Hands out drives and counts them.
 pub(crate) struct Runner<'a> {
     first_seed: u64,
     odometer: Odometer<'a>,

@@ -35,7 +35,7 @@ impl Sensors {
     }
 }
 
-/// What a monitor knows of the wheels of a scenario's car: tires nothing is known of. `None`: it has no wheel speeds.
+/// A monitor's configuration for the wheels of a scenario's car, of unknown tires. `None`: it has no wheel speeds.
 pub(crate) fn wheel_speed_config(
     scenario: &Scenario,
     load: LoadUncertainty<f64>,

@@ -15,7 +15,6 @@ pub fn set(tuning: Tuning) -> bool {
     TUNING.set(tuning).is_ok()
 }
 
-/// The monitor of a car.
 pub(crate) fn monitor(car: &CarConfig<f64>) -> MonitorConfig<f64> {
     MonitorConfig { tuning: TUNING.get().copied().unwrap_or_default(), ..MonitorConfig::new(car) }
 }

@@ -54,7 +54,7 @@ fn a_hole_beside_a_sensor_that_is_stuck_is_no_road_of_the_other_side() {
     );
 }
 
-/// The rear right wheel's sensor reads twice of what it should. (What it taught in the seconds before that was noticed was a
+/// The rear right wheel's sensor reads twice the true acceleration. (What it taught in the seconds before that was noticed was a
 /// front right tire 70 kPa too low: warned of, and shown for twenty seconds, as long as it was not rolled back.)
 #[test]
 fn a_gain_that_changes_is_no_leak_of_the_other_tire() {

@@ -23,7 +23,7 @@ fn what_diverges_is_shown_as_diverged() {
     let column =
         errors.lines().next().unwrap().split(',').position(|name| name == "diverged_drives").unwrap();
     assert_eq!((row("aekf-ui")[column].as_str(), row("informed")[column].as_str()), ("1", "0"));
-    // The median of what has diverged is no number; that of the default is one.
+    // The median error of a diverged filter is no number; that of the default is one.
     assert_eq!(row("aekf-ui")[3], "");
     assert!(row("informed")[3].parse::<f64>().unwrap() > 0.0);
     // In the histories the diverged one ends, the others go on.

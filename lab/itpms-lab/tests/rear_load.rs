@@ -12,7 +12,7 @@ use itpms_sim::wheel_speeds::WheelSpeedSpec;
 const DRIVES: u64 = 50;
 const LEARNING_S: f64 = 900.0;
 const DRIVE_S: f64 = 1800.0;
-/// Two fifths of what a rear axle of 216 and 50 kg a wheel carries.
+/// Two fifths of the load of a rear axle of 216 and 50 kg a wheel.
 const MORE_KG: f64 = 0.4 * 2.0 * 266.0;
 
 /// An everyday drive of a car, with warm-up, grades and bends, and so much more over its rear axle.

@@ -44,7 +44,7 @@ fn fast(sample: CarSample<f64>) -> CarSample<f64> {
     CarSample { speed_m_s: 1.3 * sample.speed_m_s, ..sample }
 }
 
-/// What is found on a drive of a car that is about as its file says and has all its air.
+/// The findings on a drive of a car that is about as its file says and has all its air.
 struct Found {
     /// Seconds in which a wheel was low at all.
     ever_low_s: f64,

@@ -97,7 +97,7 @@ impl Beside {
         self.sensors_kpa
     }
 
-    /// What is known so far, which takes some tenths of a second.
+    /// The findings so far, which takes some tenths of a second.
     pub fn conclude(&self, car: &Identified) -> Findings {
         Findings {
             suspension: self.suspension.as_ref().map(SuspensionWatch::conclude),

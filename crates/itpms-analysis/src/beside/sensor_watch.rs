@@ -1,7 +1,7 @@
 //! The tires' own sensors watched through a drive: a slow leak that they see, and a sensor whose pressure goes where its tire's does not.
 //!
-//! What a sensor sends has changed since its first readings by `D`, the estimate by `E`, each less the median of what the other wheels with a
-//! sensor changed by, so that warmth cancels. `D - E` is nothing but noise while a sensor is right, however the tire fares; where it is not, the
+//! Since its first readings a sensor's reading has changed by `D`, the estimate by `E`, each less the median change of the other wheels with a
+//! sensor, so that warmth cancels. `D - E` is nothing but noise while a sensor is right, however the tire fares; where it is not, the
 //! sensor drifts, or has stuck while its tire went on; so does one that rises, since a tire gains no air while it rolls. A loss that the estimate does not deny is a leak: the pressure at 20 C, by the sensor's
 //! own temperature, falls along a line. What levels say of each other is the report's ([`crate::report`]).
 
@@ -31,7 +31,7 @@ const SDS: f64 = 4.0;
 const LOOKS: u32 = 2;
 /// A first estimate may have so many times the standard deviation of the last.
 const AS_GOOD: f64 = 1.5;
-/// What a sensor's change is off by in kPa, and as a share of its pressure, though it is right.
+/// Sd of the change that a working sensor reads, in kPa and as a share of its pressure.
 const SENSOR_KPA: f64 = 1.5;
 const SENSOR_SHARE: f64 = 0.005;
 /// A loss is worth naming from this share of the absolute pressure on, and from so many steps of the sensor.
@@ -181,7 +181,7 @@ impl SensorWatch {
                 (sensor.state, 1)
             };
             let before = wheel.now.map_or(SensorState::Learning, |now| now.state);
-            // What was found stays, unless it turns out to be something else: a drive's tires do not heal.
+            // A finding stays, unless it turns out to be another one: tires do not heal during a drive.
             if bad(sensor.state) && wheel.pending.1 < LOOKS || bad(before) && !bad(sensor.state) {
                 sensor.state = before;
             }
@@ -435,7 +435,7 @@ mod tests {
         assert_eq!((states, found), ([Drift, Fine, Fine, Fine], vec![Drift]));
         let filled = |time_s: f64, truth: f64| if time_s > 950.0 { truth + 30.0 } else { truth };
         assert_eq!(watched(120.0, filled), ([Fine; 4], vec![]));
-        // Nobody fills a tire at 90 km/h.
+        // A tire is not filled at 90 km/h.
         assert_eq!(watched(0.0, filled).0[0], Drift);
         assert_eq!(
             watched(120.0, |time_s, truth| truth - 30.0 * time_s / 1800.0).0,

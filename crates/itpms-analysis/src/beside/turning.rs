@@ -81,7 +81,7 @@ impl Rotation {
         }
     }
 
-    /// What the drive has shown, with the car as it was identified.
+    /// The drive's result, with the car as it was identified.
     pub(super) fn conclude(&self, car: &Identified) -> [Option<OncePerTurn>; 4] {
         Corner::ALL.map(|corner| {
             let Wheel { wheel, watch, own, .. } = self.wheels[corner.index()].as_ref()?;

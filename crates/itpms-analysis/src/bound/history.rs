@@ -9,7 +9,7 @@ use nalgebra::{Matrix3, SMatrix};
 use super::RoadKnowledge;
 use super::fisher::Fisher;
 
-/// What the bound takes for granted about how pressure and road change. The less it allows, the lower the bound.
+/// The bound's prior on how pressure and road change. The less it allows, the lower the bound.
 ///
 /// A changing pressure is a Gaussian random walk whose strength is that of the change actually under way: the
 /// bound is given when the pressure moves and how fast, though not where to. An estimator that has to find this out
@@ -66,7 +66,7 @@ const TABLE_POINTS: usize = 81;
 /// A sub-step changes the variance by at most this share, so that the result is that of continuous time.
 const SUBSTEP: f64 = 0.2;
 
-/// What is known of `N - 2` pressures and, in the last two places, of the road's level and slope.
+/// Information on `N - 2` pressures and, in the last two places, on the road's level and slope.
 #[derive(Debug, Clone)]
 pub(super) struct Known<const N: usize> {
     prior: BoundPrior,

@@ -150,7 +150,7 @@ impl CornerBound {
     }
 
     /// Bound on the standard deviation in kPa at each time (s, increasing) of a drive with these true pressures
-    /// (kPa), for an estimate from what was measured up to then; `prior_sd_kpa` is the sd before the first. What it
+    /// (kPa), for an estimate from the measurements up to then; `prior_sd_kpa` is the sd before the first. What it
     /// assumes of changing pressures is [`BoundPrior`]'s. As long as the shorter of both slices.
     pub fn history(&self, times_s: &[f64], pressures_kpa: &[f64], prior_sd_kpa: f64) -> Vec<f64> {
         let mut recursion = self.recursion(prior_sd_kpa);

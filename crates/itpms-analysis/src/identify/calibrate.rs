@@ -81,16 +81,16 @@ impl Test {
 pub fn calibrate(pressure_kpa: &[f64], stiffness_n_per_m: &[f64], units: Units) -> Result<Calibration> {
     let (p, k) = (pressure_kpa, stiffness_n_per_m);
     guard::pair(("pressure_kpa", p), ("stiffness_n_per_m", k))?;
-    if p.len() < FEWEST_ROWS {
-        return Err(IdentifyError::TooFew { what: "rows", found: p.len(), expected: FEWEST_ROWS });
-    }
+    guard::at_least("rows", p.len(), FEWEST_ROWS)?;
     guard::varies("pressure_kpa", p)?;
     check_columns(p, k, units)?;
     let (map, r_squared) = PressureMap::regression(p, k).map_err(|error| refusal(error, p, k))?;
     check_slope(map.stiffness_per_kpa(), units)?;
     if !(map.stiffness_at_zero() >= 0.0) {
         let (value, standard_error) = (map.stiffness_at_zero(), map.stiffness_at_zero_sd());
-        return Err(IdentifyError::NegativeIntercept { value, standard_error });
+        return Err(IdentifyError::Refused(format!(
+            "the line meets zero pressure at {value:.0} ± {standard_error:.0} N/m, expected zero or more: measure over more pressures"
+        )));
     }
     let dof = p.len() as f64 - 2.0;
     let rows = rows(&map, p, k);
@@ -144,10 +144,13 @@ fn refusal(error: RegressionError, p: &[f64], k: &[f64]) -> IdentifyError {
             let s_pp: f64 = p.iter().map(|p| (p - mean).powi(2)).sum();
             let k_mean = k.iter().sum::<f64>() / n;
             let squares: f64 = p.iter().zip(k).map(|(p, k)| (k - k_mean - value * (p - mean)).powi(2)).sum();
-            IdentifyError::FallingStiffness { value, standard_error: (squares / (n - 2.0) / s_pp).sqrt() }
+            let standard_error = (squares / (n - 2.0) / s_pp).sqrt();
+            IdentifyError::Refused(format!(
+                "stiffness falls with pressure ({value:.1} ± {standard_error:.1} N/m per kPa), expected it to rise"
+            ))
         }
         // All else was looked at before.
-        _ => IdentifyError::Constant { what: "pressure_kpa", value: p.first().copied().unwrap_or(f64::NAN) },
+        _ => IdentifyError::constant("pressure_kpa", p),
     }
 }
 
@@ -165,12 +168,7 @@ fn check_columns(p: &[f64], k: &[f64], units: Units) -> Result<()> {
     };
     if let Some(hint) = hint {
         let found = format!("{} to {} kPa", plain(lowest), plain(highest));
-        return Err(IdentifyError::Units {
-            what: "pressure_kpa",
-            found,
-            expected: "80 to 2000 kPa at its highest",
-            hint,
-        });
+        return Err(IdentifyError::units("pressure_kpa", &found, "80 to 2000 kPa at its highest", hint));
     }
     let (lowest, highest) = guard::range(k);
     let hint = match () {
@@ -179,15 +177,9 @@ fn check_columns(p: &[f64], k: &[f64], units: Units) -> Result<()> {
         () if lowest > 20_000_000.0 => Some("; it looks like N/m times a thousand"),
         () => None,
     };
-    match hint {
-        None => Ok(()),
-        Some(hint) => Err(IdentifyError::Units {
-            what: "stiffness_n_per_m",
-            found: format!("{} to {} N/m", plain(lowest), plain(highest)),
-            expected: "10 000 to 20 000 000 N/m",
-            hint,
-        }),
-    }
+    let found = format!("{} to {} N/m", plain(lowest), plain(highest));
+    let refused = |hint| IdentifyError::units("stiffness_n_per_m", &found, "10 000 to 20 000 000 N/m", hint);
+    hint.map_or(Ok(()), |hint| Err(refused(hint)))
 }
 
 /// A vehicle file takes 20 to 20 000 N/m per kPa.
@@ -195,7 +187,7 @@ fn check_slope(slope: f64, units: Units) -> Result<()> {
     if units == Units::Trusted || (20.0..=20_000.0).contains(&slope) {
         return Ok(());
     }
-    Err(IdentifyError::units("the slope", (slope, "N/m per kPa"), "20 to 20 000 N/m per kPa", ""))
+    Err(IdentifyError::unit("the slope", (slope, "N/m per kPa"), "20 to 20 000 N/m per kPa", ""))
 }
 
 /// Different pressures with their stiffnesses, from low to high.

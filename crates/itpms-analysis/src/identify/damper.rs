@@ -82,18 +82,19 @@ fn slow_to_turn(records: &[SineRecord<'_>], result: &DamperResult, fastest: f64)
 fn check(damping: &Estimate, units: Units) -> Result<()> {
     let Estimate { value, standard_error, .. } = *damping;
     if !(value.abs() > 3.0 * standard_error) {
-        let what = "the damping";
-        return Err(IdentifyError::NoSlope { what, value, standard_error, unit: "N s/m" });
+        return Err(IdentifyError::no_slope("the damping", damping, "N s/m"));
     }
     if !(value > 0.0) {
-        return Err(IdentifyError::NegativeDamping { value });
+        return Err(IdentifyError::Refused(format!(
+            "the damping is {value:.1} N s/m with the sign in which the spring pulls back: force_n and displacement_m are not of the same instant, or not of this part"
+        )));
     }
     let (lowest, highest) = PLAUSIBLE_N_S_PER_M;
     if units == Units::Trusted || (lowest..=highest).contains(&value) {
         return Ok(());
     }
     let hint = if value < lowest { "; the force looks like kN" } else { "; is the displacement in m?" };
-    Err(IdentifyError::units("the damping", (value, "N s/m"), "10 to 500 000 N s/m", hint))
+    Err(IdentifyError::unit("the damping", (value, "N s/m"), "10 to 500 000 N s/m", hint))
 }
 
 /// All runs together, and each alone.
@@ -110,7 +111,7 @@ struct Fit {
 impl Fit {
     /// Force times `sign`, less a spring, over velocity and displacement.
     fn new(runs: &[Run], fastest: f64, sign: f64, spring: f64) -> Result<Self> {
-        let singular = || IdentifyError::Singular("damping and friction");
+        let singular = || IdentifyError::singular("damping and friction");
         let width = FIRST_DISPLACEMENT + runs.len();
         let mut alone = Vec::new();
         let mut joint = Vec::new();

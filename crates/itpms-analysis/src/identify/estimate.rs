@@ -52,7 +52,6 @@ impl Estimate {
     }
 }
 
-/// The basis of a standard error.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ErrorBasis {

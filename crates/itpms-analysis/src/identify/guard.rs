@@ -16,19 +16,26 @@ pub enum Units {
 }
 
 /// Finite, and as long as the other column.
-pub(super) fn pair((x_name, x): (&'static str, &[f64]), (y_name, y): (&'static str, &[f64])) -> Result<()> {
+pub(super) fn pair((x_name, x): (&str, &[f64]), (y_name, y): (&str, &[f64])) -> Result<()> {
     if x.len() != y.len() {
-        return Err(IdentifyError::Lengths { first: x.len(), second: y.len() });
+        let lengths = format!("columns of {} and {} rows, expected equal lengths", x.len(), y.len());
+        return Err(IdentifyError::Refused(lengths));
     }
-    for (what, column) in [(x_name, x), (y_name, y)] {
-        if let Some(row) = column.iter().position(|value| !value.is_finite()) {
-            return Err(IdentifyError::NotFinite { what, row: row + 1 });
-        }
-    }
-    Ok(())
+    finite(x_name, x)?;
+    finite(y_name, y)
 }
 
-/// As people write it, with its power of ten where there would be more zeros than anybody counts.
+pub(super) fn finite(what: &str, column: &[f64]) -> Result<()> {
+    let row = column.iter().position(|value| !value.is_finite());
+    let refused = |row| Err(IdentifyError::Refused(format!("row {} of {what} is not finite", row + 1)));
+    row.map_or(Ok(()), refused)
+}
+
+pub(super) fn at_least(what: &str, found: usize, expected: usize) -> Result<()> {
+    if found < expected { Err(IdentifyError::too_few(what, found, expected)) } else { Ok(()) }
+}
+
+/// A number for a person, with its power of ten where there would be many zeros.
 pub(super) fn plain(value: f64) -> String {
     match value.abs() {
         size if size > 0.0 && !(1e-4..1e9).contains(&size) => format!("{value:.2e}"),
@@ -41,17 +48,17 @@ pub(super) fn range(values: &[f64]) -> (f64, f64) {
     values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(*v), high.max(*v)))
 }
 
-pub(super) fn varies(what: &'static str, values: &[f64]) -> Result<(f64, f64)> {
+pub(super) fn varies(what: &str, values: &[f64]) -> Result<(f64, f64)> {
     let (low, high) = range(values);
     // A span below the rounding of the values is none.
     if !(high - low > 1e-9 * low.abs().max(high.abs())) {
-        return Err(IdentifyError::Constant { what, value: values.first().copied().unwrap_or(f64::NAN) });
+        return Err(IdentifyError::constant(what, values));
     }
     Ok((low, high))
 }
 
 /// The signal does not rest at one of its ends.
-pub(super) fn not_clipped(what: &'static str, values: &[f64]) -> Result<()> {
+pub(super) fn not_clipped(what: &str, values: &[f64]) -> Result<()> {
     let (low, high) = range(values);
     for (value, end) in [(high, "maximum"), (low, "minimum")] {
         // One visit to the end is longer than a chance meeting of two rows.
@@ -64,7 +71,9 @@ pub(super) fn not_clipped(what: &'static str, values: &[f64]) -> Result<()> {
             longest = longest.max(run);
         }
         if longest >= 3 && rows as f64 > CLIPPED_SHARE * values.len() as f64 {
-            return Err(IdentifyError::Clipped { what, rows, of: values.len(), value, end });
+            let shown = format!("{rows} of {} rows are exactly {value}, its {end}", values.len());
+            let sentence = format!("{what} looks clipped: {shown}; expected a signal within its range");
+            return Err(IdentifyError::Refused(sentence));
         }
     }
     Ok(())

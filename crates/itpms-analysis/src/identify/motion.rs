@@ -65,10 +65,7 @@ pub(super) fn runs(records: &[SineRecord<'_>], unsettled: f64, units: Units) -> 
     for record in records {
         guard::pair(("time_s", record.time_s), ("displacement_m", record.displacement_m))?;
         guard::pair(("displacement_m", record.displacement_m), ("force_n", record.force_n))?;
-        if record.time_s.len() < FEWEST_PER_PERIOD {
-            let found = record.time_s.len();
-            return Err(IdentifyError::TooFew { what: "rows", found, expected: FEWEST_PER_PERIOD });
-        }
+        guard::at_least("rows", record.time_s.len(), FEWEST_PER_PERIOD)?;
         let (low, high) = guard::varies("displacement_m", record.displacement_m)?;
         guard::varies("force_n", record.force_n)?;
         check_amplitude(0.5 * (high - low), units)?;
@@ -82,11 +79,10 @@ pub(super) fn runs(records: &[SineRecord<'_>], unsettled: f64, units: Units) -> 
             Err(error) => return Err(error),
         }
     }
-    match (out.is_empty(), none) {
-        (false, _) => Ok(out),
-        (true, Some(error)) => Err(error),
-        (true, None) => Err(IdentifyError::TooFew { what: "records", found: 0, expected: 1 }),
+    if let (true, Some(error)) = (out.is_empty(), none) {
+        return Err(error);
     }
+    guard::at_least("records", out.len(), 1).map(|()| out)
 }
 
 fn check_amplitude(amplitude_m: f64, units: Units) -> Result<()> {
@@ -94,7 +90,7 @@ fn check_amplitude(amplitude_m: f64, units: Units) -> Result<()> {
         return Ok(());
     }
     let hint = "; it looks like millimetres";
-    Err(IdentifyError::units("the amplitude", (amplitude_m, "m"), "at most 0.5 m", hint))
+    Err(IdentifyError::unit("the amplitude", (amplitude_m, "m"), "at most 0.5 m", hint))
 }
 
 fn run(record: &SineRecord<'_>, rows: Range<usize>, unsettled: f64, units: Units) -> Result<Run> {
@@ -107,15 +103,16 @@ fn run(record: &SineRecord<'_>, rows: Range<usize>, unsettled: f64, units: Units
     let frequency_hz = sine.omega / TAU;
     if units == Units::Checked && frequency_hz < SLOWEST_HZ {
         let hint = "; time_s looks like milliseconds";
-        return Err(IdentifyError::units("the frequency", (frequency_hz, "Hz"), "0.02 Hz or more", hint));
+        return Err(IdentifyError::unit("the frequency", (frequency_hz, "Hz"), "0.02 Hz or more", hint));
     }
     let span = t.last().unwrap_or(&0.0) - t.first().unwrap_or(&0.0);
     let rows_per_period = (t.len() - 1) as f64 / (span * frequency_hz);
     if !(rows_per_period >= FEWEST_PER_PERIOD as f64) {
-        let expected = FEWEST_PER_PERIOD;
-        return Err(IdentifyError::SampledTooSlowly { frequency_hz, rows_per_period, expected });
+        return Err(IdentifyError::Refused(format!(
+            "{rows_per_period:.1} rows per period at {frequency_hz:.3} Hz, expected at least {FEWEST_PER_PERIOD}"
+        )));
     }
-    let singular = || IdentifyError::Singular("frequency and force");
+    let singular = || IdentifyError::singular("frequency and force");
     let answer = sine::at(sine.omega, t, force).ok_or_else(singular)?;
     let (periods, blocks) = blocks(&sine, t, x, force, unsettled).ok_or_else(singular)?;
     Ok(Run {

@@ -70,7 +70,7 @@ pub(super) fn stretches(time_s: &[f64], x: &[f64]) -> Result<Vec<Range<usize>>> 
 fn pieces(time_s: &[f64]) -> Result<Vec<Range<usize>>> {
     let mut steps: Vec<f64> = time_s.windows(2).map(|w| w[1] - w[0]).collect();
     if let Some(i) = steps.iter().position(|step| !(*step > 0.0)) {
-        return Err(IdentifyError::TimeOrder { row: i + 2, from_s: time_s[i], to_s: time_s[i + 1] });
+        return Err(IdentifyError::time_order(i + 2, time_s[i], time_s[i + 1]));
     }
     let usual = median(&mut steps);
     let mut out = Vec::new();

@@ -39,7 +39,6 @@ const LONGEST_M: f64 = 1.0;
 pub struct SpringResult {
     /// Stiffness in N/m: slope of the best line over the travel.
     pub stiffness_n_per_m: Estimate,
-    /// The basis of its standard error.
     pub error_basis: ErrorBasis,
     /// Half the height of the loop in N; `None` for a record in one direction.
     pub friction_n: Option<Estimate>,
@@ -83,9 +82,7 @@ struct Used {
 /// Identifies a spring from displacement in m and load in N, in the order in which they were measured.
 pub fn spring(displacement_m: &[f64], load_n: &[f64], units: Units) -> Result<SpringResult> {
     guard::pair(("displacement_m", displacement_m), ("load_n", load_n))?;
-    if load_n.len() < FEWEST_ROWS {
-        return Err(IdentifyError::TooFew { what: "rows", found: load_n.len(), expected: FEWEST_ROWS });
-    }
+    guard::at_least("rows", load_n.len(), FEWEST_ROWS)?;
     let (low, high) = guard::varies("displacement_m", displacement_m)?;
     guard::varies("load_n", load_n)?;
     check_travel(high - low, units)?;
@@ -99,9 +96,7 @@ pub fn spring(displacement_m: &[f64], load_n: &[f64], units: Units) -> Result<Sp
 
     let used = usable(displacement_m, load_n, high - low);
     let rows: usize = used.iter().map(|stroke| stroke.rows.len()).sum();
-    if rows < FEWEST_ROWS {
-        return Err(IdentifyError::TooFew { what: "usable rows", found: rows, expected: FEWEST_ROWS });
-    }
+    guard::at_least("usable rows", rows, FEWEST_ROWS)?;
     // Where the line is looked at: middle and half length of the travel used.
     let (first, last) =
         guard::range(&used.iter().flat_map(|s| s.rows.iter().map(|r| r.0)).collect::<Vec<_>>());
@@ -109,9 +104,7 @@ pub fn spring(displacement_m: &[f64], load_n: &[f64], units: Units) -> Result<Sp
     let (slope, basis) = stiffness(&used, middle, half)?;
     let sign = slope.value.signum();
     if !(slope.value.abs() > 3.0 * slope.standard_error) {
-        let what = "the stiffness";
-        let (value, standard_error) = (slope.value, slope.standard_error);
-        return Err(IdentifyError::NoSlope { what, value, standard_error, unit: "N/m" });
+        return Err(IdentifyError::no_slope("the stiffness", &slope, "N/m"));
     }
     let stiffness_n_per_m = Estimate { value: slope.value.abs(), ..slope };
     check_stiffness(stiffness_n_per_m.value, units)?;
@@ -143,7 +136,7 @@ pub fn spring(displacement_m: &[f64], load_n: &[f64], units: Units) -> Result<Sp
 fn check_travel(travel_m: f64, units: Units) -> Result<()> {
     if units == Units::Checked && travel_m > LONGEST_M {
         let hint = "; it looks like millimetres";
-        return Err(IdentifyError::units("the travel", (travel_m, "m"), "at most 1 m", hint));
+        return Err(IdentifyError::unit("the travel", (travel_m, "m"), "at most 1 m", hint));
     }
     Ok(())
 }
@@ -154,7 +147,7 @@ fn check_stiffness(value: f64, units: Units) -> Result<()> {
         return Ok(());
     }
     let hint = if value < lowest { "; the load looks like kN" } else { "; is the displacement in m?" };
-    Err(IdentifyError::units("the stiffness", (value, "N/m"), "500 to 10 000 000 N/m", hint))
+    Err(IdentifyError::unit("the stiffness", (value, "N/m"), "500 to 10 000 000 N/m", hint))
 }
 
 /// The rows of each stroke that friction has settled in.
@@ -188,10 +181,10 @@ fn block(stroke: &Used, middle: f64, half: f64) -> Block {
 fn stiffness(used: &[Used], middle: f64, half: f64) -> Result<(Estimate, ErrorBasis)> {
     let blocks: Vec<Block> = used.iter().map(|stroke| block(stroke, middle, half)).collect();
     if used.len() >= STROKES_TO_COMPARE {
-        let fit = jackknife(&blocks).ok_or(IdentifyError::Singular("load and preload"))?;
+        let fit = jackknife(&blocks).ok_or(IdentifyError::singular("load and preload"))?;
         return Ok((Estimate::of(&fit, &[(0, 1.0 / half)]), ErrorBasis::Blocks(used.len())));
     }
-    let (coefficients, rms) = solve(&blocks).ok_or(IdentifyError::Singular("load and preload"))?;
+    let (coefficients, rms) = solve(&blocks).ok_or(IdentifyError::singular("load and preload"))?;
     let slope = coefficients[0] / half;
     // Score of each row: distance from the stroke's mean times residual. And the square sum of the distances.
     let (scores, squares) = loops::scores(used.iter().map(|s| s.rows.as_slice()), slope);
@@ -199,7 +192,7 @@ fn stiffness(used: &[Used], middle: f64, half: f64) -> Result<(Estimate, ErrorBa
     if rows < ROWS_TO_CORRELATE {
         let dof = rows as f64 - 1.0 - used.len() as f64;
         if !(dof >= 1.0) {
-            return Err(IdentifyError::TooFew { what: "rows", found: rows, expected: FEWEST_ROWS });
+            return Err(IdentifyError::too_few("rows", rows, FEWEST_ROWS));
         }
         let variance = rms * rms * rows as f64 / dof / squares;
         return Ok((Estimate::new(slope, variance, dof), ErrorBasis::Independent));

@@ -8,7 +8,6 @@ use itpms_core::warning::Cause;
 const START_S: f64 = 30.0;
 const LOOK_S: f64 = 0.1;
 const BLOCK_S: f64 = 30.0;
-/// Blocks that a mean needs.
 const FEWEST_BLOCKS: usize = 2;
 /// Time between two looks at the struts, which forget with as much.
 const STRUTS_S: f64 = 60.0;
@@ -31,7 +30,7 @@ pub struct StrutMean {
     pub friction_n: f64,
 }
 
-/// What a drive has shown. The same whatever unsprung masses, dampers, springs and tires its [`Listener`] was given.
+/// A drive's result. The same whatever unsprung masses, dampers, springs and tires its [`Listener`] was given.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DriveReading {
     pub pressures_kpa: [f64; 4],
@@ -91,7 +90,7 @@ impl Listener {
             *corner = corner.with_initial_pressure(kpa)?;
             corner.placard_kpa = kpa;
             corner.uncertainty.stiffness_over_mass_relative_sd = Some(0.0);
-            // What the file says of friction is weighed against the drive's afterwards.
+            // The file's friction is weighed against the drive's afterwards.
             (corner.uncertainty.friction_n, corner.uncertainty.friction_sd_n) = (0.0, ANY_FRICTION_N);
         }
         let mut car = Box::new(MonitoredCar::unconfigured());

@@ -33,7 +33,6 @@ pub use wheelbase::{FoundWheelbase, WheelbaseListener};
 /// file's, the tires are read better with better ones.
 pub const PASSES: usize = 2;
 
-/// Why nothing can be learned.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum LearnError {
     #[error("no drive, expected one at least")]

@@ -5,7 +5,7 @@ use itpms_core::model::CornerConfig;
 use super::parameter::Parameter;
 use super::{DriveReading, StrutMean};
 
-/// What the fit of the body's motion is wrong by on cars that are not their file: damper and spring as shares, friction in N.
+/// Sd of the error of the body motion's fit on cars that are not their file: damper and spring as shares, friction in N.
 const DAMPING_SD: f64 = 0.05;
 const SPRING_SD: f64 = 0.07;
 const FRICTION_SD_N: f64 = 6.0;

@@ -133,7 +133,7 @@ fn a_tire_that_is_far_from_its_file_is_read_at_its_known_pressure() {
             off.push((wheel.as_ref().unwrap().stiffness_over_mass / right).ln().abs());
         }
     }
-    // A tenth of what the file is off by is left in the mean square, and every wheel is nearer to the car than to its file.
+    // In the mean square a tenth of the file's error remains, and every wheel is nearer to the car than to its file.
     let rms = (off.iter().map(|off| off * off).sum::<f64>() / off.len() as f64).sqrt();
     let (file, worst) = (2.0f64.ln(), off.iter().copied().fold(0.0, f64::max));
     assert!(rms < 0.1 * file && worst < 0.5 * file, "{rms}: {off:?}");

@@ -23,7 +23,6 @@ pub(super) enum Mark {
     Stretch { from: f64, to: f64, word: String },
 }
 
-/// A mark's sample in a legend.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Sample {
     Line(Ink, Stroke),

@@ -3,9 +3,7 @@
 /// Places of the marks and their words.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Ticks {
-    /// With a word.
     pub(super) labelled: Vec<(f64, String)>,
-    /// Without.
     pub(super) minor: Vec<f64>,
 }
 

@@ -272,7 +272,7 @@ fn carried(out: &mut String, load: &Load, masses: &Masses) {
     for (i, name) in ["Front axle", "Rear axle"].into_iter().enumerate() {
         let limit = load.gross_axle_kg.map(|limits| limits[i]);
         let over = load.overloaded_axles()[i];
-        // A bar of what it may carry, or else of the heavier one; the mark is what it may.
+        // The bar's full length is the permitted load, or else the heavier axle's load; the mark is the permitted load.
         let share = axles_kg[i].value / limit.unwrap_or(most);
         let mark = if limit.is_some() { "<i class=\"gauge-mark\"></i>" } else { "" };
         let may = limit.map_or_else(String::new, |limit| format!("<span>of {limit:.0}\u{a0}kg</span>"));

@@ -17,7 +17,7 @@ const BLOCK_M: f64 = 100.0;
 const MAD_TO_SD: f64 = 1.4826;
 /// Parts less than this apart in m are one hole.
 const BRIDGED_M: f64 = 0.3;
-/// What a height is off by where a tire spans what is short, or leaves what is deep: an sd in m, and one as a share of the height.
+/// Sd of a height where the tire spans a short hole, or does not follow a deep one: in m, and as a share of the height.
 const SPANNED_SD_M: f64 = 3e-3;
 const SPANNED_SD_SHARE: f64 = 0.2;
 
@@ -149,7 +149,7 @@ impl AnomalySearch {
     }
 }
 
-/// What the front and the rear wheel of a side found of one hole, and how often.
+/// One hole as the front and the rear wheel of a side found it, and how often.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SideAnomaly {
     /// The mean of the wheels' findings, at the distance of the first.
@@ -179,7 +179,7 @@ pub fn of_a_side(wheels: &[Vec<Anomaly>], within_m: f64) -> Vec<SideAnomaly> {
                     at_m: one.at_m,
                     time_s: one.time_s.min(anomaly.time_s),
                     height_m: mean(one.height_m, anomaly.height_m),
-                    // What a tire spans both of them span.
+                    // A hole that one tire spans, both span.
                     height_sd_m: one.height_sd_m.min(anomaly.height_sd_m),
                     length_m: mean(one.length_m, anomaly.length_m),
                 };
@@ -210,7 +210,7 @@ mod tests {
 
     #[test]
     fn holes_and_bumps_are_found_with_height_and_place() {
-        // One of them across the border of two blocks, one at the edge of what stands out.
+        // One of them across the border of two blocks, one barely above the threshold.
         let holes = [(30.0, 0.6, -0.03), (101.8, 0.8, 0.04), (240.0, 0.5, -0.02)];
         let found = search(300.0, &holes, 3e-4);
         assert_eq!(found.len(), 3, "{found:?}");

@@ -8,7 +8,7 @@ use super::table::RoughnessTable;
 
 /// Points of a segment's line.
 const POINTS: u32 = 10;
-/// What is written of a degree: 1e-7 is a centimeter.
+/// Resolution of a written degree: 1e-7 is a centimeter.
 const PER_DEGREE: f64 = 1e7;
 
 /// The road's segments and anomalies where they are on earth; what has no place is left out and counted.

@@ -120,7 +120,6 @@ pub struct MapCell {
     /// Its corners, longitude first, in degrees: south-west and north-east.
     pub corners_deg: [[f64; 2]; 2],
     pub iri_m_per_km: f64,
-    /// Its description.
     pub title: String,
 }
 

@@ -16,7 +16,7 @@ impl Way {
     /// The position at a distance, in degrees; one that is not known, that is held, or that no place has is passed over.
     pub fn push(&mut self, distance_m: f64, position_deg: [f64; 2]) {
         let [latitude, longitude] = position_deg;
-        // What a receiver without satellites sends.
+        // A receiver without satellites sends this.
         let is_nowhere = latitude == 0.0 && longitude == 0.0;
         let is_one =
             latitude.abs() <= 90.0 && longitude.abs() <= 180.0 && !is_nowhere && distance_m.is_finite();

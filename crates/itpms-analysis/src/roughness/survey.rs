@@ -103,7 +103,7 @@ pub struct TrackRoughness {
     pub known_m: f64,
 }
 
-/// What is collected of a segment. Slopes come later than heights: the golden car looks a moving average ahead.
+/// The sums of a segment. Slopes come later than heights: the golden car looks a moving average ahead.
 #[derive(Debug, Clone, Copy)]
 struct Sums {
     heights: f64,
@@ -238,7 +238,7 @@ impl TrackSurvey {
     }
 
     /// The newest segment that is complete, and nothing more of it and those before: for a track without an end, in the
-    /// memory of a segment or two. What was taken is not in the track's total.
+    /// memory of a segment or two. Segments taken are not in the track's total.
     pub fn take_newest(&mut self) -> Option<SegmentRoughness> {
         let reached_m = self.slope_at_m.unwrap_or(self.last_m);
         let place = (reached_m - self.options.origin_m) / self.options.segment_m + 1e-9;

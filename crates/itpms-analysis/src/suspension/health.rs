@@ -15,12 +15,10 @@ pub struct Measured {
 }
 
 itpms_core::labelled! {
-    /// State of a damper in a drive.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
     pub enum DamperState {
         /// Too little has been driven so far.
         Learning = "learning",
-        /// As it was.
         Fine = "fine",
         /// It damps less than it did, by 18 % or more.
         Weak = "weak",
@@ -44,7 +42,6 @@ pub struct DamperHealth {
     pub front_rear: Option<Measured>,
     /// Damping ratio of the wheel between its tire, at the pressure that it should have, and its spring.
     pub wheel_damping_ratio: Option<Measured>,
-    /// Its state in this drive.
     pub state: DamperState,
     /// Why that is not more.
     pub because: Option<Because>,
@@ -124,7 +121,7 @@ impl DamperHealth {
             let sides = if i < 2 { [1.0, -1.0, 0.0, 0.0] } else { [0.0, 0.0, 1.0, -1.0] };
             let floor = if reference.is_some() { LEFT_RIGHT_SD } else { LEFT_RIGHT_ALONE_SD };
             let damping = Measured { value: now[i], sd: now[i] * spread(own, DAMPING_SD) };
-            // What is read against springs that follow the load is no damping of this car.
+            // Damping read against springs that follow the load is not this car's.
             let against = |measured: Measured| (reference.is_some() && !level).then_some(measured);
             Self {
                 damping_n_s_per_m: Some(damping),

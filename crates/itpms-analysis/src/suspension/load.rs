@@ -8,7 +8,7 @@ use super::car_body::CarBody;
 use super::health::Measured;
 use super::reading::SuspensionReading;
 
-/// What a drive's load is wrong by on cars whose springs are known, over many drives (docs/load.md), without friction, of the total and of an axle as shares; with friction by more, see
+/// Sd of the error of a drive's load on cars whose springs are known, over many drives (docs/load.md), without friction, of the total and of an axle as shares; with friction by more, see
 /// [`growth`].
 const TOTAL_SD: f64 = 0.01;
 const AXLE_SD: f64 = 0.011;
@@ -17,7 +17,6 @@ const FRICTION_SHARE: f64 = 0.4;
 const MOST_FRICTION: f64 = 0.5;
 
 itpms_core::labelled! {
-    /// What is known of it.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
     pub enum LoadState {
         Known = "known",
@@ -39,7 +38,6 @@ pub struct Masses {
     pub added_kg: Measured,
 }
 
-/// The load of a drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Load {
     /// Axle loads, where they are known.
@@ -82,7 +80,7 @@ impl Load {
         Self { state: if over { LoadState::Overload } else { LoadState::Known }, ..known }
     }
 
-    /// Whether front and rear axle carry more than they may, surely so: one driver in twenty is warned of what is just allowed.
+    /// Whether front and rear axle carry more than they may, surely so: at the permitted load one driver in twenty is warned.
     pub fn overloaded_axles(&self) -> [bool; 2] {
         let (Some(masses), Some(limits)) = (&self.masses, self.gross_axle_kg) else { return [false; 2] };
         std::array::from_fn(|i| masses.axles_kg[i].value - ONE_SIDED_95 * masses.axles_kg[i].sd > limits[i])

@@ -30,7 +30,7 @@ pub struct SuspensionReading {
 /// Rate in m/s (rms) at which damping is compared, and mean of `|v|³` over that of `v²` at a rate of one (Gaussian).
 const RATE_M_S: f64 = 0.1;
 const CUBE: f64 = 1.596;
-/// What a newton of dry friction damps at a rate of one (rms, Gaussian): the root of two over pi.
+/// Equivalent damping of a newton of dry friction at a rate of one (rms, Gaussian): the root of two over pi.
 const COULOMB: f64 = 0.797_9;
 /// Share of the body's motion that may stay unexplained.
 const MOST_UNEXPLAINED: f64 = 0.35;

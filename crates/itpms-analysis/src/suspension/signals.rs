@@ -1,5 +1,5 @@
 //! The signals that a strut's force is made of, from the accelerations of its body and its wheel. Every one passes the same high pass, so that
-//! what is true of forces and accelerations is true of what comes out.
+//! relations between forces and accelerations hold for the filtered signals, too.
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;

@@ -72,7 +72,7 @@ pub(super) struct Bin {
     pub(super) hz: f64,
     /// Mean over the frames of `z z*`, each over its loudness.
     pub(super) matrix: nalgebra::DMatrix<Complex<f64>>,
-    /// What a sensor's noise of one m/s² (rms per row) adds to the power of its acceleration.
+    /// Power that a sensor's noise of one m/s² (rms per row) adds to that of its acceleration.
     pub(super) noise: f64,
 }
 
@@ -84,7 +84,7 @@ impl Bin {
         let one = Complex::new(1.0, 0.0);
         for (corner, variance) in noise.iter().enumerate() {
             let at = corner * SIGNALS;
-            // What a body's and a wheel's noise is in each signal.
+            // The body's and the wheel's noise in each signal.
             let of_body = [(BODY, one), (VELOCITY, -one / s), (WAY, -one / (s * s))];
             let of_wheel = [(WHEEL, one), (VELOCITY, one / s), (WAY, one / (s * s))];
             for signals in [of_body, of_wheel] {
@@ -109,7 +109,6 @@ pub(super) struct Sum {
     pub(super) rate_rms_m_s: [f64; 4],
 }
 
-/// Why there is too little.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum TooLittle {
     Short,

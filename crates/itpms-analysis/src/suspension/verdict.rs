@@ -26,7 +26,7 @@ pub struct SuspensionVerdict {
     /// The dampers, in the order of [`Corner::ALL`](itpms_core::model::Corner::ALL).
     pub dampers: [DamperHealth; 4],
     pub load: Load,
-    /// What it would teach of a car that is healthy; nothing where there is a reference already, or where the drive does not suffice.
+    /// The reference it would store for a healthy car; none where there is one already, or where the drive does not suffice.
     pub learned: Option<SuspensionReference>,
     /// Seconds of driving that were of use.
     pub usable_s: f64,

@@ -49,7 +49,7 @@ impl Suspension {
     }
 }
 
-/// What is to be reported of motion that [`no_suspension_allows`].
+/// The report on motion that [`no_suspension_allows`].
 pub(crate) const AGAINST: &str = "body and wheel move against each other as no damper and no spring lets them: a sensor is upside down, or the columns of body and wheel are exchanged";
 
 /// Whether the damper would be negative beyond its error, whatever the mass: the body answers its wheel late, and one sensor turned over makes

@@ -5,6 +5,7 @@ use crate::digits::Base;
 use crate::error::CanProblem;
 use crate::frame::CanFrame;
 use crate::lines::TextLines;
+use crate::reader::FrameSource;
 use crate::repairs::{FramePlace, FrameRepairs};
 use crate::strange::StrangeLines;
 
@@ -38,31 +39,6 @@ impl AscReader {
             any_stamp: false,
             strange: StrangeLines::new(EMPTY, EXPECTED),
         }
-    }
-
-    pub(crate) fn progress(&self) -> f64 {
-        self.lines.progress()
-    }
-
-    pub(crate) fn next_frame(&mut self, repairs: &mut FrameRepairs) -> Result<Option<CanFrame>, CanProblem> {
-        while self.lines.advance()? {
-            match parse(self.lines.text(), self.base) {
-                // The last number of a frame that is cut off is another number, and a stamp alone is no event.
-                Ok(AscLine::Frame(_) | AscLine::Event(_)) if !self.lines.is_terminated() => {
-                    repairs.cut_off = Some(FramePlace::Line(self.lines.number()));
-                }
-                Ok(line) => {
-                    if let Some(frame) = self.understood(line, repairs) {
-                        return Ok(Some(frame));
-                    }
-                }
-                Err(_) if !self.lines.is_terminated() && self.strange.any_understood => {
-                    repairs.cut_off = Some(FramePlace::Line(self.lines.number()));
-                }
-                Err(expected) => self.strange.count(&self.lines, expected, repairs)?,
-            }
-        }
-        self.strange.end(&self.lines).map(|()| None)
     }
 
     /// Takes in what a line says; its frame if it is one.
@@ -111,5 +87,32 @@ impl AscReader {
         }
         self.any_stamp = true;
         self.start_s + self.stamp_s
+    }
+}
+
+impl FrameSource for AscReader {
+    fn next_frame(&mut self, repairs: &mut FrameRepairs) -> Result<Option<CanFrame>, CanProblem> {
+        while self.lines.advance()? {
+            match parse(self.lines.text(), self.base) {
+                // The last number of a frame that is cut off is another number, and a stamp alone is no event.
+                Ok(AscLine::Frame(_) | AscLine::Event(_)) if !self.lines.is_terminated() => {
+                    repairs.cut_off = Some(FramePlace::Line(self.lines.number()));
+                }
+                Ok(line) => {
+                    if let Some(frame) = self.understood(line, repairs) {
+                        return Ok(Some(frame));
+                    }
+                }
+                Err(_) if !self.lines.is_terminated() && self.strange.any_understood => {
+                    repairs.cut_off = Some(FramePlace::Line(self.lines.number()));
+                }
+                Err(expected) => self.strange.count(&self.lines, expected, repairs)?,
+            }
+        }
+        self.strange.end(&self.lines).map(|()| None)
+    }
+
+    fn progress(&self) -> f64 {
+        self.lines.progress()
     }
 }

@@ -39,7 +39,7 @@ pub(super) enum Piece {
 pub(super) struct Containers {
     input: BufReader<File>,
     /// Bytes of the file consumed.
-    position: u64,
+    pub(super) position: u64,
     bytes: u64,
     /// Something is missing since the last piece.
     gap: bool,
@@ -59,11 +59,6 @@ impl Containers {
             compressed: Vec::new(),
             inflater: Decompress::new(true),
         }
-    }
-
-    /// Bytes of the file consumed.
-    pub(super) fn position(&self) -> u64 {
-        self.position
     }
 
     /// How much of the file has been read, 0 to 1.
@@ -277,7 +272,7 @@ fn inflate(state: &mut Decompress, input: &[u8], whole: usize, out: &mut Vec<u8>
     state.reset(true);
     loop {
         if out.len() == out.capacity() {
-            // What the container says is believed as far as deflate can reach: 1032 bytes from one.
+            // The container's stated size is believed as far as deflate can reach: 1032 bytes from one.
             let expected = whole.min(input.len().saturating_mul(1032)).saturating_sub(out.len());
             let more = expected.max(out.len()).max(STEP).min(MOST_BYTES.saturating_sub(out.len()));
             out.reserve_exact(more);

@@ -12,6 +12,7 @@ use super::object::{self, MOST_FRAME_BYTES, Object};
 use super::{BASE_HEADER, SIGNATURE};
 use crate::error::CanProblem;
 use crate::frame::CanFrame;
+use crate::reader::FrameSource;
 use crate::repairs::{FramePlace, FrameRepairs};
 
 /// [`container::MOST_PADDING`] in memory.
@@ -69,45 +70,6 @@ impl BlfReader {
             any_object: false,
             is_over: false,
         })
-    }
-
-    pub(crate) fn progress(&self) -> f64 {
-        self.containers.progress()
-    }
-
-    pub(crate) fn next_frame(&mut self, repairs: &mut FrameRepairs) -> Result<Option<CanFrame>, CanProblem> {
-        loop {
-            match self.step() {
-                Step::Frame(padding, size) => {
-                    let begin = self.at + padding;
-                    let object = object::parse(self.buffer.get(begin..begin + size).unwrap_or_default());
-                    self.at = begin + size;
-                    self.any_object = true;
-                    match object {
-                        Object::Frame(mut frame) => {
-                            frame.time_s += self.start_s;
-                            return Ok(Some(frame));
-                        }
-                        Object::Other => repairs.passed_over += 1,
-                        Object::Broken => self.strange("an object shorter than its fields", repairs),
-                    }
-                }
-                Step::Other(size) => {
-                    self.any_object = true;
-                    repairs.passed_over += 1;
-                    self.pass(size);
-                }
-                Step::Stray(size) => {
-                    self.strange("bytes of no object", repairs);
-                    self.pass(size);
-                }
-                Step::More => {
-                    if self.is_over || !self.refill(repairs).map_err(FileProblem::Read)? {
-                        return self.end(repairs);
-                    }
-                }
-            }
-        }
     }
 
     fn step(&self) -> Step {
@@ -173,7 +135,7 @@ impl BlfReader {
     fn end(&mut self, repairs: &mut FrameRepairs) -> Result<Option<CanFrame>, CanProblem> {
         let left = self.buffer.len() - self.at;
         if left > MOST_PADDING || self.skip > 0 {
-            repairs.cut_off.get_or_insert(FramePlace::Byte(self.containers.position()));
+            repairs.cut_off.get_or_insert(FramePlace::Byte(self.containers.position));
         }
         match repairs.first_not_understood.as_ref() {
             Some(first) if !self.any_object => Err(CanProblem::NoObject {
@@ -187,7 +149,48 @@ impl BlfReader {
     }
 
     fn strange(&self, found: &str, repairs: &mut FrameRepairs) {
-        let place = FramePlace::Byte(self.containers.position());
+        let place = FramePlace::Byte(self.containers.position);
         repairs.not_understood(place, format!("{found} before"), "an object that begins with LOBJ");
+    }
+}
+
+impl FrameSource for BlfReader {
+    fn next_frame(&mut self, repairs: &mut FrameRepairs) -> Result<Option<CanFrame>, CanProblem> {
+        loop {
+            match self.step() {
+                Step::Frame(padding, size) => {
+                    let begin = self.at + padding;
+                    let object = object::parse(self.buffer.get(begin..begin + size).unwrap_or_default());
+                    self.at = begin + size;
+                    self.any_object = true;
+                    match object {
+                        Object::Frame(mut frame) => {
+                            frame.time_s += self.start_s;
+                            return Ok(Some(frame));
+                        }
+                        Object::Other => repairs.passed_over += 1,
+                        Object::Broken => self.strange("an object shorter than its fields", repairs),
+                    }
+                }
+                Step::Other(size) => {
+                    self.any_object = true;
+                    repairs.passed_over += 1;
+                    self.pass(size);
+                }
+                Step::Stray(size) => {
+                    self.strange("bytes of no object", repairs);
+                    self.pass(size);
+                }
+                Step::More => {
+                    if self.is_over || !self.refill(repairs).map_err(FileProblem::Read)? {
+                        return self.end(repairs);
+                    }
+                }
+            }
+        }
+    }
+
+    fn progress(&self) -> f64 {
+        self.containers.progress()
     }
 }

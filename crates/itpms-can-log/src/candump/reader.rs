@@ -8,6 +8,7 @@ use crate::error::CanProblem;
 use crate::frame::CanFrame;
 use crate::interfaces::Interfaces;
 use crate::lines::{TextLines, beginning};
+use crate::reader::FrameSource;
 use crate::repairs::{FramePlace, FrameRepairs};
 use crate::strange::StrangeLines;
 
@@ -43,26 +44,6 @@ impl CandumpReader {
             stamps: Stamps::Unknown,
             strange: StrangeLines::new("lines such as (1436509052.249713) can0 123#DEADBEEF", EXPECTED),
         }
-    }
-
-    pub(crate) fn progress(&self) -> f64 {
-        self.lines.progress()
-    }
-
-    pub(crate) fn next_frame(&mut self, repairs: &mut FrameRepairs) -> Result<Option<CanFrame>, CanProblem> {
-        if self.stamps == Stamps::Unknown {
-            self.survey(repairs)?;
-        }
-        let next = match self.ahead.pop_front() {
-            Some(next) => Some(next),
-            None => self.next_line(repairs)?,
-        };
-        let Some((mut frame, clock)) = next else { return Ok(None) };
-        if let (Stamps::Differences(sum_s), Clock::Relative) = (&mut self.stamps, clock) {
-            *sum_s += frame.time_s;
-            frame.time_s = *sum_s;
-        }
-        Ok(Some(frame))
     }
 
     /// Reads ahead until it is known what the stamps mean.
@@ -122,6 +103,28 @@ impl CandumpReader {
             }
         }
         self.strange.end(&self.lines).map(|()| None)
+    }
+}
+
+impl FrameSource for CandumpReader {
+    fn next_frame(&mut self, repairs: &mut FrameRepairs) -> Result<Option<CanFrame>, CanProblem> {
+        if self.stamps == Stamps::Unknown {
+            self.survey(repairs)?;
+        }
+        let next = match self.ahead.pop_front() {
+            Some(next) => Some(next),
+            None => self.next_line(repairs)?,
+        };
+        let Some((mut frame, clock)) = next else { return Ok(None) };
+        if let (Stamps::Differences(sum_s), Clock::Relative) = (&mut self.stamps, clock) {
+            *sum_s += frame.time_s;
+            frame.time_s = *sum_s;
+        }
+        Ok(Some(frame))
+    }
+
+    fn progress(&self) -> f64 {
+        self.lines.progress()
     }
 }
 

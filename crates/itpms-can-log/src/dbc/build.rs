@@ -150,7 +150,7 @@ impl Builder {
         self.places.get(&id).and_then(|place| self.messages.get_mut(*place))
     }
 
-    /// What is not so important of a signal, in every layout of its name.
+    /// A signal's optional properties, in every layout of its name.
     fn quietly(&mut self, id: u64, signal: &str, mut set: impl FnMut(&mut Signal)) {
         let Some(draft) = self.draft(id) else { return };
         let Some(place) = draft.signals.get(signal) else { return };

@@ -71,7 +71,7 @@ pub enum Fault {
     Factor { message: String, signal: String },
     #[error("message {message}, signal {signal}: a float of {bits} bits, expected {expected}; left out")]
     FloatLength { message: String, signal: String, bits: u16, expected: u16 },
-    #[error("message {message}, signal {signal}: its multiplexer {} is not there; left out", or_unnamed(.switch))]
+    #[error("message {message}, signal {signal}: its multiplexer {} is not there; left out", .switch.as_deref().unwrap_or("(M)"))]
     NoSwitch { message: String, signal: String, switch: Option<String> },
     #[error(
         "message {message}, signal {signal}: {count} multiplexers and no SG_MUL_VAL_ that says which; left out"
@@ -87,10 +87,6 @@ pub enum Fault {
     NobodyThere { statement: &'static str, signal: String, id: u64 },
     #[error("{0} more like these")]
     More(u64),
-}
-
-fn or_unnamed(name: &Option<String>) -> &str {
-    name.as_deref().unwrap_or("(M)")
 }
 
 /// The problems of a file, the first of them in full.

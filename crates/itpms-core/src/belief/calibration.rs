@@ -11,7 +11,7 @@ use crate::memory::{Blank, Placed};
 use crate::model::{CalibrationError, Corner, CornerCalibration, Learned, VehicleCalibration};
 use crate::real::Real;
 
-/// Sd of a tire's compliance, over that at placard pressure, when somebody may have set it anew.
+/// Sd of a tire's compliance, over that at placard pressure, when it may have been set anew.
 const SET_ANEW_SD: f64 = 0.2;
 /// Sd with which a calibration sets a tire, as a share of the placard pressure.
 const CALIBRATION_SD: f64 = 0.004;

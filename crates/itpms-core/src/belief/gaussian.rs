@@ -83,7 +83,7 @@ pub(crate) struct Circumstances<T> {
     pub(crate) mass_sd: [T; 4],
     /// What friction that is not known makes of each corner.
     pub(crate) friction_error: [FrictionError<T>; 4],
-    /// Somebody says that the tires have their placard pressures all the while.
+    /// A calibration holds the tires at their placard pressures.
     pub(crate) tires_set: bool,
 }
 

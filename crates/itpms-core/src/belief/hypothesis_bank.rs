@@ -342,7 +342,7 @@ impl<T: Real> HypothesisBank<T> {
         self.hypotheses[CONSTANT].stop_at(softest);
         let mut total = T::zero();
         for (index, hypothesis) in self.hypotheses.iter_mut().enumerate() {
-            // Nobody fills several at once while they roll.
+            // Several are not filled at once while they roll.
             let filling = (SIDE..RANDOM_WALK).contains(&index) && !(hypothesis.mean[RATE] >= T::zero());
             if filling || !hypothesis.is_possible(softest) {
                 hypothesis.weight = T::zero();

@@ -159,7 +159,7 @@ impl<T: Real> Belief<T> {
         let begins = self.expects_onsets();
         let rates = if begins { onset.rates } else { [T::zero(); 4] };
         // Tires that only lose air while they roll do not wander.
-        // Of tires that somebody has set one may be punctured; several together are a car that is not known yet.
+        // Of tires that were set one may be punctured; several together are a car that is not known yet.
         let together = begins && !self.is_calibrating();
         self.bank.begin_prediction(T::lit(seconds), [begins, together, begins && !self.only_lose()], &rates);
     }
@@ -289,7 +289,7 @@ impl<T: Real> Belief<T> {
     }
 
     /// A corner's sensors were out of order: its tire may have changed meanwhile, and before it was noticed only seemed to.
-    /// During a calibration it is what somebody has set.
+    /// During a calibration it is the pressure that was set.
     pub(crate) fn restart_tire(&mut self, corner: Corner) {
         self.drop_checkpoints();
         let pre_fault = self.pre_fault[corner].take();

@@ -302,7 +302,7 @@ fn tires_change_alike_further_than_each_by_itself() {
     assert!((mean / (60.0 * (1.2e-3f64.powi(2) + 4e-4f64.powi(2)).sqrt()) - 1.0).abs() < 1e-9, "{mean}");
     let difference = variance([1.0, 0.0, -1.0, 0.0]);
     assert!((difference / (2.0 * 3600.0 * 8e-4f64.powi(2)) - 1.0).abs() < 1e-9, "{difference}");
-    // While somebody says what the tires have, nothing does.
+    // During a calibration, nothing does.
     let calibrating =
         gaussian::Circumstances { tires_set: true, ..gaussian::Circumstances::of_a_car(MASS_SD) };
     bank.hypotheses[0].wander(&gaussian::Wandering::over(60.0, &calibrating));

@@ -16,8 +16,6 @@ use crate::spectrum::OVERLAP;
 const TAILS: f64 = 8.0;
 /// Chance that a frame is none that any hypothesis foretells, as where the axles' roads part.
 const STRAY: f64 = 1e-3;
-/// Half of a bin's power is in each of its two numbers; frames that overlap say half of everything twice.
-const SHARE: f64 = 0.5 / OVERLAP;
 /// Least power of a road in a bin, in m²/s².
 const LEAST_POWER: f64 = 1e-12;
 
@@ -154,6 +152,11 @@ fn combine<T: Real, const N: usize>(columns: &[[T; N]], shares: &[T]) -> [T; N] 
     sum
 }
 
+/// Half of a bin's power is in each of its two numbers; frames that overlap say half of everything twice.
+fn share<T: Real>() -> T {
+    T::lit(0.5 / OVERLAP)
+}
+
 /// How well a hypothesis foretold a frame.
 pub(crate) struct Likelihood<T: Real> {
     pub(crate) log: T,
@@ -183,7 +186,7 @@ impl<T: Real> Likelihood<T> {
         }
         let rows: SVector<T, ROWS> = SVector::from_fn(|row, _| found.rows[row] * relative[row % BINS]);
         let known = spread(own, instrument);
-        let share = T::lit(SHARE);
+        let share = share();
         let root = |scale: T| {
             let mut total = known;
             (0..ROWS).for_each(|row| total[(row, row)] += expected.power[row % BINS] * share * scale);
@@ -221,7 +224,7 @@ impl<T: Real> Likelihood<T> {
             // A column of the root's inverse, with which rows and columns of the whole inverse are products.
             let column = cholesky::solve(&self.root, &SVector::ith(row, T::one()));
             let weighted = column.dot(&self.white);
-            ratio[row % BINS] += T::lit(SHARE) * self.scale * weighted * weighted / column.norm_squared();
+            ratio[row % BINS] += share::<T>() * self.scale * weighted * weighted / column.norm_squared();
         }
         ratio
     }

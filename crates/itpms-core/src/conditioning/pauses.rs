@@ -9,7 +9,7 @@ pub(crate) const LONG_STOP_S: f64 = 10.0;
 /// So many s of driving have to have been learned from before an estimate, a fit or a state counts: sixteen independent frames of 0.12 s,
 /// whose mean power is known to a quarter.
 pub(crate) const ENOUGH_S: f64 = 2.0;
-/// Seconds between two steps of what no sample has to wait for: decisions on pressures, and holding those that a calibration sets.
+/// Seconds between two steps of the work that is not due with every sample: decisions on pressures, and holding those that a calibration sets.
 pub(crate) const DECIDE_S: f64 = 0.1;
 /// Largest rounding error of an hour of steps added up, in s.
 pub(crate) const ROUNDING_S: f64 = 1e-6;

@@ -212,7 +212,7 @@ impl<T: Real> Resampler<T> {
         self.counts
     }
 
-    /// What was there so far is not continued: the next step comes after a gap.
+    /// Ends the record so far: the next step comes after a gap.
     pub(crate) fn interrupt(&mut self) {
         self.filled = 0;
     }

@@ -90,7 +90,7 @@ impl<T: Real> ContactWatch<T> {
             let before = core::mem::replace(&mut self.offsets, self.means.map(offset));
             let is_new = |(before, now): (&T, &T)| (*before == T::zero()) != (*now == T::zero());
             if before.iter().zip(&self.offsets).any(is_new) {
-                // What was made of the forces so far was made of wrong ones.
+                // The statistics so far were made of wrong forces.
                 (self.pulling_s, self.hopping_s) = (T::zero(), T::zero());
             }
         }

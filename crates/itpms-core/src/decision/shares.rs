@@ -50,7 +50,7 @@ impl<T: Real> Shares<T> {
     pub(crate) fn probabilities(&self, loss: T, since: Since, tuning: &Tuning) -> Option<Probabilities<T>> {
         let square = |sd: f64| T::lit(sd * sd);
         let mut weighed = Weighed::new();
-        // What is lost since the drive began knows of the tires' warmth.
+        // The loss since the drive began accounts for the tires' warmth.
         let warmth = if since == Since::Beginning { T::zero() } else { square(tuning.warmth_sd) };
         let plain = self.covariance.map(|covariance| covariance + warmth);
         self.weigh(&plain, loss, since, T::zero(), tuning, &mut weighed)?;

@@ -4,7 +4,7 @@ use crate::decision::SETS;
 use crate::real::Real;
 
 crate::tuning::tuning! {
-    /// Numbers of the decision: priors, what low tires lack, and from which probability on what is said (docs/math/decision.md). Shares
+    /// Numbers of the decision: priors, what low tires lack, and the probabilities from which reports are made (docs/math/decision.md). Shares
     /// are of a tire's reference pressure.
     pub struct Tuning {
         /// Prior that one tire loses its air in a drive.
@@ -17,7 +17,7 @@ crate::tuning::tuning! {
         all_low: f64 = 0.5,
         /// Prior of any other set over that of one.
         others_low: f64 = 0.05,
-        /// What a low tire lacks, and its sd, in the losses that have to be warned of.
+        /// Lack of a low tire, and its sd, in units of the losses that have to be warned of.
         low: [f64; 2] = [1.25, 0.42],
         /// The same of one that is nearly flat.
         flat: [f64; 2] = [3.0, 1.5],
@@ -30,11 +30,11 @@ crate::tuning::tuning! {
         nobody_inflates: f64 = 0.5,
         /// Sd of the share that a tire lacks which is not low: gauges, and a little warmth of its own.
         fine_sd: f64 = 0.013,
-        /// Sd of what all tires lack by being colder than their references: 5 K are 1.8 %.
+        /// Sd of the common lack of tires colder than their references: 5 K are 1.8 %.
         warmth_sd: f64 = 0.018,
-        /// Sd of what all tires seem to lack on a car that has changed since a calibration of another day.
+        /// Sd of the apparent common lack on a car that has changed since a calibration of another day.
         changed_sd: f64 = 0.2,
-        /// And of what an axle's lack more than the other's.
+        /// And of the difference between the axles' lacks.
         changed_axle_sd: f64 = 0.1,
         /// Prior of such a car.
         changed: f64 = 0.1,
@@ -48,7 +48,7 @@ crate::tuning::tuning! {
         hardly_low: f64 = 0.5,
         /// Probability below which it may be called fine.
         surely_not_low: f64 = 0.05,
-        /// Probability of the contrary below which a low tire is reported in half the time: a tenth of what `surely_low` leaves.
+        /// Probability of the contrary below which a low tire is reported in half the time: a tenth of `1 - surely_low`.
         beyond_doubt: f64 = 1e-3,
     }
 }

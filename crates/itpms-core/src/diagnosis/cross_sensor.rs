@@ -86,7 +86,7 @@ impl<T: Real> CrossSensorPlausibility<T> {
     fn average(&mut self, block: &Block<T>, tuning: &Tuning) {
         let [hop, bounce] =
             [HOP_BAND_HZ, BOUNCE_HZ].map(|band_hz| Corner::ALL.map(|i| self.noise(i, band_hz, tuning)));
-        // What the struts make of the wheels is what bodies should do: both must be there.
+        // The struts turn the wheels' motion into the bodies': both must be there.
         let least = T::lit(tuning.hop_over_noise / tuning.over_noise);
         if (0..4).all(|i| block.hop[(4 + i, 4 + i)] > least * hop[i]) {
             let wheels = block.hop.fixed_view::<4, 4>(4, 4).trace();
@@ -171,7 +171,7 @@ impl<T: Real> CrossSensorPlausibility<T> {
         settled: bool,
         tuning: &Tuning,
     ) {
-        // What a wheel does to a body is the corner's own only while all bodies are one.
+        // A wheel's effect on a body is the corner's own only while all bodies are one.
         let warp = self.plane(tuning).map(|plane| plane.warp);
         let latches = self.odd.iter().chain(&self.pairs).chain(&self.reversed).chain(&self.corners);
         let explained = latches.chain(&self.body_gains).any(|latch| latch.debouncer.is_active());
@@ -186,7 +186,7 @@ impl<T: Real> CrossSensorPlausibility<T> {
             let loud = block.hop[(i, i)] > least * self.noise(corner, HOP_BAND_HZ, tuning);
             let reads =
                 loud && self.newest_ratio[corner].is_finite() && block.hop[(4 + i, 4 + i)] > T::zero();
-            // What a swapped sensor reads is so much more than its own that sums would be long in forgetting it.
+            // A swapped sensor reads so much more than its own that sums would be long in forgetting it.
             reads && !self.is_odd(corner, tuning)
         };
         if flat && Corner::ALL.into_iter().all(moves) {

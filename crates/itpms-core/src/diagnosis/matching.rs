@@ -12,7 +12,7 @@ pub(crate) const PAIRS: [[Corner; 2]; 6] = {
     let [fl, fr, rl, rr] = Corner::ALL;
     [[fl, fr], [fl, rl], [fl, rr], [fr, rl], [fr, rr], [rl, rr]]
 };
-/// What is added to the wheels' moments, as a share of their trace: roads that are alike must not blow up the regression.
+/// Ridge added to the wheels' moments, as a share of their trace: roads that are alike must not blow up the regression.
 const RIDGE: f64 = 1e-3;
 
 /// Who follows whom, from the regression of the bodies on all four wheels in the hop band.

@@ -15,7 +15,7 @@ use crate::memory::Blank;
 use crate::model::{CarConfig, HOP_BAND_HZ};
 use crate::real::Real;
 
-/// Bands in Hz of bounce and of what is slower; that of hop is [`HOP_BAND_HZ`].
+/// Bands in Hz of bounce and of slower motion; that of hop is [`HOP_BAND_HZ`].
 pub(crate) const BOUNCE_HZ: [f64; 2] = [1.0, 6.0];
 pub(crate) const SLOW_HZ: [f64; 2] = [0.4, 0.9];
 /// Rate in Hz to which samples are averaged before bounce and slow; before hop it is [`THINNED_HZ`].

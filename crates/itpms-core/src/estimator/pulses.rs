@@ -59,7 +59,7 @@ impl<T: Real> PulseLevel<T> {
         self.change += information * piece.change_kpa;
     }
 
-    /// What is to be added to what the accelerations read, in kPa, and the variance that their level still has then.
+    /// Correction to the accelerations' reading in kPa, and the variance that their level still has then.
     pub(super) fn excess(&self, open_kpa2: T) -> (T, T) {
         if !(self.information > T::zero() && open_kpa2 > T::zero()) {
             return (T::zero(), open_kpa2);

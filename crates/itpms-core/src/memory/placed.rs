@@ -23,7 +23,7 @@ impl<X> Placed<X> {
         self.present.then_some(&mut self.value)
     }
 
-    /// What is in its place, present or not.
+    /// The value in its place, present or not.
     pub(crate) fn value(&self) -> &X {
         &self.value
     }

@@ -8,7 +8,7 @@ use crate::real::Real;
 /// Share of the body's motion, 5 to 16 Hz, that does not go with the wheel's: from the first on nothing is believed, below the second
 /// it is again. Cars that fit have 0.26 to 0.36 on any road, of which pitch and roll are the most; real sensors in wrong places 0.5 to 1.
 const MOST_INCOHERENT: [f64; 2] = [0.45, 0.42];
-/// The same of what the equation of motion of the body over four corners leaves unexplained, 5 to 20 Hz: 0.03 at most where it fits,
+/// The same of the residual of the body's equation of motion over four corners, 5 to 20 Hz: 0.03 at most where it fits,
 /// 0.18 to 0.3 where a body twists at 22 Hz, whose tires are read well, 0.7 and more where one sensor stands for all
 /// corners. From the first on there is more doubt, from the second on nothing is believed.
 const PARTLY_UNEXPLAINED: [f64; 2] = [0.25, 0.22];
@@ -142,7 +142,7 @@ impl<T: Real> BodyFit<T> {
     pub(crate) fn misfit(&self, before: Option<Misfit>) -> Option<Misfit> {
         let over = |value: Option<T>, [most, again]: [f64; 2], misfit: Misfit| {
             let limit = if before == Some(misfit) { again } else { most };
-            // What is no number fits nothing.
+            // NaN fits nothing.
             value.is_some_and(|value| !(value < T::lit(limit))).then_some(misfit)
         };
         // The body equation of a whole car knows what the other wheels do to a corner; coherence does not.

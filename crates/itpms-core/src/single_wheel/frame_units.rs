@@ -16,7 +16,7 @@ enum Unit {
     Roads,
     /// Roads are fitted to the frame in some of these.
     Fit,
-    /// What was fitted is interpolated between them.
+    /// The fit is interpolated between them.
     Interpolate,
     /// Every cell is weighed.
     Weigh,

@@ -218,7 +218,7 @@ impl<T: Real> Tables<T> {
     }
 }
 
-/// What is averaged over a bin's window, at one frequency. The windows of neighbouring bins share their frequencies, so
+/// The quantities averaged over a bin's window, at one frequency. The windows of neighbouring bins share their frequencies, so
 /// each is computed once per node and not once per bin.
 #[derive(Clone, Copy)]
 struct Point<T> {

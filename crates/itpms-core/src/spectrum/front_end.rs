@@ -122,7 +122,7 @@ mod tests {
 
     use super::*;
 
-    /// What a settled filter of both sections makes of a sine: gain and lateness in s.
+    /// Gain and delay in s of a settled filter of both sections at a sine.
     fn response(frequency_hz: f64, rate_hz: f64) -> (f64, f64) {
         let sections = QUALITY.map(|quality| Section::high_pass(LOWEST_HZ, rate_hz, quality));
         let mut states = [[0.0; 2]; 2];

@@ -371,7 +371,7 @@ impl<T: Real> BodyEquation<T> {
                 self.damping[corner] * x[DAMPER + corner.index()].exp(),
                 self.spring[corner] * x[SPRING + corner.index()].exp(),
             );
-            // What the wheel's sensor measures late is advanced, to first order.
+            // The delay of the wheel's sensor is advanced, to first order.
             let (late, s) = (x[DELAY + corner.index()] * T::lit(DELAY_S), Complex::new(T::zero(), omega));
             let wheel_jerk = at(corner, WHEEL);
             let wheel_acceleration = wheel_jerk / s;

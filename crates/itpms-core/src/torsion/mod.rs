@@ -316,7 +316,7 @@ impl<T: Real> TorsionWheel<T> {
         }
     }
 
-    /// What a piece says of the pressure, which is believed from then on.
+    /// A piece's pressure, which is believed from then on.
     fn take(&mut self, fitted: &Fitted<T>, speed_m_s: T, lasted_s: T) -> Option<TorsionChange<T>> {
         let walk = T::lit(WALK_KPA * WALK_KPA) * lasted_s;
         self.variance_kpa2 += walk;

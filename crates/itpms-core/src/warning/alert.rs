@@ -58,7 +58,7 @@ pub enum Cause<T> {
     },
     /// The pressure is certainly above the limit.
     OverInflated(Reading<T>),
-    /// Far harder than the other tire of its axle, more than anybody inflates one: flat, on its rim.
+    /// Far harder than the other tire of its axle, more than a tire is inflated: flat, on its rim.
     Flat(Reading<T>),
     /// A sensor or its wiring.
     Malfunction(Malfunction<T>),

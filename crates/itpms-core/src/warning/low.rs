@@ -89,7 +89,7 @@ impl WheelWatch {
         let silent = self.driven_s >= limits.no_information_s;
         let uninformed = if silent { Evidence::Prefailed } else { Evidence::Prepassed };
         self.uninformed.update(time_s, step_s, uninformed, AT_ONCE);
-        // What was seen of a corner that has never fitted for long, or no longer does, was no tire.
+        // The readings of a corner that has never fitted for long, or no longer does, were no tire's.
         if estimate.validity == Validity::Misfit {
             if around.speed_m_s > T::lit(tuning.should_learn_m_s) {
                 self.fitted_s = (self.fitted_s - step_s).max(0.0);

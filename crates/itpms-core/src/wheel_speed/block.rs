@@ -164,7 +164,7 @@ impl<T: Real> BlockSums<T> {
         let force = accel + drag;
         let braking =
             if accel_x.is_some() { force < T::lit(BRAKING_M_S2) } else { accel < T::lit(SLOWING_M_S2) };
-        // Of what is known, the larger; a turn shows in the rear wheels, too.
+        // The larger of the known values; a turn shows in the rear wheels, too.
         let turned = block.ratio[REAR] * T::lit(1.0 / SCALE) * v * v / config.track_rear_m;
         let by_yaw = yaw.unwrap_or(T::zero()) * v;
         let lateral = mean_of(&self.accel_y).unwrap_or(if yaw.is_some() { by_yaw } else { turned });

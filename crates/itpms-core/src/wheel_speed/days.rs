@@ -33,7 +33,7 @@ pub struct RadiusDay<T> {
     pub day: T,
     /// Changes of the three ratios since the calibration, in thousandths.
     pub change_1e3: [T; 3],
-    /// Their covariance without the calibration's, in the order 00, 10, 11, 20, 21, 22, with half of what loads do; of zeros: there is none.
+    /// Their covariance without the calibration's, in the order 00, 10, 11, 20, 21, 22, with half of the loads' effect; all zeros: there is none.
     pub covariance_1e6: [T; 6],
 }
 

@@ -12,7 +12,7 @@ use crate::real::Real;
 /// Time in s after which a ratio, or a yaw rate, counts as usual: bends are shorter. And after which what was seen is forgotten.
 pub(super) const USUAL_S: f64 = 10.0;
 const MEMORY_S: f64 = 30.0;
-/// What has to be seen: of the accelerations over the speed, as a sum of squares in 1/s²; of the ratios that bends make, in 1e-6.
+/// The least excitation: of the accelerations over the speed, as a sum of squares in 1/s²; of the ratios that bends make, in 1e-6.
 const SPEEDING_SEEN: f64 = 0.003;
 const BENDS_SEEN: f64 = 1000.0;
 pub(super) const FIRST_BENDS: f64 = 100.0;

@@ -27,7 +27,7 @@ const HYPOTHESES: usize = 2 * SETS - 1 + 4;
 /// one over that of one wheel.
 const UNEXPLAINED_SD: [f64; 3] = [4.0, 4.0, 10.0];
 pub(super) const UNEXPLAINED: f64 = 0.005;
-/// Odds of what is reported: .99.
+/// Odds from which a report is made: .99.
 const SURE: f64 = 99.0;
 /// The loss that pulses are tested for, as `-ln` of the share left.
 const PULSES_LN: f64 = 0.278;
@@ -336,7 +336,7 @@ mod tests {
         let expected = (2.0 * (99.0 / 0.025f64).ln() / (1.0 / 0.16 + 0.25 / 4.04f64)).sqrt() / 7.0;
         let found = least_found(0, &covariance, Since::Ever, 7.0, &NO_PULSES);
         assert!((found - expected).abs() < 1e-9, "{found} {expected}");
-        // What is found there has as good as reached the threshold, whatever of its size is expected.
+        // A finding there has as good as reached the threshold, whatever size is expected.
         let at = |loss: f64| {
             let change = seen([-7.0 * loss, 0.0, 0.0, 0.0]);
             Decision::of(&change, &covariance, Since::Ever, 1.56, &NO_PULSES, UNEXPLAINED)

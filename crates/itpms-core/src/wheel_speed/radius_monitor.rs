@@ -392,7 +392,7 @@ impl<T: Real> RadiusMonitor<T> {
     fn astray(&self) -> Option<Astray> {
         let per_m_s2 = T::lit(1.0 / SCALE) * self.last.speed_m_s;
         let slip_s = self.filter.slip_1e3().map(|slip| per_m_s2 * slip);
-        // What is known of the road is forgotten with what was learned: that makes no right speed of a wrong one.
+        // The road's statistics are forgotten with the rest: they make no right speed of a wrong one.
         let slippery = self.filter.is_slippery()[1] && !self.was_astray;
         self.following.astray(self.config.driven, slippery, slip_s)
     }
@@ -405,7 +405,7 @@ impl<T: Real> RadiusMonitor<T> {
         match self.phase {
             Phase::Uncalibrated => {}
             Phase::Learning(left_s) => {
-                // What a coupled axle hides cannot be learned; nor is it compared.
+                // A difference that a coupled axle hides can neither be learned nor compared.
                 let seen = block
                     .used
                     .iter()

@@ -49,7 +49,7 @@ impl Random {
     }
 }
 
-/// What a drive leaves behind: samples at `dt_s`, and the truth at the same instants.
+/// A drive's record: samples at `dt_s`, and the truth at the same instants.
 pub struct Drive {
     pub dt_s: f64,
     pub samples: Vec<CornerSample<f64>>,

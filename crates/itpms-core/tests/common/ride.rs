@@ -11,7 +11,7 @@ pub const PLANT_HZ: f64 = 4000.0;
 /// Seconds driven before the first row, so that the car already swings.
 const WARM_UP_S: f64 = 3.0;
 
-/// What a ride is made of. Functions are of the time in s since the first row.
+/// A ride's inputs. Functions are of the time in s since the first row.
 #[derive(Clone)]
 pub struct Ride {
     pub seed: u64,

@@ -292,7 +292,7 @@ fn all_four_are_more_certain_together_than_each_alone() {
     assert!(report.alerts().all(|alert| !matches!(alert.cause, Cause::AllLow { .. })));
 }
 
-/// Both tires of a side are as probable as their errors allow, and nobody waits for them.
+/// Both tires of a side are as probable as their errors allow, and are reported without a wait.
 #[test]
 fn a_side_that_falls_alike_is_named() {
     let side = Reported { kpa: [185.0, 241.3, 185.0, 241.3], sd: 8.0, ..FINE };
@@ -319,7 +319,7 @@ fn a_tire_that_looks_low_while_the_other_of_its_side_is_silent_is_waited_for() {
         |report: &MonitorReport<f64>| report.alerts().any(|a| matches!(a.cause, Cause::UnderInflated(_)));
     let reported_s = begin().until(200.0, &low, is_low).unwrap();
     assert!((179.8..180.3).contains(&reported_s), "{reported_s}");
-    // What it has surely lost in this drive it has lost all the same.
+    // A sure loss in this drive remains a loss.
     let leaks =
         |report: &MonitorReport<f64>| report.alerts().any(|a| matches!(a.cause, Cause::FastLeak { .. }));
     let mut drive = Drive::new();

@@ -41,7 +41,7 @@ pub(super) const FINE: Reported = Reported {
     loss: [None; 4],
 };
 
-/// What a tire of 302 kPa has lost in this drive.
+/// Loss of a tire of 302 kPa in this drive.
 pub(super) fn lost(lost_kpa: f64, lost_sd_kpa: f64) -> Loss<f64> {
     Loss {
         level_kpa: 302.0,

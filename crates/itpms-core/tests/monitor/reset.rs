@@ -1,4 +1,4 @@
-//! What a reset does to what each tire should have.
+//! The effect of a reset on each tire's reference pressure.
 
 use itpms_core::model::{Air, Corner};
 use itpms_core::monitor::MonitorConfig;
@@ -6,7 +6,7 @@ use itpms_core::warning::{MonitorReport, Regulation};
 
 use super::reported::{Drive, FINE, RATE_HZ, Reported, car, lost, low};
 
-/// What the rear left tire should have.
+/// Reference pressure of the rear left tire.
 fn reference_kpa(report: &MonitorReport<f64>) -> f64 {
     report.wheels[Corner::RearLeft.index()].unwrap().reference_kpa
 }
@@ -99,7 +99,7 @@ fn air(ambient_temperature_c: f64) -> Air<f64> {
     Air { ambient_temperature_c, ..Air::unknown() }
 }
 
-/// A drive of so many seconds, half a minute at a time, with the air's temperature told that often.
+/// A drive of so many seconds, half a minute at a time, with the air's temperature given that often.
 fn on_in_air(drive: &mut Drive, seconds: f64, said: &Reported, ambient_temperature_c: f64) -> f64 {
     for _ in 0..(seconds / 30.0) as u32 {
         drive.monitor.follow_air(&air(ambient_temperature_c));

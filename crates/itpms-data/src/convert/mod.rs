@@ -1,6 +1,6 @@
 //! A log from one format into another, as a stream, with names and units kept.
 //!
-//! Called by `itpms convert`. What is carried over depends on what both formats can say:
+//! Called by `itpms convert`. The content carried over depends on what both formats can hold:
 //!
 //! | from | to | what |
 //! |---|---|---|

@@ -117,7 +117,7 @@ impl Encoder {
 }
 
 impl Outgoing {
-    /// What a signal is to say: its column's value in its own unit; nothing, which is zero, without a column.
+    /// The value of a signal: its column's in its own unit; zero without a column.
     fn physical(&self, place: usize, row: &LogRow) -> f64 {
         match self.columns.get(place) {
             Some(Some((slot, conversion))) => (row.value(*slot) - conversion.offset) / conversion.factor,

@@ -51,6 +51,12 @@ impl From<FileError> for DataError {
     }
 }
 
+impl From<DataError> for Problem {
+    fn from(error: DataError) -> Self {
+        *error.problem
+    }
+}
+
 #[cfg(feature = "mdf4")]
 impl From<crate::mdf4::Mdf4Error> for DataError {
     fn from(error: crate::mdf4::Mdf4Error) -> Self {

@@ -9,7 +9,6 @@ use crate::reference::problem::ReferenceProblem;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum Problem {
-    /// One that a file of any format may have.
     #[error(transparent)]
     File(#[from] FileProblem),
 

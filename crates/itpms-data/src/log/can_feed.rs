@@ -4,9 +4,10 @@ use std::path::Path;
 
 use super::echoes::Echoes;
 use super::first_frames::Frames;
+use super::signal_source::Feed;
 use super::stamps::{Fate, Strays};
 use crate::dbc::{Dbc, Decoder, candidates};
-use crate::error::DataError;
+use crate::error::{DataError, Problem};
 use crate::signals::{Reading, Resolved, SignalMap, contested};
 
 #[derive(Debug)]
@@ -17,7 +18,7 @@ pub(super) struct CanFeed {
     buses: Vec<(u16, Strays<Reading>)>,
 }
 
-/// What the frames of a log mean: of several signals for one column, that which has samples.
+/// Decoder of a log's frames: of several signals for one column, that which has samples.
 /// Errors: the log cannot be read, or the map does not fit the description.
 pub fn frame_decoder(path: &Path, dbc: Dbc, map: Option<&SignalMap>) -> Result<Decoder, DataError> {
     // A pipe can be read only once.
@@ -43,8 +44,10 @@ impl CanFeed {
         let echoes = Echoes::of(frames.first.iter());
         Ok((Self { frames, decoder, echoes, buses: Vec::new() }, resolved))
     }
+}
 
-    pub(super) fn step(&mut self, mut take: impl FnMut(Fate<Reading>)) -> Result<bool, DataError> {
+impl Feed for CanFeed {
+    fn step(&mut self, mut take: &mut dyn FnMut(Fate<Reading>)) -> Result<bool, Problem> {
         let Some(frame) = self.frames.next()? else {
             self.buses.iter_mut().for_each(|(_, strays)| strays.finish(&mut take));
             return Ok(false);
@@ -67,11 +70,11 @@ impl CanFeed {
         Ok(true)
     }
 
-    pub(super) fn progress(&self) -> f64 {
+    fn progress(&self) -> f64 {
         self.frames.reader.progress()
     }
 
-    pub(super) fn repairs(&self) -> Vec<String> {
+    fn repairs(&self) -> Vec<String> {
         let mut out = self.frames.reader.repairs().warnings();
         let problems = self.decoder.problems();
         if let Some(first) = problems.first() {

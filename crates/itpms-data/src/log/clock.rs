@@ -6,7 +6,7 @@
 
 /// Rows after which the usual step is known.
 const FEWEST: u32 = 16;
-/// What is left of a step is at most so many usual ones, and at least so many s.
+/// The remainder of a step is at most so many usual ones, and at least so many s.
 const USUAL_STEPS: f64 = 8.0;
 const LEAST_S: f64 = 0.02;
 /// Weight of a step in the usual one, of which it counts as four at most.

@@ -6,10 +6,12 @@ use std::path::Path;
 
 use itpms_files::shortened;
 
+use super::format::Format;
 use super::header::Header;
 use super::lines::Lines;
 use super::selection::Selection;
 use super::slot::{RawRow, SLOTS, Slot};
+use super::table::TableFormat;
 use super::text_head::TextHead;
 use super::{clock_text, mapped};
 use crate::error::{DataError, Place, Problem};
@@ -65,65 +67,6 @@ impl CsvSource {
             rows,
             is_any_meant: false,
         })
-    }
-
-    pub(super) fn header(&self) -> &Header {
-        &self.header
-    }
-
-    /// Whether the last line has no line end: the logger lost its power, and the last number may be another one.
-    pub(super) fn cut_off(&self) -> bool {
-        self.cut_off
-    }
-
-    pub(super) fn progress(&self) -> f64 {
-        (self.lines.position() as f64 / self.bytes.max(1) as f64).min(1.0)
-    }
-
-    pub(super) fn repairs(&self) -> Vec<String> {
-        let again = match self.headers_again {
-            0 => None,
-            1 => Some("the header comes once more and was left out".to_owned()),
-            n => Some(format!("the header comes {n} times more and was left out")),
-        };
-        let reordered = (self.reordered > 0).then(|| {
-            let times =
-                if self.reordered == 1 { "once".to_owned() } else { format!("{} times", self.reordered) };
-            format!("the header comes {times} more in another order: the rows under it were read by it")
-        });
-        self.head.remark().into_iter().chain(again).chain(reordered).collect()
-    }
-
-    pub(super) fn next_row(&mut self, row: &mut RawRow) -> Result<Option<Place>, Problem> {
-        loop {
-            if !self.lines.advance()? {
-                self.cut_off |= self.lines.lacks_its_end();
-                if !self.rows.is_empty() && !self.is_any_meant && !self.is_under_names {
-                    let rows: Vec<Selection> = self.rows.iter().map(|(_, row)| row.clone()).collect();
-                    return Err(Selection::nowhere(&rows));
-                }
-                return Ok(None);
-            }
-            if self.head.is_names(self.lines.text()) {
-                (self.headers_again, self.is_under_names) = (self.headers_again + 1, true);
-                continue;
-            }
-            if !self.rows.is_empty() && !self.is_meant() {
-                self.is_under_names &= self.head.is_without_numbers(self.lines.text());
-                continue;
-            }
-            match self.cells(row) {
-                Err(problem) => {
-                    if !self.take_names()? && !self.is_of_the_names() {
-                        return Err(problem);
-                    }
-                }
-                read => {
-                    (self.is_under_names, self.is_any_meant) = (false, true);
-                    return read;
-                }
-            }
-        }
     }
 
     /// Whether the present line is of the rows that are asked for.
@@ -230,6 +173,70 @@ impl CsvSource {
                 hint: hint(slot, cell),
             }),
         }
+    }
+}
+
+impl TableFormat for CsvSource {
+    fn header(&self) -> &Header {
+        &self.header
+    }
+
+    fn next_row(&mut self, row: &mut RawRow) -> Result<Option<Place>, Problem> {
+        loop {
+            if !self.lines.advance()? {
+                self.cut_off |= self.lines.lacks_its_end();
+                if !self.rows.is_empty() && !self.is_any_meant && !self.is_under_names {
+                    let rows: Vec<Selection> = self.rows.iter().map(|(_, row)| row.clone()).collect();
+                    return Err(Selection::nowhere(&rows));
+                }
+                return Ok(None);
+            }
+            if self.head.is_names(self.lines.text()) {
+                (self.headers_again, self.is_under_names) = (self.headers_again + 1, true);
+                continue;
+            }
+            if !self.rows.is_empty() && !self.is_meant() {
+                self.is_under_names &= self.head.is_without_numbers(self.lines.text());
+                continue;
+            }
+            match self.cells(row) {
+                Err(problem) => {
+                    if !self.take_names()? && !self.is_of_the_names() {
+                        return Err(problem);
+                    }
+                }
+                read => {
+                    (self.is_under_names, self.is_any_meant) = (false, true);
+                    return read;
+                }
+            }
+        }
+    }
+
+    fn progress(&self) -> f64 {
+        (self.lines.position() as f64 / self.bytes.max(1) as f64).min(1.0)
+    }
+
+    fn cut_off(&self) -> bool {
+        self.cut_off
+    }
+
+    fn repairs(&self) -> Vec<String> {
+        let again = match self.headers_again {
+            0 => None,
+            1 => Some("the header comes once more and was left out".to_owned()),
+            n => Some(format!("the header comes {n} times more and was left out")),
+        };
+        let reordered = (self.reordered > 0).then(|| {
+            let times =
+                if self.reordered == 1 { "once".to_owned() } else { format!("{} times", self.reordered) };
+            format!("the header comes {times} more in another order: the rows under it were read by it")
+        });
+        self.head.remark().into_iter().chain(again).chain(reordered).collect()
+    }
+
+    fn format(&self) -> Option<Format> {
+        Some(Format::Csv)
     }
 }
 

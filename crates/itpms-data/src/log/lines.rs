@@ -180,7 +180,7 @@ impl Lines {
 
     /// Whether the end of the text is missing: zeros stand there, or the file behind gzip has none.
     pub(crate) fn lacks_its_end(&self) -> bool {
-        self.zeros > 0 || matches!(&self.input, Input::Packed(input) if input.get_ref().is_cut_off())
+        self.zeros > 0 || matches!(&self.input, Input::Packed(input) if input.get_ref().is_cut_off)
     }
 
     /// A file of nothing but zeros is no text, and after the text they have an end.

@@ -1,4 +1,4 @@
-//! Tables with anybody's names: a map, and where it is silent the names, say which column is what.
+//! Tables with foreign names: a map, and where it is silent the names, say which column is what.
 //!
 //! Called by the sources of tables with their column names. Without a map a table's columns have our names, or say by their words and units
 //! what they are.

@@ -4,11 +4,12 @@
 
 use std::path::Path;
 
+use super::signal_source::Feed;
 use super::stamps::{Fate, Strays};
 use crate::error::{DataError, Problem};
 use crate::log::Slot;
 use crate::mcap_in::{Messages, Topics};
-use crate::signals::listing::McapLister;
+use crate::signals::listing::{FormatLister as _, McapLister};
 use crate::signals::{Conversion, Reading, Resolved, SignalMap, resolve_among};
 
 #[derive(Debug)]
@@ -43,8 +44,10 @@ impl McapFeed {
         let messages = Messages::open(path)?;
         Ok((Self { messages, topics, wanted, notes: listing.notes }, resolved))
     }
+}
 
-    pub(super) fn step(&mut self, mut take: impl FnMut(Fate<Reading>)) -> Result<bool, Problem> {
+impl Feed for McapFeed {
+    fn step(&mut self, mut take: &mut dyn FnMut(Fate<Reading>)) -> Result<bool, Problem> {
         let Self { messages, topics, wanted, .. } = self;
         let mut taken = None;
         if !messages.step(|message| taken = topics.take(message))? {
@@ -55,7 +58,7 @@ impl McapFeed {
         let Some((wanted, strays)) = wanted.get_mut(topic) else { return Ok(true) };
         for Wanted { place, slot, conversion } in wanted {
             let found = topics.found.iter().find(|(of, _)| of == place).map(|(_, value)| *value);
-            // What is left out of a message is a sample without a value of a sensor that is always sampled, and nothing of another.
+            // A field missing from a message is a missing sample of a sensor that is always sampled, and nothing of another.
             let value = found.unwrap_or(f64::NAN);
             if value.is_finite() || slot.is_acceleration() || slot.is_wheel_speed() {
                 let value = conversion.apply(value);
@@ -65,11 +68,11 @@ impl McapFeed {
         Ok(true)
     }
 
-    pub(super) fn progress(&self) -> f64 {
+    fn progress(&self) -> f64 {
         self.messages.progress()
     }
 
-    pub(super) fn repairs(&self) -> Vec<String> {
+    fn repairs(&self) -> Vec<String> {
         self.notes.clone()
     }
 }

@@ -3,9 +3,10 @@
 use std::collections::VecDeque;
 use std::path::Path;
 
+use super::signal_source::Feed;
 use super::slot::Slot;
 use super::stamps::{Fate, Strays};
-use crate::error::DataError;
+use crate::error::{DataError, Problem};
 use crate::mdf4::{GroupCursor, Mdf4Reader};
 use crate::mdf4_contents::{has_samples, is_signal, signal_name, stacks, unread};
 use crate::signals::{Candidate, Conversion, Reading, Resolved, SignalMap, contested, resolve_among};
@@ -92,13 +93,10 @@ impl Mdf4Feed {
         let repairs = reader.repairs().iter().map(ToString::to_string).collect();
         Ok((Self { groups, start_ns: reader.start_ns(), repairs }, resolved))
     }
+}
 
-    /// When time 0 was, in ns since 1970; 0 if the file does not know.
-    pub(super) fn start_ns(&self) -> u64 {
-        self.start_ns
-    }
-
-    pub(super) fn step(&mut self, mut take: impl FnMut(Fate<Reading>)) -> Result<bool, DataError> {
+impl Feed for Mdf4Feed {
+    fn step(&mut self, mut take: &mut dyn FnMut(Fate<Reading>)) -> Result<bool, Problem> {
         for group in self.groups.iter_mut().filter(|group| group.next.is_empty()) {
             while group.next.is_empty() && !group.is_over {
                 group.advance(&mut take)?;
@@ -113,14 +111,17 @@ impl Mdf4Feed {
         Ok(true)
     }
 
-    /// The groups move on together, so the one that is furthest behind tells.
-    pub(super) fn progress(&self) -> f64 {
+    fn progress(&self) -> f64 {
         self.groups.iter().map(|group| group.cursor.progress()).fold(1.0, f64::min)
     }
 
-    pub(super) fn repairs(&self) -> Vec<String> {
+    fn repairs(&self) -> Vec<String> {
         let of_groups = self.groups.iter().flat_map(|group| group.cursor.repairs());
         self.repairs.iter().cloned().chain(of_groups.map(ToString::to_string)).collect()
+    }
+
+    fn start_ns(&self) -> u64 {
+        self.start_ns
     }
 }
 

@@ -7,6 +7,7 @@ use super::header::Header;
 use super::mapped;
 use super::selection::Selection;
 use super::slot::{RawRow, SLOTS, Slot};
+use super::table::TableFormat;
 use crate::error::{DataError, Place, Problem};
 use crate::signals::{Conversion, SignalMap};
 
@@ -65,30 +66,6 @@ impl MemorySource {
         Ok(Self { header, columns, selections, rows: 0, next: 0, before: 0, total, more: Some(more) })
     }
 
-    pub(super) fn header(&self) -> &Header {
-        &self.header
-    }
-
-    pub(super) fn progress(&self) -> f64 {
-        let passed = (self.before + self.next) as f64;
-        self.total.map_or(0.0, |total| (passed / total.max(1) as f64).min(1.0))
-    }
-
-    pub(super) fn next_row(&mut self, row: &mut RawRow) -> Result<Option<Place>, Problem> {
-        while self.next >= self.rows {
-            if !self.take_piece()? {
-                return Ok(None);
-            }
-        }
-        *row = [f64::NAN; SLOTS];
-        for (_, slot, conversion, values) in &self.columns {
-            let value = values[self.next];
-            row[slot.index()] = conversion.map_or(value, |conversion| conversion.apply(value));
-        }
-        self.next += 1;
-        Ok(Some(Place::Row((self.before + self.next) as u64)))
-    }
-
     /// Replaces what was read by the next piece; whether there was one.
     fn take_piece(&mut self) -> Result<bool, Problem> {
         let Some(more) = &mut self.more else { return Ok(false) };
@@ -135,5 +112,31 @@ impl MemorySource {
         self.before += self.rows;
         (self.rows, self.next) = (rows.unwrap_or_default(), 0);
         Ok(true)
+    }
+}
+
+impl TableFormat for MemorySource {
+    fn header(&self) -> &Header {
+        &self.header
+    }
+
+    fn next_row(&mut self, row: &mut RawRow) -> Result<Option<Place>, Problem> {
+        while self.next >= self.rows {
+            if !self.take_piece()? {
+                return Ok(None);
+            }
+        }
+        *row = [f64::NAN; SLOTS];
+        for (_, slot, conversion, values) in &self.columns {
+            let value = values[self.next];
+            row[slot.index()] = conversion.map_or(value, |conversion| conversion.apply(value));
+        }
+        self.next += 1;
+        Ok(Some(Place::Row((self.before + self.next) as u64)))
+    }
+
+    fn progress(&self) -> f64 {
+        let passed = (self.before + self.next) as f64;
+        self.total.map_or(0.0, |total| (passed / total.max(1) as f64).min(1.0))
     }
 }

@@ -11,7 +11,6 @@ use crate::signals::SignalMap;
 pub struct LogOptions {
     /// Whether the unit of the accelerations is doubted.
     pub units: UnitCheck,
-    /// The DBC file of a CAN log.
     pub dbc: Option<PathBuf>,
     /// Which signal, or column of a table, is which of our columns; `None`: the names tell.
     pub signals: Option<PathBuf>,

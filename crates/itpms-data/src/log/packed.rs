@@ -20,17 +20,12 @@ pub(super) struct Packed {
     /// `None` behind the end.
     member: Option<GzDecoder<BufReader<File>>>,
     unpacked: u64,
-    is_cut_off: bool,
+    pub(super) is_cut_off: bool,
 }
 
 impl Packed {
     pub(super) fn new(file: BufReader<File>) -> Self {
         Self { member: Some(GzDecoder::new(file)), unpacked: 0, is_cut_off: false }
-    }
-
-    /// Whether the end of the file is missing.
-    pub(super) fn is_cut_off(&self) -> bool {
-        self.is_cut_off
     }
 
     /// After a member another one may follow; zeros are what fills the last block of a tape or a disk.

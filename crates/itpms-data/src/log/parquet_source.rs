@@ -2,9 +2,11 @@
 
 use std::path::Path;
 
+use super::format::Format;
 use super::header::Header;
 use super::mapped;
 use super::slot::{RawRow, SLOTS, Slot};
+use super::table::TableFormat;
 use crate::error::{DataError, Place, Problem};
 use crate::parquet_columns::{ParquetParts, Quantity};
 use crate::signals::SignalMap;
@@ -37,37 +39,41 @@ impl ParquetSource {
         columns.choose(&leaves, clock).map_err(fail)?;
         Ok(Self { columns, header, slots })
     }
+}
 
-    pub(super) fn header(&self) -> &Header {
+impl TableFormat for ParquetSource {
+    fn header(&self) -> &Header {
         &self.header
     }
 
-    pub(super) fn progress(&self) -> f64 {
-        self.columns.progress()
-    }
-
-    /// Columns that not all parts of a folder have.
-    pub(super) fn repairs(&self) -> Vec<String> {
-        let say = |(column, parts): &(String, usize)| {
-            let parts = if *parts == 1 { "one part".to_owned() } else { format!("{parts} parts") };
-            format!(
-                "column {column} is not in {parts} of the folder: its values are missing there, and a sensor that is reported to lose samples for as long is not at fault"
-            )
-        };
-        self.columns.lacking().iter().map(say).collect()
-    }
-
-    /// The names of two parts with rows of the same time.
-    pub(super) fn overlap(&self) -> Option<&(String, String)> {
-        self.columns.overlap()
-    }
-
-    pub(super) fn next_row(&mut self, row: &mut RawRow) -> Result<Option<Place>, Problem> {
+    fn next_row(&mut self, row: &mut RawRow) -> Result<Option<Place>, Problem> {
         let Some(place) = self.columns.advance()? else { return Ok(None) };
         *row = [f64::NAN; SLOTS];
         for ((leaf, slot), value) in self.slots.iter().zip(self.columns.values()) {
             row[slot.index()] = self.header.in_our_unit(*leaf, value);
         }
         Ok(Some(place))
+    }
+
+    fn progress(&self) -> f64 {
+        self.columns.progress()
+    }
+
+    fn repairs(&self) -> Vec<String> {
+        let say = |(column, parts): &(String, usize)| {
+            let parts = if *parts == 1 { "one part".to_owned() } else { format!("{parts} parts") };
+            format!(
+                "column {column} is not in {parts} of the folder: its values are missing there, and a sensor that is reported to lose samples for as long is not at fault"
+            )
+        };
+        self.columns.lacking.iter().map(say).collect()
+    }
+
+    fn overlap(&self) -> Option<&(String, String)> {
+        self.columns.overlap()
+    }
+
+    fn format(&self) -> Option<Format> {
+        Some(Format::Parquet)
     }
 }

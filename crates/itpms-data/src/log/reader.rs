@@ -14,9 +14,9 @@ use super::repair::RepairReport;
 use super::row::{LogColumns, LogRow};
 use super::slot::{Field, SLOTS, Slot};
 use super::slow_speed::SlowSpeed;
-use super::source::Source;
+use super::source::{self, Source};
 use super::survey::{GAP_PERIODS, SURVEY_ROWS, Survey};
-use super::table::Table;
+use super::table::TableSource;
 use super::units::{self, UnitCheck};
 use super::{left_out, twins};
 use crate::error::{DataError, Problem};
@@ -39,7 +39,7 @@ use crate::signals::align::AlignmentReport;
 #[derive(Debug)]
 pub struct LogReader {
     path: PathBuf,
-    source: Source,
+    source: Box<dyn Source>,
     order: TimeOrder,
     slow_speed: SlowSpeed,
     /// Rows in order whose speed is not settled.
@@ -70,7 +70,7 @@ impl LogReader {
 
     /// The same with what else there is to know.
     pub fn open_with(path: &Path, options: &LogOptions) -> Result<Self, DataError> {
-        let source = Source::open(path, options)?;
+        let source = source::open(path, options)?;
         Self::of(path, source, options.units)
     }
 
@@ -85,10 +85,10 @@ impl LogReader {
     ) -> Result<Self, DataError> {
         let source =
             MemorySource::new(name, names, rows, pieces, options.any_map()?.as_ref(), &options.rows)?;
-        Self::of(name, Source::of_table(Table::Memory(Box::new(source))), options.units)
+        Self::of(name, source::of_table(Box::new(source)), options.units)
     }
 
-    fn of(path: &Path, source: Source, units: UnitCheck) -> Result<Self, DataError> {
+    fn of(path: &Path, source: Box<dyn Source>, units: UnitCheck) -> Result<Self, DataError> {
         let report = RepairReport {
             misspelled_columns: source.header().suspicious.clone(),
             ..RepairReport::default()
@@ -146,7 +146,7 @@ impl LogReader {
     /// Which signal was taken for which column where neither its name nor a map says so, and what was doubtful about it; empty
     /// for tables without a map.
     pub fn mapping(&self) -> &[String] {
-        self.source.mapping()
+        &self.source.header().mapping
     }
 
     /// How the signals of an MDF4 or CAN log were put into rows; `None` for tables.
@@ -242,7 +242,7 @@ impl LogReader {
     /// Of two recordings, with what tells them apart; of rows that come twice, with the parts that have them.
     fn with_way_out(&self, mut problem: Problem) -> Problem {
         if let Problem::TimeRepeats { repeated, rows, .. } = problem
-            && let Some((one, other)) = self.source.overlap()
+            && let Some((one, other)) = self.source.table().and_then(TableSource::overlap)
         {
             return Problem::Refused(format!(
                 "{repeated} of the {rows} rows read have the time of another one, and the parts {one} and {other} have rows of the same time, \
@@ -329,7 +329,7 @@ impl LogReader {
         self.exhausted = true;
         self.finish_order();
         self.order.check(Stage::Complete)?;
-        self.report.cut_off_lines = u64::from(self.source.cut_off());
+        self.report.cut_off_lines = u64::from(self.source.table().is_some_and(TableSource::cut_off));
         self.report.format = self.source.repairs();
         self.report.format.extend(left_out::of_folder(&self.path));
         self.copy_counts();

@@ -2,6 +2,7 @@
 //!
 //! Between the reader of drive logs, which wants rows, and a feed, which has readings; the aligner makes the ones of the others.
 
+use std::fmt::Debug;
 #[cfg(any(feature = "can", feature = "mcap", feature = "mdf4"))]
 use std::path::Path;
 
@@ -16,6 +17,7 @@ use super::mdf4_feed::Mdf4Feed;
 use super::options::LogOptions;
 use super::signal_order::SignalOrder;
 use super::slot::{RawRow, Slot};
+use super::source::Source;
 use super::stamps::Fate;
 use super::table::TableSource;
 #[cfg(any(feature = "can", feature = "mcap", feature = "mdf4"))]
@@ -27,69 +29,28 @@ use crate::signals::align::AlignmentReport;
 use crate::signals::{Aligner, Reading};
 
 /// Where readings come from, nearly in the order of time.
-#[derive(Debug)]
-pub(super) enum Feed {
-    #[cfg(feature = "mdf4")]
-    Mdf4(Mdf4Feed),
-    #[cfg(feature = "can")]
-    Can(Box<CanFeed>),
-    #[cfg(feature = "mcap")]
-    Mcap(Box<McapFeed>),
-    Table(Box<TableSource>),
-}
-
-impl Feed {
+pub(super) trait Feed: Debug + Send {
     /// Hands out a few readings; false when there are no more.
-    fn step(&mut self, take: impl FnMut(Fate<Reading>)) -> Result<bool, Problem> {
-        match self {
-            #[cfg(feature = "mdf4")]
-            Feed::Mdf4(feed) => feed.step(take).map_err(|error| *error.problem),
-            #[cfg(feature = "can")]
-            Feed::Can(feed) => feed.step(take).map_err(|error| *error.problem),
-            #[cfg(feature = "mcap")]
-            Feed::Mcap(feed) => feed.step(take),
-            Feed::Table(feed) => feed.step(take),
-        }
-    }
+    fn step(&mut self, take: &mut dyn FnMut(Fate<Reading>)) -> Result<bool, Problem>;
+
+    fn progress(&self) -> f64;
+
+    /// Repairs, omissions and assumptions of the format's reader so far.
+    fn repairs(&self) -> Vec<String>;
 
     /// When time 0 was, in ns since 1970. Frames of a bus are stamped with that included.
     fn start_ns(&self) -> u64 {
-        match self {
-            #[cfg(feature = "mdf4")]
-            Feed::Mdf4(feed) => feed.start_ns(),
-            _ => 0,
-        }
+        0
     }
 
-    fn progress(&self) -> f64 {
-        match self {
-            #[cfg(feature = "mdf4")]
-            Feed::Mdf4(feed) => feed.progress(),
-            #[cfg(feature = "can")]
-            Feed::Can(feed) => feed.progress(),
-            #[cfg(feature = "mcap")]
-            Feed::Mcap(feed) => feed.progress(),
-            Feed::Table(feed) => feed.progress(),
-        }
-    }
-
-    /// Repairs, omissions and assumptions of the format's reader so far.
-    fn repairs(&self) -> Vec<String> {
-        match self {
-            #[cfg(feature = "mdf4")]
-            Feed::Mdf4(feed) => feed.repairs(),
-            #[cfg(feature = "can")]
-            Feed::Can(feed) => feed.repairs(),
-            #[cfg(feature = "mcap")]
-            Feed::Mcap(feed) => feed.repairs(),
-            Feed::Table(feed) => feed.repairs(),
-        }
+    fn table(&self) -> Option<&TableSource> {
+        None
     }
 }
 
 #[derive(Debug)]
 pub(super) struct SignalSource {
-    feed: Feed,
+    feed: Box<dyn Feed>,
     order: SignalOrder,
     aligner: Aligner,
     header: Header,
@@ -104,31 +65,31 @@ impl SignalSource {
         without_frames(path, options)?;
         options.refuse_for_signals().map_err(|problem| DataError::new(path, problem))?;
         let (feed, resolved) = Mdf4Feed::open(path, options.map()?.as_ref())?;
-        Self::resolved(path, Feed::Mdf4(feed), &resolved)
+        Self::resolved(path, Box::new(feed), &resolved)
     }
 
     #[cfg(feature = "mcap")]
     pub(super) fn mcap(path: &Path, options: &LogOptions) -> Result<Self, DataError> {
         without_frames(path, options)?;
         let (feed, resolved) = McapFeed::open(path, options.map()?.as_ref())?;
-        Self::resolved(path, Feed::Mcap(Box::new(feed)), &resolved)
+        Self::resolved(path, Box::new(feed), &resolved)
     }
 
     #[cfg(feature = "can")]
     pub(super) fn can(path: &Path, options: &LogOptions) -> Result<Self, DataError> {
         options.refuse_for_signals().map_err(|problem| DataError::new(path, problem))?;
         let (feed, resolved) = CanFeed::open(path, options.dbc.as_deref(), options.map()?.as_ref())?;
-        Self::resolved(path, Feed::Can(Box::new(feed)), &resolved)
+        Self::resolved(path, Box::new(feed), &resolved)
     }
 
     pub(super) fn table(feed: Box<TableSource>) -> Self {
         let Header { slots, suspicious, mapping, clock, .. } = feed.header().clone();
         let slots: Vec<Slot> = slots.into_iter().flatten().collect();
-        Self::new(Feed::Table(feed), &slots, suspicious, mapping, clock)
+        Self::new(feed, &slots, suspicious, mapping, clock)
     }
 
     #[cfg(any(feature = "can", feature = "mcap", feature = "mdf4"))]
-    fn resolved(path: &Path, feed: Feed, resolved: &Resolved) -> Result<Self, DataError> {
+    fn resolved(path: &Path, feed: Box<dyn Feed>, resolved: &Resolved) -> Result<Self, DataError> {
         if let Some(why) = resolved.unusable() {
             return Err(DataError::new(path, Problem::Refused(why)));
         }
@@ -136,7 +97,7 @@ impl SignalSource {
     }
 
     fn new(
-        feed: Feed,
+        feed: Box<dyn Feed>,
         slots: &[Slot],
         suspicious: Vec<(String, String)>,
         mapping: Vec<String>,
@@ -162,60 +123,20 @@ impl SignalSource {
         }
     }
 
-    pub(super) fn header(&self) -> &Header {
-        &self.header
-    }
-
-    pub(super) fn start_ns(&self) -> u64 {
-        self.feed.start_ns()
-    }
-
-    pub(super) fn progress(&self) -> f64 {
-        self.feed.progress()
-    }
-
-    /// Repairs, omissions and assumptions so far.
-    pub(super) fn repairs(&self) -> Vec<String> {
-        let aligned = self.aligner.report().map(|report| report.warnings()).unwrap_or_default();
-        self.feed.repairs().into_iter().chain(self.order.warnings()).chain(aligned).collect()
-    }
-
     /// The repairs may say why.
     fn no_rows(&self) -> Problem {
         let repairs = self.repairs();
         let why = if repairs.is_empty() { String::new() } else { format!(" ({})", repairs.join("; ")) };
         Problem::Refused(format!("no row can be made: too few values of the mapped accelerations{why}"))
     }
+}
 
-    pub(super) fn alignment(&self) -> Option<AlignmentReport> {
-        self.aligner.report()
+impl Source for SignalSource {
+    fn header(&self) -> &Header {
+        &self.header
     }
 
-    pub(super) fn of_table(&self) -> Option<&TableSource> {
-        match &self.feed {
-            Feed::Table(table) => Some(table),
-            #[cfg(any(feature = "can", feature = "mdf4"))]
-            _ => None,
-        }
-    }
-
-    /// Whether the last line of a table was cut off and left out.
-    pub(super) fn cut_off(&self) -> bool {
-        matches!(&self.feed, Feed::Table(table) if table.cut_off())
-    }
-
-    /// How readings came into order and into rows, in words.
-    pub(super) fn remarks(&self) -> Vec<String> {
-        let of_rows = match &self.feed {
-            Feed::Table(table) => table.remarks(),
-            #[cfg(any(feature = "can", feature = "mcap", feature = "mdf4"))]
-            _ => Vec::new(),
-        };
-        let aligned = self.aligner.report().map(|report| report.remarks()).unwrap_or_default();
-        of_rows.into_iter().chain(self.order.remarks()).chain(aligned).collect()
-    }
-
-    pub(super) fn next_row(&mut self, row: &mut RawRow) -> Result<Option<Place>, Problem> {
+    fn next_row(&mut self, row: &mut RawRow) -> Result<Option<Place>, Problem> {
         loop {
             while let Some(values) = self.aligner.pop_values() {
                 let time_s = values[Slot::Time.index()];
@@ -231,7 +152,7 @@ impl SignalSource {
                 return if self.rows == 0 { Err(self.no_rows()) } else { Ok(None) };
             }
             let order = &mut self.order;
-            if !self.feed.step(|fate| order.take(fate))? {
+            if !self.feed.step(&mut |fate| order.take(fate))? {
                 self.is_over = true;
                 self.order.finish();
             }
@@ -243,6 +164,37 @@ impl SignalSource {
                 self.order.check()?;
             }
         }
+    }
+
+    fn progress(&self) -> f64 {
+        self.feed.progress()
+    }
+
+    fn repairs(&self) -> Vec<String> {
+        let aligned = self.aligner.report().map(|report| report.warnings()).unwrap_or_default();
+        self.feed.repairs().into_iter().chain(self.order.warnings()).chain(aligned).collect()
+    }
+
+    fn remarks(&self) -> Vec<String> {
+        let of_rows = self.table().map(Source::remarks).unwrap_or_default();
+        let aligned = self.aligner.report().map(|report| report.remarks()).unwrap_or_default();
+        of_rows.into_iter().chain(self.order.remarks()).chain(aligned).collect()
+    }
+
+    fn start_ns(&self) -> u64 {
+        self.feed.start_ns()
+    }
+
+    fn alignment(&self) -> Option<AlignmentReport> {
+        self.aligner.report()
+    }
+
+    fn table(&self) -> Option<&TableSource> {
+        self.feed.table()
+    }
+
+    fn is_in_order(&self) -> bool {
+        true
     }
 }
 

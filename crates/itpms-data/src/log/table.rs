@@ -2,6 +2,7 @@
 //! empty, or samples of sensors of several rates, of which the slower ones leave every second or third cell empty.
 
 use std::collections::VecDeque;
+use std::fmt::Debug;
 use std::path::Path;
 
 use itpms_files::input;
@@ -11,12 +12,13 @@ use super::csv_source::CsvSource;
 use super::format::Format;
 use super::header::Header;
 use super::held::Held;
-use super::memory_source::MemorySource;
 use super::options::LogOptions;
 #[cfg(feature = "parquet")]
 use super::parquet_source::ParquetSource;
+use super::signal_source::Feed;
 use super::slot::{RawRow, SLOTS, Slot};
 use super::slow_speed::SlowSpeed;
+use super::source::Source;
 use super::stamps::Fate;
 use super::stand_in::StandIns;
 use super::survey::{POSSIBLE_RATES_HZ, SURVEY_ROWS};
@@ -60,55 +62,65 @@ impl Rows {
     }
 }
 
-#[derive(Debug)]
-pub(super) enum Table {
-    Csv(Box<CsvSource>),
-    Memory(Box<MemorySource>),
-    #[cfg(feature = "parquet")]
-    Parquet(Box<ParquetSource>),
+/// A table of one format, row by row.
+pub(super) trait TableFormat: Debug + Send {
+    fn header(&self) -> &Header;
+
+    fn next_row(&mut self, row: &mut RawRow) -> Result<Option<Place>, Problem>;
+
+    fn progress(&self) -> f64;
+
+    fn format(&self) -> Option<Format> {
+        None
+    }
+
+    /// Whether the last line was cut off and left out.
+    fn cut_off(&self) -> bool {
+        false
+    }
+
+    /// Repairs and omissions so far.
+    fn repairs(&self) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// The names of two parts of a folder with rows of the same time.
+    fn overlap(&self) -> Option<&(String, String)> {
+        None
+    }
 }
 
-impl Table {
-    pub(super) fn open(format: Format, path: &Path, options: &LogOptions) -> Result<Self, DataError> {
-        let fail = |problem| DataError::new(path, problem);
-        let (map, rows) = (options.any_map()?, &options.rows);
-        match format {
-            Format::Csv => {
-                let (file, about) = input::open(path).map_err(fail)?;
-                CsvSource::new(path, file, about.len(), map.as_ref(), rows)
-                    .map(|source| Table::Csv(Box::new(source)))
-            }
-            #[cfg(feature = "parquet")]
-            Format::Parquet => {
-                ParquetSource::new(path, map.as_ref(), rows).map(|source| Table::Parquet(Box::new(source)))
-            }
+pub(super) fn open(
+    format: Format,
+    path: &Path,
+    options: &LogOptions,
+) -> Result<Box<dyn TableFormat>, DataError> {
+    let fail = |problem| DataError::new(path, problem);
+    let (map, rows) = (options.any_map()?, &options.rows);
+    Ok(match format {
+        Format::Csv => {
+            let (file, about) = input::open(path).map_err(fail)?;
+            Box::new(CsvSource::new(path, file, about.len(), map.as_ref(), rows)?)
         }
-    }
-
-    fn next_row(&mut self, row: &mut RawRow) -> Result<Option<Place>, Problem> {
-        match self {
-            Table::Csv(source) => source.next_row(row),
-            Table::Memory(source) => source.next_row(row),
-            #[cfg(feature = "parquet")]
-            Table::Parquet(source) => source.next_row(row),
-        }
-    }
+        #[cfg(feature = "parquet")]
+        Format::Parquet => Box::new(ParquetSource::new(path, map.as_ref(), rows)?),
+    })
 }
 
 #[derive(Debug)]
 pub(super) struct TableSource {
-    table: Table,
+    table: Box<dyn TableFormat>,
     /// The rows that were looked at, and why there are no more.
     ahead: VecDeque<Result<(RawRow, Place), Problem>>,
     without_time: u64,
-    rows: Rows,
+    pub(super) rows: Rows,
     clock: Clock,
     stand_ins: StandIns,
     held: Held,
 }
 
 impl TableSource {
-    pub(super) fn new(table: Table) -> Self {
+    pub(super) fn new(table: Box<dyn TableFormat>) -> Self {
         let mut source = Self {
             table,
             ahead: VecDeque::new(),
@@ -154,44 +166,16 @@ impl TableSource {
         Ok(place)
     }
 
-    /// The speed, where it comes at a rate of its own.
-    pub(super) fn slow_speed(&self) -> SlowSpeed {
-        if !self.header().columns.speed {
-            return SlowSpeed::default();
-        }
-        let of = |(row, _): &(RawRow, Place)| (row[Slot::Time.index()], row[Slot::Speed.index()]);
-        SlowSpeed::of(self.ahead.iter().flatten().map(of))
-    }
-
-    /// The names of two parts of a folder with rows of the same time.
     pub(super) fn overlap(&self) -> Option<&(String, String)> {
-        match &self.table {
-            #[cfg(feature = "parquet")]
-            Table::Parquet(source) => source.overlap(),
-            _ => None,
-        }
+        self.table.overlap()
     }
 
-    /// The format of its file, where it has one.
     pub(super) fn format(&self) -> Option<Format> {
-        match &self.table {
-            Table::Csv(_) => Some(Format::Csv),
-            Table::Memory(_) => None,
-            #[cfg(feature = "parquet")]
-            Table::Parquet(_) => Some(Format::Parquet),
-        }
+        self.table.format()
     }
 
-    /// How its rows were understood, a sentence each.
-    pub(super) fn remarks(&self) -> Vec<String> {
-        let held = self.held.is_any_acceleration().then(|| {
-            "accelerations stand for several rows each, as of a slower signal in a faster raster; each sample was taken once".to_owned()
-        });
-        self.clock.remarks().into_iter().chain(held).chain(self.rows.remark().map(str::to_owned)).collect()
-    }
-
-    pub(super) fn rows(&self) -> Rows {
-        self.rows
+    pub(super) fn cut_off(&self) -> bool {
+        self.table.cut_off()
     }
 
     /// Whether a column has a value in some of the rows only, at even distances, and often enough for its sensor.
@@ -234,17 +218,14 @@ impl TableSource {
             })
         })
     }
+}
 
-    pub(super) fn header(&self) -> &Header {
-        match &self.table {
-            Table::Csv(source) => source.header(),
-            Table::Memory(source) => source.header(),
-            #[cfg(feature = "parquet")]
-            Table::Parquet(source) => source.header(),
-        }
+impl Source for TableSource {
+    fn header(&self) -> &Header {
+        self.table.header()
     }
 
-    pub(super) fn next_row(&mut self, row: &mut RawRow) -> Result<Option<Place>, Problem> {
+    fn next_row(&mut self, row: &mut RawRow) -> Result<Option<Place>, Problem> {
         match self.ahead.pop_front() {
             None => {
                 let place = self.read(row)?;
@@ -260,8 +241,41 @@ impl TableSource {
         }
     }
 
-    /// Hands out the values of a message as readings; false when there are no more.
-    pub(super) fn step(&mut self, mut take: impl FnMut(Fate<Reading>)) -> Result<bool, Problem> {
+    fn progress(&self) -> f64 {
+        self.table.progress()
+    }
+
+    fn repairs(&self) -> Vec<String> {
+        let without_time = match self.without_time {
+            0 => None,
+            1 => Some("1 row without a time was left out".to_owned()),
+            n => Some(format!("{n} rows without a time were left out")),
+        };
+        self.table.repairs().into_iter().chain(without_time).chain(self.stand_ins.sentences()).collect()
+    }
+
+    fn remarks(&self) -> Vec<String> {
+        let held = self.held.is_any_acceleration().then(|| {
+            "accelerations stand for several rows each, as of a slower signal in a faster raster; each sample was taken once".to_owned()
+        });
+        self.clock.remarks().into_iter().chain(held).chain(self.rows.remark().map(str::to_owned)).collect()
+    }
+
+    fn slow_speed(&self) -> SlowSpeed {
+        if !self.header().columns.speed {
+            return SlowSpeed::default();
+        }
+        let of = |(row, _): &(RawRow, Place)| (row[Slot::Time.index()], row[Slot::Speed.index()]);
+        SlowSpeed::of(self.ahead.iter().flatten().map(of))
+    }
+
+    fn table(&self) -> Option<&TableSource> {
+        Some(self)
+    }
+}
+
+impl Feed for TableSource {
+    fn step(&mut self, take: &mut dyn FnMut(Fate<Reading>)) -> Result<bool, Problem> {
         let mut row = [f64::NAN; SLOTS];
         if self.next_row(&mut row)?.is_none() {
             return Ok(false);
@@ -280,34 +294,16 @@ impl TableSource {
         Ok(true)
     }
 
-    pub(super) fn progress(&self) -> f64 {
-        match &self.table {
-            Table::Csv(source) => source.progress(),
-            Table::Memory(source) => source.progress(),
-            #[cfg(feature = "parquet")]
-            Table::Parquet(source) => source.progress(),
-        }
+    fn progress(&self) -> f64 {
+        Source::progress(self)
     }
 
-    /// Whether the last line was cut off and left out.
-    pub(super) fn cut_off(&self) -> bool {
-        matches!(&self.table, Table::Csv(source) if source.cut_off())
+    fn repairs(&self) -> Vec<String> {
+        Source::repairs(self)
     }
 
-    /// Repairs and omissions of the format's own reader so far.
-    pub(super) fn repairs(&self) -> Vec<String> {
-        let of_format = match &self.table {
-            Table::Csv(source) => source.repairs(),
-            Table::Memory(_) => Vec::new(),
-            #[cfg(feature = "parquet")]
-            Table::Parquet(source) => source.repairs(),
-        };
-        let without_time = match self.without_time {
-            0 => None,
-            1 => Some("1 row without a time was left out".to_owned()),
-            n => Some(format!("{n} rows without a time were left out")),
-        };
-        of_format.into_iter().chain(without_time).chain(self.stand_ins.sentences()).collect()
+    fn table(&self) -> Option<&TableSource> {
+        Some(self)
     }
 }
 

@@ -81,7 +81,6 @@ impl TextHead {
         (self.line, self.names) = (line, names);
     }
 
-    /// Whether a line holds no number at all.
     pub(crate) fn is_without_numbers(&self, line: &[u8]) -> bool {
         self.dialect.cells(line).all(|cell| !is_value(self.dialect, cell))
     }

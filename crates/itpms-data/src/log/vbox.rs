@@ -10,7 +10,7 @@ use crate::error::Problem;
 /// Lines before the data at most.
 const MOST_LINES: usize = 4096;
 
-/// What the sections before the data say: names and units of the columns, and the line of the names.
+/// The sections before the data: names and units of the columns, and the line of the names.
 pub(super) struct VboxHead {
     pub(super) names: Vec<String>,
     pub(super) units: Vec<String>,

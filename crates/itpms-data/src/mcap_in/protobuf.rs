@@ -4,7 +4,7 @@ use prost_reflect::{DescriptorPool, DynamicMessage, MessageDescriptor, ReflectMe
 
 use super::fields::{Fields, MOST_ELEMENTS};
 
-/// What the schema of this name describes, or why nothing can be made of it.
+/// The message that the schema of this name describes, or why it cannot be read.
 pub(super) fn compile(name: &str, schema: &[u8]) -> Result<MessageDescriptor, String> {
     let pool =
         DescriptorPool::decode(schema).map_err(|error| format!("no description of protobuf ({error})"))?;

@@ -50,7 +50,7 @@ pub(crate) struct Topics {
     schemas: HashMap<u16, (String, String, Vec<u8>)>,
     channels: HashMap<u16, usize>,
     pub(crate) topics: Vec<Topic>,
-    /// What the message that was taken last says: places of paths, and numbers.
+    /// The values of the last message: places of paths, and numbers.
     pub(crate) found: Vec<(usize, f64)>,
 }
 

@@ -16,3 +16,13 @@ pub enum Cell<'a> {
     Flag(bool),
     Label(&'a str),
 }
+
+impl Cell<'_> {
+    pub fn kind(&self) -> Kind {
+        match self {
+            Self::Number(_) => Kind::Number,
+            Self::Flag(_) => Kind::Flag,
+            Self::Label(_) => Kind::Label,
+        }
+    }
+}

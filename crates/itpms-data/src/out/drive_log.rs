@@ -103,7 +103,7 @@ impl LogWriter {
         }
     }
 
-    /// Adds a row. What the columns do not ask for is left out, what the row lacks is missing.
+    /// Adds a row. Values without a column are left out, columns without a value are empty.
     pub fn write(&mut self, row: &LogRow) -> Result<(), DataError> {
         match &mut self.sink {
             Sink::Table { table, cells } => {

@@ -30,8 +30,8 @@ pub struct EstimateRow<'a> {
 /// {c}_lost_kpa, {c}_lost_sd_kpa, {c}_state`, and of a log that knows the temperature of the air `{c}_cold_pressure_kpa,
 /// {c}_cold_pressure_sd_kpa`: what the tire would have once it had cooled down to that temperature, empty while it is not known.
 ///
-/// `pressure_sd_kpa` is that of the pressure, what the vehicle file leaves open included; `change_sd_kpa` that of what has changed of
-/// late; `axle_difference_sd_kpa` that of what the pressure differs by from the other tire's of its axle. `lost_kpa` is what was lost in
+/// `pressure_sd_kpa` is that of the pressure, the vehicle file's uncertainty included; `change_sd_kpa` that of changes of
+/// late; `axle_difference_sd_kpa` that of the difference from the other tire's pressure on its axle. `lost_kpa` is the loss in
 /// this drive, with its sd, empty as long as that is not counted and where the tire was low before that. `level` is what the pressure's level rests on: `file`, `calibration` or `reference`. `valid` is `true` or `false`, `warning` one of `none`, `low`, `malfunction`, `state` a word of [`state_label`]. A row says what was known at its
 /// time from samples up to it.
 #[derive(Debug)]
@@ -56,27 +56,11 @@ impl EstimateColumns {
 
     pub(super) fn table(&self) -> Vec<(String, Kind)> {
         let mut columns = vec![("time_s".to_owned(), Kind::Number)];
-        for corner in &self.corners {
-            for (suffix, kind) in [
-                ("pressure_kpa", Kind::Number),
-                ("pressure_sd_kpa", Kind::Number),
-                ("stiffness_n_per_m", Kind::Number),
-                ("valid", Kind::Flag),
-                ("warning", Kind::Label),
-                ("change_sd_kpa", Kind::Number),
-                ("level", Kind::Label),
-                ("axle_difference_sd_kpa", Kind::Number),
-                ("lost_kpa", Kind::Number),
-                ("lost_sd_kpa", Kind::Number),
-                ("state", Kind::Label),
-            ] {
-                columns.push((format!("{}_{suffix}", corner.label()), kind));
-            }
-            if self.cold {
-                let named = |suffix: &str| (format!("{}_{suffix}", corner.label()), Kind::Number);
-                columns.extend(COLD_COLUMNS.map(named));
-            }
-        }
+        let nothing =
+            EstimateRow { time_s: f64::NAN, estimates: &[None; 4], states: &States::default(), radii: None };
+        self.named(&nothing, |corner, suffix, cell| {
+            columns.push((format!("{corner}_{suffix}"), cell.kind()))
+        });
         columns.extend(self.wheel_speeds.columns());
         columns
     }
@@ -84,29 +68,33 @@ impl EstimateColumns {
     pub(super) fn cells(&self, row: &EstimateRow<'_>, cells: &mut Vec<Cell<'static>>) {
         cells.clear();
         cells.push(Cell::Number(row.time_s));
+        self.named(row, |_, _, cell| cells.push(cell));
+        self.wheel_speeds.cells(row.radii, cells);
+    }
+
+    /// The cells of the corners, each with the names of its corner and of its column.
+    fn named(&self, row: &EstimateRow<'_>, mut put: impl FnMut(&str, &str, Cell<'static>)) {
         for corner in &self.corners {
             let estimate = row.estimates[corner.index()].as_ref();
             let number =
                 |field: fn(&CornerEstimate<f64>) -> f64| Cell::Number(estimate.map_or(f64::NAN, field));
-            cells.extend([
-                number(|e| e.pressure_kpa),
-                number(|e| e.pressure_sd_kpa),
-                number(|e| e.stiffness_n_per_m),
-                Cell::Flag(estimate.is_some_and(|e| e.validity.is_valid())),
-                Cell::Label(estimate.map_or(Warning::None, |e| e.warning).label()),
-                number(|e| e.change_sd_kpa),
-                Cell::Label(estimate.map_or(Level::VehicleFile, |e| e.level).label()),
-                number(|e| e.axle_difference_sd_kpa.unwrap_or(f64::NAN)),
-                number(|e| e.lost_kpa()[0]),
-                number(|e| e.lost_kpa()[1]),
-                Cell::Label(state_label(row.states[corner.index()])),
-            ]);
+            let mut put = |column: &str, cell| put(corner.label(), column, cell);
+            put("pressure_kpa", number(|e| e.pressure_kpa));
+            put("pressure_sd_kpa", number(|e| e.pressure_sd_kpa));
+            put("stiffness_n_per_m", number(|e| e.stiffness_n_per_m));
+            put("valid", Cell::Flag(estimate.is_some_and(|e| e.validity.is_valid())));
+            put("warning", Cell::Label(estimate.map_or(Warning::None, |e| e.warning).label()));
+            put("change_sd_kpa", number(|e| e.change_sd_kpa));
+            put("level", Cell::Label(estimate.map_or(Level::VehicleFile, |e| e.level).label()));
+            put("axle_difference_sd_kpa", number(|e| e.axle_difference_sd_kpa.unwrap_or(f64::NAN)));
+            put("lost_kpa", number(|e| e.lost_kpa()[0]));
+            put("lost_sd_kpa", number(|e| e.lost_kpa()[1]));
+            put("state", Cell::Label(state_label(row.states[corner.index()])));
             if self.cold {
                 let cold = estimate.map_or([f64::NAN; 2], cold_values);
-                cells.extend(cold.map(Cell::Number));
+                COLD_COLUMNS.into_iter().zip(cold).for_each(|(name, kpa)| put(name, Cell::Number(kpa)));
             }
         }
-        self.wheel_speeds.cells(row.radii, cells);
     }
 }
 

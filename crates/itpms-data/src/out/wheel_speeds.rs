@@ -32,36 +32,18 @@ impl WheelSpeedUse {
     /// then `front_radius_difference` (left over right), `rear_radius_difference` and `axles_radius_difference` (front over rear), each
     /// with its `_sd`. All are relative changes since the calibration; empty where nothing is known.
     pub fn columns(self) -> Vec<(String, Kind)> {
-        if self == Self::None {
-            return Vec::new();
-        }
-        let numbers = [
-            "radius_change",
-            "radius_change_sd",
-            "lost_share",
-            "lost_share_sd",
-            "low_probability",
-            "detectable_loss",
-        ];
-        let words =
-            [("valid", Kind::Flag), ("warning", Kind::Label), ("level", Kind::Label), ("state", Kind::Label)];
-        let beside = [("wheel_speed_state", Kind::Label)];
-        let words = if self == Self::Alone { &words[..] } else { &beside };
         let mut columns = Vec::new();
-        for corner in Corner::ALL {
-            let own = numbers.iter().map(|suffix| (*suffix, Kind::Number)).chain(words.iter().copied());
-            columns.extend(own.map(|(suffix, kind)| (format!("{}_{suffix}", corner.label()), kind)));
-        }
-        for pair in ["front", "rear", "axles"] {
-            for suffix in ["", "_sd"] {
-                columns.push((format!("{pair}_radius_difference{suffix}"), Kind::Number));
-            }
-        }
+        self.named(None, |of, name, cell| columns.push((format!("{of}_{name}"), cell.kind())));
         columns
     }
 
     /// The cells of a row, in the order of the columns.
     pub fn cells(self, row: Option<&RadiusRow>, cells: &mut Vec<Cell<'static>>) {
+        self.named(row, |_, _, cell| cells.push(cell));
+    }
+
+    /// The cells, each with the names of its corner or pair and of its column.
+    fn named(self, row: Option<&RadiusRow>, mut put: impl FnMut(&str, &str, Cell<'static>)) {
         if self == Self::None {
             return;
         }
@@ -71,30 +53,30 @@ impl WheelSpeedUse {
             };
             let known = row.is_some_and(|row| row.radii.wheels[i].change.is_finite());
             let state = row.and_then(|row| row.states[corner.index()]);
-            cells.extend([
-                number(|wheel| wheel.change),
-                number(|wheel| wheel.change_sd),
-                number(|wheel| wheel.lost_share),
-                number(|wheel| wheel.lost_share_sd),
-                if known { number(|wheel| wheel.low_probability) } else { Cell::Number(f64::NAN) },
-                number(|wheel| wheel.detectable_loss_share),
-            ]);
+            let low = number(|wheel| wheel.low_probability);
+            let mut put = |column: &str, cell| put(corner.label(), column, cell);
+            put("radius_change", number(|wheel| wheel.change));
+            put("radius_change_sd", number(|wheel| wheel.change_sd));
+            put("lost_share", number(|wheel| wheel.lost_share));
+            put("lost_share_sd", number(|wheel| wheel.lost_share_sd));
+            put("low_probability", if known { low } else { Cell::Number(f64::NAN) });
+            put("detectable_loss", number(|wheel| wheel.detectable_loss_share));
             if self == Self::Alone {
                 let warning = if state == Some(WheelState::Low) { Warning::Low } else { Warning::None };
-                let valid = row.is_some_and(|row| row.radii.wheels[i].informed());
-                cells.extend([
-                    Cell::Flag(valid),
-                    Cell::Label(warning.label()),
-                    Cell::Label(Level::OtherTires.label()),
-                ]);
+                put("valid", Cell::Flag(row.is_some_and(|row| row.radii.wheels[i].informed())));
+                put("warning", Cell::Label(warning.label()));
+                put("level", Cell::Label(Level::OtherTires.label()));
+                put("state", Cell::Label(state_label(state)));
+            } else {
+                put("wheel_speed_state", Cell::Label(state_label(state)));
             }
-            cells.push(Cell::Label(state_label(state)));
         }
-        for pair in 0..3 {
+        for (pair, name) in ["front", "rear", "axles"].into_iter().enumerate() {
             let of = |values: fn(&RadiusReport<f64>) -> &[f64; 3]| {
                 Cell::Number(row.map_or(f64::NAN, |row| values(&row.radii)[pair]))
             };
-            cells.extend([of(|radii| &radii.difference), of(|radii| &radii.difference_sd)]);
+            put(name, "radius_difference", of(|radii| &radii.difference));
+            put(name, "radius_difference_sd", of(|radii| &radii.difference_sd));
         }
     }
 }

@@ -83,10 +83,6 @@ fn refuse_copies(parts: &[Part]) -> Result<(), Problem> {
     Ok(())
 }
 
-pub(super) fn has_parts(folder: &Path) -> bool {
-    part_files(folder).is_ok_and(|files| !files.is_empty())
-}
-
 impl Part {
     fn value(&self, key: &str) -> Option<&str> {
         self.keys.iter().find(|(name, _)| name == key).map(|(_, value)| value.as_str())
@@ -134,7 +130,7 @@ fn refuse_other_tables(folder: &Path) -> Result<(), Problem> {
 
 /// The Parquet files below a folder, in the order of their names. What begins with `_` or `.` is no part but says something of
 /// the others, as `_SUCCESS` does.
-fn part_files(folder: &Path) -> Result<Vec<Part>, Problem> {
+pub(super) fn part_files(folder: &Path) -> Result<Vec<Part>, Problem> {
     let mut files = Vec::new();
     let mut folders = vec![(folder.to_owned(), 0, Vec::new())];
     while let Some((folder, depth, keys)) = folders.pop() {

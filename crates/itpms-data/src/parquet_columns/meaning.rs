@@ -17,7 +17,7 @@ const SECONDS_PER_DAY: f64 = 86_400.0;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Meaning {
     pub(crate) quantity: Quantity,
-    /// What is stored is divided by this: powers of ten, so that the quotient is the number that was meant, to the last bit.
+    /// Divisor of the stored integer: a power of ten, so that the quotient is the intended number, to the last bit.
     divisor: f64,
     stored: Stored,
 }

@@ -51,7 +51,7 @@ pub(crate) struct ParquetColumns {
     rows: u64,
     /// Whether some rows are asked for, or none at all.
     selects: bool,
-    no_rows: bool,
+    pub(crate) no_rows: bool,
 }
 
 impl std::fmt::Debug for ParquetColumns {
@@ -172,10 +172,6 @@ impl ParquetColumns {
             column.selection = Some(selection.clone());
         }
         Ok(())
-    }
-
-    pub(crate) fn choose_no_rows(&mut self) {
-        self.no_rows = true;
     }
 
     fn take(&mut self, leaf: usize, meaning: Meaning) {

@@ -26,7 +26,7 @@ pub(crate) struct ParquetParts {
     first_with: Vec<usize>,
     wanted: Wanted,
     /// Columns that some part lacks: the column, and how many parts.
-    lacking: Vec<(String, usize)>,
+    pub(crate) lacking: Vec<(String, usize)>,
     /// Two parts that have rows of the same time.
     overlap: Option<(String, String)>,
     /// The parts that are still to be opened, by the time of their first row, the latest first.
@@ -66,7 +66,7 @@ impl std::fmt::Debug for ParquetParts {
 
 /// Whether this is a folder in which the parts of a Parquet table lie.
 pub(crate) fn is_folder_of_parts(path: &Path) -> bool {
-    path.is_dir() && folder::has_parts(path)
+    path.is_dir() && folder::part_files(path).is_ok_and(|files| !files.is_empty())
 }
 
 impl ParquetParts {
@@ -179,11 +179,6 @@ impl ParquetParts {
         Ok(())
     }
 
-    /// Columns that not every part has, each with the number of parts that lack it.
-    pub(crate) fn lacking(&self) -> &[(String, usize)] {
-        &self.lacking
-    }
-
     /// The names of two parts that have rows of the same time, as far as was read.
     pub(crate) fn overlap(&self) -> Option<&(String, String)> {
         self.overlap.as_ref()
@@ -273,7 +268,7 @@ impl Open {
             // A part without the column has none of the rows.
             match leaf(&columns, selection.column()) {
                 Some(leaf) => columns.choose_rows(leaf, selection).map_err(of_part)?,
-                None => columns.choose_no_rows(),
+                None => columns.no_rows = true,
             }
         }
         let clock = wanted.clock.and_then(|place| places[place]);

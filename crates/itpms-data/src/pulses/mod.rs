@@ -1,7 +1,7 @@
 //! Tooth pulses as a table of their own, `time_s,wheel`: when an edge of a wheel's speed sensor passed. CSV or Parquet, in and out.
 //!
 //! Called by whoever runs torsional analysis, or simulates it. A stream: the rows of the four wheels lie among each other in the order of
-//! time, to within [`REACH_S`]; memory does not grow with the drive. What is made of the edges is nothing of this module.
+//! time, to within [`REACH_S`]; memory does not grow with the drive. Knows nothing of the use of the edges.
 //!
 //! ```text
 //! time_s,wheel

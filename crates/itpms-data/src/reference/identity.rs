@@ -9,7 +9,6 @@ use itpms_files::crc64;
 use super::problem::ReferenceProblem;
 use crate::vehicle::{Vehicle, VehicleDetails};
 
-/// Identity of a car.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct VehicleIdentity {
     pub name: String,

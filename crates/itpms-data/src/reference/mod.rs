@@ -225,7 +225,7 @@ impl StoredReference {
     }
 }
 
-/// What a car without accelerations teaches of corners.
+/// The corners of a reference of a car without accelerations.
 fn nothing_of_corners() -> VehicleCalibration<f64> {
     let nothing = Learned { value: 0.0, sd: 1.0 };
     VehicleCalibration {

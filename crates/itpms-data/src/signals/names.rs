@@ -216,7 +216,7 @@ pub(crate) fn meaning_in(group: &str, name: &str, unit: &str) -> Option<(Slot, F
     None
 }
 
-/// What a signal is part of, where a column is made of two of a message.
+/// The whole that a signal is part of, where a column is made of two of a message.
 #[cfg(feature = "can")]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Part {
@@ -232,7 +232,6 @@ pub(crate) enum Part {
     AxleWeight,
 }
 
-/// The same by its name.
 #[cfg(feature = "can")]
 pub(crate) fn part(name: &str) -> Option<Part> {
     let own = words(name);
@@ -368,18 +367,14 @@ fn words(name: &str) -> Vec<Word> {
     for part in name.split(|c: char| !c.is_ascii_alphanumeric()) {
         for piece in camel(part) {
             let piece = piece.to_ascii_lowercase();
-            match looked_up(&piece) {
-                Some(word) => words.push(word),
+            match WORDS.iter().find(|(word, _)| *word == piece) {
+                Some((_, meaning)) => words.push(*meaning),
                 None if piece == "az" => words.extend([Word::Acceleration, Word::Vertical]),
                 None => compound(&piece, &mut words),
             }
         }
     }
     words
-}
-
-fn looked_up(text: &str) -> Option<Word> {
-    WORDS.iter().find(|(word, _)| *word == text).map(|(_, meaning)| *meaning)
 }
 
 /// `BodyAccZ` to `Body`, `Acc`, `Z`; `FLBody` to `FL`, `Body`. ASCII only, so that every index is a character.

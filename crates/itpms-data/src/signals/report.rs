@@ -158,7 +158,7 @@ impl Resolved {
     }
 }
 
-/// What was doubtful about a corner's accelerations, of what is reported of a log's signals: more than that it has none.
+/// Doubts about a corner's accelerations among the remarks on a log's signals.
 pub fn doubt_of(corner: Corner, reported: &[String]) -> Option<&str> {
     let columns = [Field::BodyAccel, Field::WheelAccel].map(|field| Slot::Corner(corner, field).name());
     let is_of_it = |text: &&String| columns.iter().any(|column| text.contains(column.as_str()));

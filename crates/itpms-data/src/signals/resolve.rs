@@ -129,7 +129,7 @@ pub fn resolve_among(
 }
 
 impl Unread {
-    /// What is to be reported of it if its name says that it is this column.
+    /// The remark on it if its name says that it is this column.
     fn as_column(&self, slot: Slot) -> Option<Remark> {
         let Candidate { group, name, unit } = &self.candidate;
         let meant = || names::meaning_in(group, name, unit).is_some_and(|(meant, _)| meant == slot);

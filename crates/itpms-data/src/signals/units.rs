@@ -76,7 +76,7 @@ fn plain(text: &str) -> String {
             '²' => plain.push('2'),
             '⁻' | '−' => plain.push('-'),
             'µ' | 'μ' => plain.push('u'),
-            // What is left over where UTF-8 was read as cp1252: `Â²`.
+            // The remains of UTF-8 read as cp1252: `Â²`.
             'Â' | '[' | ']' | '(' | ')' | '^' | '*' | '·' | '⋅' | '.' | '_' => {}
             c if c.is_whitespace() || c.is_control() => {}
             c => plain.push(c),

@@ -68,7 +68,6 @@ fn gross_axle_kg(table: &Table<'_>) -> Result<Option<[f64; 2]>, Problem> {
 const CONFIDENCES: &str = "\"measured\", \"typical\" or \"rough\"";
 const DRIVEN: &str = "\"front\", \"rear\" or \"all\"";
 
-/// The table of a corner, with the details of its tire.
 pub(super) fn corner(table: &Table<'_>, tire: TireDetails) -> Result<CornerDetails, Problem> {
     Ok(CornerDetails {
         sprung_mass_relative_sd: relative_sd(table, "sprung_mass_relative_sd")?,

@@ -95,7 +95,7 @@ fn wheels(out: &mut String, corners: &[CornerDetails; 4]) {
 /// Width of `key = value` before its comment.
 const COLUMN: usize = 40;
 
-/// The text of a vehicle file with comments. What is in them cannot end a line.
+/// The text of a vehicle file with comments, whose content cannot end a line.
 pub(super) fn commented(
     text: &str,
     head: &[String],

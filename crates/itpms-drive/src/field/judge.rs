@@ -143,9 +143,9 @@ fn minutes(seconds: f64) -> f64 {
 }
 
 fn course(log: &LogReader, watch: &LogWatch, found: &mut Findings) {
-    let driven_min = minutes(watch.driven_s().iter().sum());
+    let driven_min = minutes(watch.driven_s.iter().sum());
     let [mean, fastest] = watch.speeds_m_s().map(|speed| 3.6 * speed);
-    let stops = watch.stops();
+    let stops = &watch.stops;
     let at_speed = if driven_min > 0.0 {
         format!(" at {mean:.0} km/h in the mean and {fastest:.0} at most")
     } else {
@@ -157,7 +157,7 @@ fn course(log: &LogReader, watch: &LogWatch, found: &mut Findings) {
         stops.len(),
         if stops.len() == 1 { "" } else { "s" }
     ));
-    if !watch.speed_known() {
+    if !watch.speed_known {
         return;
     }
     if driven_min < DRIVEN_MIN {
@@ -229,7 +229,7 @@ fn when(stops: &[Stop]) -> String {
 fn pressures(watch: &LogWatch, stretches: &[KnownStretch], found: &mut Findings) {
     let mut words = Vec::new();
     let mut different: Vec<&KnownStretch> = Vec::new();
-    for (i, (stretch, driven_s)) in stretches.iter().zip(watch.driven_s()).enumerate() {
+    for (i, (stretch, driven_s)) in stretches.iter().zip(&watch.driven_s).enumerate() {
         let before = i.checked_sub(1).map(|before| &stretches[before]);
         words.push(format!(
             "{} kPa from {:.0} s, {:.1} min driven",
@@ -243,16 +243,16 @@ fn pressures(watch: &LogWatch, stretches: &[KnownStretch], found: &mut Findings)
             continue;
         }
         let stands = |stop: &Stop| stop.from_s - CLOCK_S <= from_s && from_s <= stop.to_s + CLOCK_S;
-        if before.is_some() && watch.speed_known() && !watch.stops().iter().any(stands) {
+        if before.is_some() && watch.speed_known && !watch.stops.iter().any(stands) {
             found.faults.push(format!(
                 "at {from_s:.0} s, from when on {} kPa {} given, the car drives at {:.0} km/h: tires are let down while it stands ({})",
                 stretch.changes(before),
                 if stretch.changes(before).contains(',') { "are" } else { "is" },
                 3.6 * watch.speed_at(i),
-                when(watch.stops())
+                when(&watch.stops)
             ));
         }
-        if watch.speed_known() && minutes(*driven_s) < STRETCH_MIN {
+        if watch.speed_known && minutes(*driven_s) < STRETCH_MIN {
             found.faults.push(format!(
                 "{:.1} min are driven at the pressures from {from_s:.0} s on, expected {STRETCH_MIN:.0} or more",
                 minutes(*driven_s)

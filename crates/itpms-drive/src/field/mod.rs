@@ -108,7 +108,7 @@ fn manifest(
         "rows": log.repairs().rows_kept,
         "length_s": seen.length_s(),
         "columns": columns,
-        "pressures": known.iter().zip(seen.driven_s()).map(stretch).collect::<Vec<_>>(),
+        "pressures": known.iter().zip(&seen.driven_s).map(stretch).collect::<Vec<_>>(),
         "note": notes.note.as_deref().map(pack::without_vin),
         "facts": check.findings.facts,
         "notes": check.findings.notes,

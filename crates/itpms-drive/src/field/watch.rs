@@ -65,7 +65,7 @@ pub(super) struct Reading {
 #[derive(Debug)]
 pub(super) struct LogWatch {
     stretches: Vec<KnownStretch>,
-    driven_s: Vec<f64>,
+    pub(super) driven_s: Vec<f64>,
     /// Speed in m/s where each stretch begins.
     speed_at: Vec<f64>,
     /// Number and sum of the readings in kPa of each tire's own sensor in each stretch.
@@ -76,9 +76,9 @@ pub(super) struct LogWatch {
     last_s: f64,
     standing_since: Option<f64>,
     block_since: f64,
-    stops: Vec<Stop>,
+    pub(super) stops: Vec<Stop>,
     sensors: [[Sensor; 2]; 4],
-    speed_known: bool,
+    pub(super) speed_known: bool,
 }
 
 impl LogWatch {
@@ -182,23 +182,9 @@ impl LogWatch {
         self.last_s
     }
 
-    pub(super) fn driven_s(&self) -> &[f64] {
-        &self.driven_s
-    }
-
     /// Mean while driving, and the fastest, in m/s.
     pub(super) fn speeds_m_s(&self) -> [f64; 2] {
         [self.distance_m / self.driven_s.iter().sum::<f64>(), self.fastest_m_s]
-    }
-
-    /// Whether any row says how fast the car is.
-    pub(super) fn speed_known(&self) -> bool {
-        self.speed_known
-    }
-
-    /// Stops and pauses in the order of time.
-    pub(super) fn stops(&self) -> &[Stop] {
-        &self.stops
     }
 
     /// Speed in m/s where a stretch begins; NaN where it is unknown or the log has ended before.

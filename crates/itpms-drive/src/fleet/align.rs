@@ -40,7 +40,6 @@ impl<'a> Track<'a> {
         Self { car, pieces, knots: vec![[0.0; 2]; pieces.len() / KNOT + 2] }
     }
 
-    /// Its squares, as its offsets are.
     pub(super) fn squares(&self) -> Squares {
         let mut squares = Squares::new();
         let last = self.knots.len() - 2;
@@ -113,7 +112,7 @@ impl<'a> Track<'a> {
             .sum()
     }
 
-    /// Whether anybody else was there.
+    /// Whether another drive was there.
     fn shares(&self, others: &Map, from: usize, to: usize, knots: &[[f64; 2]]) -> bool {
         self.passes(from, to, knots).iter().any(|(place, _)| others.ln_iri(place).is_some())
     }

@@ -1,4 +1,4 @@
-//! What a drive says of its car beside tires' pressures and dampers: load, cold pressures, forces once per turn, the tires' own sensors; in words, and as a
+//! A drive's findings beside tires' pressures and dampers: load, cold pressures, forces once per turn, the tires' own sensors; in words, and as a
 //! cell of the fleet's page.
 //!
 //! Called by the fleet for each drive, and by the page's writer.
@@ -16,7 +16,7 @@ use crate::run::Done;
 /// Standard deviations from zero at which a force is significant.
 const SURE: f64 = 3.0;
 
-/// Each with whether somebody has to look.
+/// Each with whether it needs attention.
 pub(super) fn lines(done: &Done, unit: PressureUnit) -> Vec<(String, bool)> {
     let mut lines = Vec::new();
     let load = done.beside.suspension.as_ref().map(|verdict| &verdict.load);

@@ -7,7 +7,6 @@ use super::record::DriveRecord;
 
 pub(super) const ROW: u32 = 3;
 
-/// The way in which a damper is not as it was.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Way {
     Less,

@@ -107,7 +107,6 @@ pub type Watch<'a> = &'a (dyn Fn(Standing) -> ControlFlow<()> + Sync);
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Failed {
     pub file: PathBuf,
-    /// The car, if it is known.
     pub car: Option<String>,
     pub why: String,
 }

@@ -44,7 +44,7 @@ pub(super) fn run(
     let corners = common_corners(&log, vehicle)?;
     let wheel_speeds = wheel_speed_use(log.columns(), vehicle, &corners).unwrap_or_default();
     let mut settings = errand.settings.clone();
-    // Nobody asked for a table that is there without the wheel speeds to which it belongs.
+    // A table without the wheel speeds to which it belongs was not asked for.
     let usable = wheel_speeds != WheelSpeedUse::None && vehicle.torsion_config().is_ok();
     let unused = settings.pulses.take_if(|_| !usable);
     let settings = &settings;

@@ -2,7 +2,7 @@
 //!
 //! First `hello` and `history`, then `snapshot` and `transition` as they come and a `beat` every second, so that silence means
 //! trouble. A client that was cut off says what it saw last and gets what it missed; one that is slow gets the newest and
-//! misses the rest: nothing is queued for anybody but transitions, of which the hub keeps a bounded number.
+//! misses the rest: nothing is queued but transitions, of which the hub keeps a bounded number.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;

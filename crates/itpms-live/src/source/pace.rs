@@ -17,18 +17,13 @@ pub enum Speed {
 
 #[derive(Debug)]
 pub(super) struct Pace {
-    speed: Speed,
+    pub(super) speed: Speed,
     begun: Option<(Instant, f64)>,
 }
 
 impl Pace {
     pub(super) fn new(speed: Speed) -> Self {
         Self { speed, begun: None }
-    }
-
-    /// Whether everything is due at once.
-    pub(super) fn is_max(&self) -> bool {
-        self.speed == Speed::Max
     }
 
     /// Sleeps until what was recorded at `time_s` is due. `false` if an end is wanted.

@@ -154,7 +154,7 @@ fn replay(
             *arrived = Instant::now();
         }
         batch.push(input);
-        if (!pace.is_max() || batch.len() == BATCH) && !inputs.push_all(batch.drain(..)) {
+        if (pace.speed != Speed::Max || batch.len() == BATCH) && !inputs.push_all(batch.drain(..)) {
             return Ok(());
         }
     }

@@ -249,7 +249,7 @@ impl<T: Real> AekfUiLean<T> {
 }
 
 impl<T: Real> Belief<T> {
-    /// What is held, seen from outside; the measurement's fields are NaN.
+    /// The state, seen from outside; the measurement's fields are NaN.
     #[inline(always)]
     fn record(&self, status: StepStatus) -> LeanRecord<T> {
         let nan = T::lit(f64::NAN);

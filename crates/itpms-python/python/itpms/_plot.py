@@ -98,7 +98,7 @@ def pressures(columns: Columns, placards_kpa: dict[str, float], source: Columns 
 
 
 def losses(columns: Columns) -> Figure:
-    """A panel per wheel of what wheel speeds alone say: what it has lost, and what would have shown."""
+    """A panel per wheel with the result of wheel speeds alone: its loss, and the smallest detectable loss."""
     figure = _figure(10.4, 6.0)
     panels = figure.subplots(2, 2, sharex=True, sharey=True)
     origin_s = columns["time_s"][0] if abs(columns["time_s"][0]) > DAY_S else 0.0

@@ -205,7 +205,7 @@ class Learned:
     """What drives have told of a car. Made by :meth:`itpms.Vehicle.learn`.
 
     Attributes:
-        vehicle: The car with what was learned in the place of what was said of it: the one to go on with.
+        vehicle: The car with the learned parameters in place of the file's: the one to go on with.
         corners: By corner (``fl``, ``fr``, ``rl``, ``rr``) and parameter (``unsprung_mass_kg``, ``tire_n_per_m``,
             ``stiffness_over_mass_per_s2``, ``damping_n_s_per_m``, ``spring_n_per_m``, ``friction_n``) what it was and is:
             ``before``, ``before_sd``, ``after``, ``after_sd``, and whether the drives have told it (``learned``). Beside them

@@ -108,7 +108,7 @@ def estimate(
         drive: The column, or columns, that tell the drives of a car apart.
         time: The column with the time: s as a number, or a timestamp. With ``signals`` the rows are sorted by it, and the map says
             what it is.
-        references: By the car's name, the path of what an earlier calibration drive taught of it.
+        references: By the car's name, the path of the reference that an earlier calibration drive stored.
         calibrate_s: The first so many seconds of a calibration drive are driven at placard pressure.
         calibration: The column that says, true or false, whether it is a calibration drive; each car's first drive unless given.
         estimator: As in :func:`itpms.estimate`, like the following.

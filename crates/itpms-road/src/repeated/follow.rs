@@ -16,7 +16,7 @@ use super::transfer::{noise_gain, wheel_over_road};
 const ROAD_WALK: f64 = 0.001;
 /// Memory in s of the residuals' size.
 const EXCESS_MEMORY_S: f64 = 5.0;
-/// What the model leaves out: the share of a period by which it may be mistaken about when a pressure changed, and the share
+/// Model error: the share of a period by which it may be mistaken about when a pressure changed, and the share
 /// of a change by which it may be mistaken about how much (unsprung mass, spring).
 const WHEN: f64 = 0.15;
 const MODEL: f64 = 0.01;
@@ -46,8 +46,8 @@ pub(crate) struct Follower<T: Real> {
     force: Harmonics<T>,
     variance: SVector<T, HARMONICS>,
     /// Residual power over expected power.
-    excess: T,
-    strangeness: T,
+    pub(super) excess: T,
+    pub(super) strangeness: T,
 }
 
 impl<T: Real> Follower<T> {
@@ -86,16 +86,6 @@ impl<T: Real> Follower<T> {
     /// Probability that the pressure moves.
     pub(crate) fn moving(&self) -> T {
         self.motion.moving()
-    }
-
-    /// Residual power over the road's, of the last pass.
-    pub(crate) fn strangeness(&self) -> T {
-        self.strangeness
-    }
-
-    /// Residual power over expected power, of the last few seconds.
-    pub(crate) fn excess(&self) -> T {
-        self.excess
     }
 
     /// How many harmonics the road is made of, by the spread of their powers: one for a single tone.
@@ -280,7 +270,7 @@ impl<T: Real> Follower<T> {
             gain_sum += gain * weight;
             weight_sum += weight;
         }
-        // What is not known of the deviation now enters the road, alike at all harmonics.
+        // The deviation's uncertainty now enters the road, alike at all harmonics.
         let during = now[NOW] - (age + age) * now[RATE] + age * age * rate[RATE];
         let rest = during - beta * beta * then[THEN];
         if weight_sum > T::zero() && rest > T::zero() {

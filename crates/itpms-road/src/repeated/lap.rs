@@ -43,7 +43,7 @@ pub(crate) struct Lap<T: Real> {
     /// Parts since a pass was last weighed, and the s of interruptions among them.
     unused_parts: u32,
     hole_s: T,
-    confirmed: bool,
+    pub(super) confirmed: bool,
 }
 
 impl<T: Real> Lap<T> {
@@ -60,11 +60,6 @@ impl<T: Real> Lap<T> {
             hole_s: T::zero(),
             confirmed: false,
         }
-    }
-
-    /// Whether the road was found to be the same again: then its spectrum says nothing new.
-    pub(crate) fn is_confirmed(&self) -> bool {
-        self.confirmed
     }
 
     /// Takes one grid step of `wheel + θ force`, with a sensor at its limit or not; gives an estimate when a part of a period on a
@@ -123,12 +118,12 @@ impl<T: Real> Lap<T> {
                 self.strange_parts = 0;
                 let slip = follower.take_slip(&self.clock);
                 self.clock.follow_slip(slip);
-                let repeats = follower.strangeness() < T::lit(CONFIRMED);
+                let repeats = follower.strangeness < T::lit(CONFIRMED);
                 self.confirmed |= repeats && follower.breadth() > T::lit(LEAST_BREADTH);
             }
         }
         let (theta, relative_sd, rate_per_s) = follower.compliance(&self.clock);
-        let (moving, nis) = (follower.moving(), follower.excess());
+        let (moving, nis) = (follower.moving(), follower.excess);
         let whole_period = self.parts.is_multiple_of(parts_per_period);
         self.confirmed.then_some(PeriodicEstimate {
             theta,

@@ -204,7 +204,7 @@ impl<T: Real> Laps<T> {
     fn interrupted(&mut self, seconds: T) {
         self.search.restart();
         match &mut self.lap {
-            Some(lap) if lap.is_confirmed() && seconds >= T::zero() => lap.interrupted(seconds),
+            Some(lap) if lap.confirmed && seconds >= T::zero() => lap.interrupted(seconds),
             lap => *lap = None,
         }
         self.start_if_known();
@@ -218,7 +218,7 @@ impl<T: Real> Laps<T> {
         belief: &Belief<T>,
     ) -> Option<PeriodicEstimate<T>> {
         let estimate = self.pass(step, corner, belief);
-        self.are_followed = self.lap.as_ref().is_some_and(Lap::is_confirmed);
+        self.are_followed = self.lap.as_ref().is_some_and(|lap| lap.confirmed);
         estimate
     }
 

@@ -1,4 +1,4 @@
-//! What a wheel makes of the road at one frequency, and what its sensors' noise makes of the road as reconstructed
+//! A wheel's response to the road at one frequency, and the effect of its sensors' noise on the road as reconstructed
 //! (docs/math/informed.md, eq. 8-12, without friction).
 
 use itpms_core::Real;

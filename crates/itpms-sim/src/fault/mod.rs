@@ -1,7 +1,7 @@
 //! Sensors that go wrong for a while: stuck, losing samples, spiking, swapped, with a wrong gain, noisy, offset.
 //!
 //! Called by the simulation after the sensors were read, and by studies that put faults into a drive that was recorded whole ([`Faults`]).
-//! What a fault draws at random has a generator of its own: a drive with a fault is the same drive without it, but for the fault.
+//! A fault's random numbers have a generator of their own: a drive with a fault is the same drive without it, but for the fault.
 
 mod spec;
 

@@ -35,7 +35,7 @@ impl PulseCar {
     /// Errors: a scenario without one of the corners, or with a value out of range.
     pub fn new(scenario: &Scenario, car_seed: u64, seed: u64) -> Result<Self, ScenarioError> {
         let mut scenario = scenario.composed(seed)?;
-        // What the wheels do now, whenever the bus says it.
+        // The wheels' present motion, whenever the bus sends it.
         if let Some(bus) = &mut scenario.wheel_speeds {
             bus.latency_ms = 0.0;
         }

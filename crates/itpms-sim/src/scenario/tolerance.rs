@@ -228,7 +228,7 @@ mod tests {
                 assert_eq!(car.corner_config(corner).unwrap(), scenario.corner_config(corner).unwrap());
                 assert!((spec.truth.unsprung_mass_factor - 1.0).abs() <= 0.01);
                 assert!((spec.truth.tire_stiffness_factor - 1.0).abs() <= 0.0202);
-                // What the scenario says of the true car stays.
+                // The scenario's true car stays.
                 assert_eq!(spec.truth.friction_n, 10.0);
                 let sensor = spec.wheel_sensor.unwrap();
                 assert!((0.025..=0.1).contains(&sensor.noise_m_s2) && (0.0..=2.0).contains(&sensor.delay_ms));

@@ -158,7 +158,7 @@ impl Chassis {
         [-moved_n, tongue_n + moved_n]
     }
 
-    /// Forces that move the car so; `brakes`: each brake's share of what half an axle's brakes do.
+    /// Forces that move the car so; `brakes`: each brake's share of half its axle's braking.
     pub(crate) fn forces_n(&self, moving: &Moving, loads_n: &[f64; 4], brakes: &[f64; 4]) -> Forces {
         let mass_kg = loads_n.iter().sum::<f64>() / GRAVITY_M_S2;
         let air_m_s = moving.speed_m_s + moving.wind_m_s;
@@ -348,7 +348,7 @@ mod tests {
         let slipping = car.ways(1.0 / radius, lateral);
         let cos = (FRONT_SLIP_RAD_PER_M_S2 * lateral).cos();
         assert!((slipping[0] / ways[0] - cos).abs() < 1e-12 && (slipping[1] / ways[1] - cos).abs() < 1e-12);
-        // Parallel wheels lose the cosine of what they are steered beside their way: some 1e-3.
+        // Parallel wheels lose the cosine of the angle between wheel and path: some 1e-3.
         let parallel = Chassis { ackermann: 0.0, ..car }.ways(1.0 / radius, 0.0);
         assert!((1e-4..3e-3).contains(&(1.0 - parallel[0] / ways[0])), "{}", parallel[0] / ways[0]);
     }

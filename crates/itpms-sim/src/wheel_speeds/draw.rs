@@ -54,7 +54,7 @@ fn chance(random: &mut Pcg64, of: f64) -> bool {
 }
 
 impl Day {
-    /// What is drawn: the wheels with their conditions; the journey's turns, warmth and haste are set.
+    /// The drawn car: the wheels with their conditions; the journey's turns, warmth and haste are set.
     pub fn draw(&self, journey: &mut JourneySpec) -> WheelSpeedSpec {
         let mut spec = self.car();
         let random = &mut generator(self.seed, Purpose::DrawnConditions, [1, 0]);

@@ -29,7 +29,7 @@ const STEEPEST_BANK: f64 = 0.07;
 /// Slowest speed in m/s at which a wheel's teeth come often enough, and at which a driver steers.
 const SLOWEST_M_S: f64 = 0.5;
 const STEERED_M_S: f64 = 3.0;
-/// Wheel hop and body in Hz with damping, and their shares of what shakes a load.
+/// Wheel hop and body in Hz with damping, and their shares of the load's vibration.
 const HOP: [f64; 2] = [12.0, 0.2];
 const BODY: [f64; 2] = [1.4, 0.3];
 const BODY_SHARE: f64 = 0.2;
@@ -120,7 +120,7 @@ pub(crate) struct WheelSpeedRun {
     sensors: MotionSensors,
     surfaces: Surfaces,
     side_wind: Wander,
-    /// What is under the wheels of each side, and how far crown and bank fall to the right.
+    /// The surface under the wheels of each side, and how far crown and bank fall to the right.
     ground: [Ground; 2],
     fall: f64,
     shaken: [[Shaken; 2]; 4],
@@ -327,7 +327,7 @@ impl WheelSpeedRun {
                     slip(force_n, loads_n[i], stiffness_n[i], ground.friction)
                 })
             };
-            // What is not driven has no differential.
+            // An axle that is not driven has no differential.
             let engine = if engine_n[axle] == 0.0 {
                 [0.0; 2]
             } else {

@@ -109,7 +109,7 @@ pub(super) mod tests {
         let load = slope(&|factor| tire.ln_radius(factor, 240.0, 20.0));
         // A central difference is off by h²/6 of the third derivative.
         assert!((pressure - 0.007).abs() < 1e-9 && (load + 0.0064).abs() < 1e-9, "{pressure} {load}");
-        // A quarter less: .007 / .74 of what 1/(.26 + .74 .75) is more than one; by .007 ln .75 it would be a sixth less.
+        // A quarter less: .007 / .74 times (1/(.26 + .74 .75) - 1); by .007 ln .75 it would be a sixth less.
         let loss = tire.ln_radius(1.0, 180.0, 20.0);
         assert!((loss + 0.007 / 0.74 * (1.0 / 0.815 - 1.0)).abs() < 1e-12, "{loss}");
         assert!((loss / (0.007 * 0.75f64.ln()) - 1.0657).abs() < 1e-3, "{loss}");

@@ -70,7 +70,10 @@ fn write(
     let rows = scenario.rows();
     let mut log = LogWriter::create(outputs.log, columns)?;
     let mut pulses = outputs.pulses.map(|path| Pulses::create(path, scenario, seed)).transpose()?;
-    let vehicle_file = outputs.vehicle.map(|path| written_vehicle(path, scenario)).transpose()?;
+    let written = |path| -> Result<_, Failure> {
+        Ok(AtomicFile::settled(path, simulated::vehicle_of(scenario)?.to_toml().as_bytes())?)
+    };
+    let vehicle_file = outputs.vehicle.map(written).transpose()?;
 
     let progress = screen.progress(&format!("simulating {}", scenario.name));
     for (row, count) in simulation.by_ref().zip(0u64..) {
@@ -122,11 +125,6 @@ impl Pulses {
 
 fn truth(no_truth: bool) -> CornerColumns {
     CornerColumns { pressure: !no_truth, road: !no_truth }
-}
-
-/// The vehicle file that belongs to the log, complete but for its name.
-fn written_vehicle(path: &Path, scenario: &Scenario) -> Result<AtomicFile, Failure> {
-    Ok(AtomicFile::settled(path, simulated::vehicle_of(scenario)?.to_toml().as_bytes())?)
 }
 
 fn report(args: &SimulateArgs, screen: &Screen, scenario: &Scenario) {

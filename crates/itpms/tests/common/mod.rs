@@ -16,7 +16,7 @@ use tempfile::TempDir;
 /// A directory of one test, gone at its end. Programs run in it, so that messages hold no random path.
 pub(crate) struct Bench(TempDir);
 
-/// What a run left behind.
+/// A run's exit code and output.
 #[derive(Debug)]
 pub(crate) struct Outcome {
     pub(crate) code: Option<i32>,

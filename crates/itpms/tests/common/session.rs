@@ -41,7 +41,7 @@ fn all_fit(patterns: &[&str], lines: &[&str]) -> bool {
     }
 }
 
-/// Names and sizes of what lies there.
+/// Names and sizes of the files there.
 fn files(bench: &Bench) -> BTreeMap<String, u64> {
     let size = |name: String| {
         let size = std::fs::symlink_metadata(bench.path(&name)).map_or(0, |found| found.len());

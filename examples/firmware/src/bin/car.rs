@@ -25,7 +25,7 @@ const CALIBRATION_S: [f64; 2] = [4.0, 5.0];
 /// How often pressures are printed.
 const EVERY_S: f64 = 5.0;
 
-/// What the estimator is given: the car of `drive-puncture`.
+/// The estimator's configuration: the car of `drive-puncture`.
 fn config() -> Option<MonitorConfig<f32>> {
     let front = CornerConfig::<f32>::paper();
     let car = &front.quarter_car;
@@ -51,7 +51,7 @@ fn build(car: &mut Car, counter: &mut Counter) -> Option<usize> {
     Some(stack)
 }
 
-/// What the samples took.
+/// The samples' cost.
 #[derive(Default)]
 struct Taken {
     sum: u64,
@@ -83,7 +83,7 @@ fn drive(car: &mut Car, before: &mut Option<MonitorReport<f32>>, counter: &mut C
         }
         let due = index % (EVERY_S * RATE_HZ) as usize == 0;
         if due || has_changed(car, before) {
-            // What is printed is not the car's stack.
+            // Printing is not part of the car's stack.
             all.stack = all.stack.max(memory::stack_high_water()?);
             print_changes(car, before, sample.time_s);
             if due {

@@ -88,7 +88,7 @@ fn dense<T: Real>(counter: &mut Counter, name: &str, config: FilterConfig<T>) {
 fn main() -> ! {
     if let Some(peripherals) = cortex_m::Peripherals::take() {
         let mut counter = Counter::new(peripherals.SYST);
-        // What a known number of instructions is counted as: 1000 times nop and the loop's own.
+        // The count for a known number of instructions: 1000 times nop and the loop's own.
         let nops = counter.ticks(|| (0..1000).for_each(|_| cortex_m::asm::nop()));
         hprintln!("1000 nops in a loop: {}", instructions(f64::from(nops)));
         lean(&mut counter, "closed form f32, simulation", FilterConfig::<f32>::paper_simulation());

@@ -1,4 +1,4 @@
-//! Arguments of `itpms lab soak`: how many hours, of what, and where they are kept.
+//! Arguments of `itpms lab soak`: how many hours of which drives, and where they are kept.
 
 use std::path::PathBuf;
 

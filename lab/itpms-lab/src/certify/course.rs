@@ -39,7 +39,6 @@ pub(super) const RECOVERY_S: f64 = 600.0;
 /// A test's drives and the moments that count.
 #[derive(Debug, Clone)]
 pub(super) struct Course {
-    /// Learning, standstill, detection.
     pub(super) scenario: Scenario,
     /// The same car with right pressures and whole sensors.
     pub(super) recovery: Scenario,
@@ -190,7 +189,6 @@ fn bends(duration_s: f64) -> Vec<[f64; 2]> {
     points
 }
 
-/// Speed over time in the making.
 struct Route {
     band_km_h: [f64; 2],
     time_s: f64,

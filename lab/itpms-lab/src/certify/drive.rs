@@ -30,7 +30,6 @@ const KEY_IN_S: f64 = 30.0;
 const NEW_RESET_S: f64 = 300.0;
 /// A lamp that is out for so many s is out; as long it is looked at what else is reported then.
 const OUT_S: f64 = 60.0;
-/// Seconds between two points of a trace.
 const TRACE_S: f64 = 2.0;
 /// Seconds between two reports of how far it is.
 const REPORT_S: f64 = 10.0;
@@ -50,7 +49,7 @@ pub(super) fn drive(
         run.park();
         run.recover()?;
     }
-    // What was not driven counts as done.
+    // Stretches not driven count as done.
     let left_s = course.longest_s() - run.simulated_s;
     odometer.advance(left_s.max(0.0) as u64)?;
     Ok(Outcome::new(procedure, course, run.findings, run.trace, run.simulated_s))

@@ -15,7 +15,6 @@ const Z_95: f64 = itpms_analysis::report::Z_95;
 const BESIDE_S: f64 = 60.0;
 
 impl Certificate {
-    /// A figure per test, in order.
     pub fn figures(&self) -> Vec<Figure> {
         self.outcomes.iter().map(Outcome::figure).collect()
     }

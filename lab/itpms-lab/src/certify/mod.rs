@@ -48,7 +48,6 @@ pub use test_case::{Failure, Test};
 #[derive(Debug, Clone)]
 pub struct Request {
     pub extent: Extent,
-    /// Only tests whose names contain this.
     pub only: Option<String>,
     /// Seed of the first test's course; the others follow.
     pub seed: u64,
@@ -61,7 +60,7 @@ pub struct Request {
 }
 
 itpms_core::labelled! {
-    /// What a car with wheel speeds alone knows of what it carries. More load is a smaller radius, as less pressure is.
+    /// How well a car with wheel speeds alone knows its load. More load is a smaller radius, as less pressure is.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
     #[serde(rename_all = "kebab-case")]
     pub enum StatedLoads {

@@ -252,7 +252,7 @@ mod tests {
             findings.false_alerts.iter().map(|e| (e.time_s, e.wheels.as_str())).collect();
         assert_eq!(kept, [(1500.0, "fr"), (1900.0, "fl")]);
         assert!(findings.false_alerts[0].text.starts_with("fr under-inflated: 190 kPa"));
-        // What the regulation asks for comes first.
+        // The regulation's requirement comes first.
         let out = Findings { went_out: true, ..findings };
         assert_eq!(Verdict::of(&out, 600.0), Verdict::WentOut);
         let named = Findings { wrong: fr.into(), ..good() };

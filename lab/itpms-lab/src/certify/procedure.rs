@@ -23,7 +23,6 @@ pub struct Procedure {
 const PLACES: [FaultPlace; 2] = [FaultPlace::Wheel, FaultPlace::Body];
 
 impl Procedure {
-    /// The list, in a fixed order.
     pub fn all(extent: Extent, sensors: Sensors) -> Vec<Self> {
         let every = Rule::ALL.into_iter().flat_map(|rule| Self::of_rule(rule, sensors));
         match extent {
@@ -80,7 +79,6 @@ impl Procedure {
         format!("{rule}-{}", test.replace(' ', "-"))
     }
 
-    /// Description of the test for a person.
     pub fn text(&self) -> String {
         match (self.rule, self.test) {
             (Rule::UnR141, Test::Low(wheels)) => format!("puncture: {wheels}"),

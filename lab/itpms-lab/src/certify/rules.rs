@@ -58,7 +58,7 @@ impl Rule {
         }
     }
 
-    /// What a tire is let down to in kPa, from its warm pressure and its placard's.
+    /// The pressure in kPa a tire is let down to, from its warm pressure and its placard's.
     pub fn test_pressure_kpa(self, test: Test, warm_kpa: f64, placard_kpa: f64) -> f64 {
         match self {
             Self::UnR141 => {

@@ -23,12 +23,12 @@ pub(super) fn named(outcome: &Outcome) -> String {
     }
 }
 
-/// What the tires were let down from and to.
+/// The tires' pressures before and after they were let down.
 pub(super) fn pressures(outcome: &Outcome) -> String {
     outcome.test_kpa.map_or("-".to_owned(), |test| format!("{:.0} > {test:.0}", outcome.warm_kpa))
 }
 
-/// What was reported of which nothing is true, each with when it was first.
+/// False reports, each with when it was first.
 pub(super) fn false_alerts(outcome: &Outcome) -> String {
     let reported = |reported: &super::FalseAlert| {
         format!("{} {} {}", reported.cause, reported.wheels, clock(Some(reported.time_s)))
@@ -95,7 +95,6 @@ impl Certificate {
         self.outcomes.iter().filter(|outcome| outcome.verdict != Verdict::Pass).count()
     }
 
-    /// How many passed, in a line.
     pub fn summary(&self) -> String {
         let passed = self.outcomes.len() - self.failed();
         let wrong = self.outcomes.iter().filter(|outcome| !outcome.named_wrongly.is_empty()).count();

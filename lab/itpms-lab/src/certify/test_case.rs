@@ -3,7 +3,6 @@
 use itpms_core::model::{Corner, Wheels};
 use itpms_sim::fault::{FaultKind, FaultPlace, FaultSpec, SensorName};
 
-/// Fault of the car.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Test {
     Low(Wheels),

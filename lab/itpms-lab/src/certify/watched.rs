@@ -55,7 +55,6 @@ impl Watched {
         self.car.begin_calibration(seconds)
     }
 
-    /// A drive of the same car begins.
     pub(super) fn roll(&mut self, scenario: &Scenario, seed: u64) -> Result<()> {
         if let Some(pulses) = &mut self.pulses {
             let car_seed = scenario.wheel_speeds.and_then(|wheels| wheels.car_seed).unwrap_or(seed);

@@ -12,7 +12,7 @@ pub(crate) mod reproduce;
 pub(crate) mod score;
 pub(crate) mod soak;
 
-/// What a study finds, which shows how far it is.
+/// A study's result, with its progress shown.
 fn driven<T>(
     screen: &Screen,
     interrupt: &Interrupt,

@@ -57,7 +57,6 @@ fn subject(vehicle: &Vehicle, asked: Option<Corner>) -> Result<Subject, Failure>
     Ok(Subject::new(&vehicle.name, corner.label(), config, vehicle.corner(partner)))
 }
 
-/// Page, figures, and everything as JSON.
 fn write(folder: &Folder, result: &Observability, json: &str, screen: &Screen) -> Result<(), Failure> {
     let mut contents = vec![
         ("observability.json".to_owned(), format!("{json}\n")),

@@ -6,7 +6,6 @@ use serde::Serialize;
 
 use super::drive::Recorded;
 
-/// The same drives without a malfunction.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Clean {
     pub hours: f64,

@@ -14,7 +14,7 @@ pub struct Kind {
     pub stated_s: f64,
     /// Fault of the sensors. Times are filled in when it is put in. None: a road that tells nothing, on a drive of its own.
     pub faults: Vec<FaultSpec>,
-    /// The words of [`Malfunction::label`] that pass for its name: its own, and those of what it looks like.
+    /// The labels ([`Malfunction::label`]) that pass for its name: its own, and those of malfunctions it looks like.
     pub labels: &'static [&'static str],
 }
 

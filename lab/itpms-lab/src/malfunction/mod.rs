@@ -36,7 +36,6 @@ pub struct Request {
     pub drives: usize,
     /// Seed of the first; the others follow.
     pub first_seed: u64,
-    /// Only malfunctions whose names contain this.
     pub only: Option<String>,
 }
 
@@ -53,7 +52,7 @@ pub struct Row {
     pub said: usize,
     pub in_time: usize,
     /// Of those in which it was reported, in how many by a word that passes for its name, at any wheel it happens to: its own or
-    /// that of what it looks like.
+    /// that of a malfunction it looks like.
     pub named: usize,
     /// And in how many by its own name, with the very sensors and nothing beside them.
     pub named_exactly: usize,
@@ -100,7 +99,6 @@ pub struct Row {
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Study {
-    /// Of this structure: 1.
     pub version: u32,
     pub drives: usize,
     pub first_seed: u64,
@@ -185,7 +183,7 @@ fn monitored(drive: &Recorded) -> Result<Box<MonitoredCar<f64>>> {
     Ok(Box::new(MonitoredCar::new(&monitor(&drive.car), drive.rate_hz)?))
 }
 
-/// Where a malfunction was not reported, and could not have been because the car hardly drove, that is not held against anybody; what
+/// Where a malfunction was not reported, and could not have been because the car hardly drove, that does not count as a failure; what
 /// was shown and warned of counts. The same holds for how a drive went on after its end.
 fn row(kind: &Kind, outcomes: &[&Outcome]) -> Row {
     let is_counted = |o: &&&Outcome| o.reported_after_s.is_some() || o.driven_s >= kind.stated_s;

@@ -24,17 +24,16 @@ const FAR_KPA: f64 = 20.0;
 pub(super) struct Outcome {
     /// Seconds of driving until it was reported; `None`: never.
     pub(super) reported_after_s: Option<f64>,
-    /// What it was called then, and whether nothing but the very malfunction was.
+    /// Its label then, and whether nothing but the very malfunction was reported.
     pub(super) label: &'static str,
     pub(super) exactly: bool,
-    /// Seconds of driving while it lasted.
     pub(super) driven_s: f64,
-    /// What was shown before it was reported, after that, and after its end.
+    /// Pressures shown before it was reported, after that, and after its end.
     pub(super) before: Shown,
     pub(super) after: Shown,
     pub(super) back: Shown,
     pub(super) others_said: usize,
-    /// What was reported of tires, with none of which anything is wrong: while it lasted, and after.
+    /// False reports of tires: while it lasted, and after.
     pub(super) tires_during: TireWarnings,
     pub(super) tires_after: TireWarnings,
     /// Seconds of driving after its end until nothing was reported any more, a right pressure was shown at its wheels and no

@@ -83,7 +83,7 @@ fn line(row: &Row) -> String {
     columns(cells) + &if marks.is_empty() { marks } else { format!("  {marks}") }
 }
 
-/// What is not as it should be, in words; empty where all is.
+/// The failed requirements, in words; empty where all are met.
 fn marks(row: &Row) -> String {
     let tires = row.tire_warnings_during.plus(row.tire_warnings_after);
     let causes = [

@@ -31,7 +31,6 @@ impl Observability {
         vec![self.twin_figure(), self.time_figure(), self.sweep_figure()]
     }
 
-    /// Four tires, four roads, one measurement.
     fn twin_figure(&self) -> Figure {
         let inks = [
             (Ink::Truth, Stroke::Bold),
@@ -61,7 +60,6 @@ impl Observability {
             .panel(panel("c", "Wheel acceleration", "m/s²", &near, &|twin| twin.wheel_accel_m_s2.clone()))
     }
 
-    /// Bounds over time, both situations, both cars.
     fn time_figure(&self) -> Figure {
         let mut figure = Figure::new("observability-time", "What each source of information allows to know")
             .describe(

@@ -10,7 +10,6 @@ use nalgebra::{Complex, DMatrix, DVector, Vector2};
 use super::car;
 use itpms_analysis::bound::{BoundSetting, LEVEL_HZ, STEP_HZ, transfers};
 
-/// Assumptions about a stretch of road.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum RoadModel {
     /// Nothing: another unknown power at every frequency.
@@ -32,7 +31,6 @@ pub(super) struct Pass {
     pub(super) seconds: f64,
 }
 
-/// How often a stretch is met.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Occurrence {
     /// Once by every pass, which then take the same time: a spectrum without gaps.
@@ -97,7 +95,7 @@ fn at_frequency(
             Occurrence::Once => 1.0,
             Occurrence::Repeated(period_s) => pass.seconds / period_s,
         };
-        // What the pass has for itself is noise along its own transfer; both are whitened together (eq. 19).
+        // The pass's own part is noise along its own transfer; both are whitened together (eq. 19).
         let own = road * stretch.incoherent / noise;
         let shrink = (1.0 - (1.0 + own * transfer.norm_squared()).sqrt().recip()) / transfer.norm_squared();
         let scale = Complex::from((road * (1.0 - stretch.incoherent) / noise * repetitions).sqrt());

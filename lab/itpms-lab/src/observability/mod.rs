@@ -100,7 +100,6 @@ const TIMES_S: [f64; 15] = [0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0, 11.0, 1
 pub struct Observability {
     pub vehicle: String,
     pub corner: String,
-    /// Assumptions, by name with unit.
     pub conditions: Conditions,
     pub twins: Twins,
     pub ranks: Vec<RankCase>,
@@ -230,7 +229,6 @@ impl Observability {
     }
 }
 
-/// Corner behind the paper's, for tests.
 #[cfg(test)]
 fn rear() -> itpms_core::model::CornerConfig<f64> {
     let quarter_car = itpms_core::model::QuarterCar::new(216.0, 50.0, 925.8, 29_114.0).unwrap();

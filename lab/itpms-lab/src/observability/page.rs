@@ -45,7 +45,6 @@ impl Observability {
         )
     }
 
-    /// The proof as a paragraph of HTML.
     pub(crate) fn proof_text(&self) -> String {
         format!(
             "<p>Body and wheel feel the road only through the tire's force, <i>F</i> = <i>k</i><sub>t</sub> (<i>x</i><sub>r</sub> − <i>x</i><sub>w</sub>). \
@@ -81,7 +80,6 @@ impl Observability {
         )
     }
 
-    /// What the ranks mean, as a paragraph of HTML.
     pub(crate) fn rank_text(&self) -> String {
         format!(
             "<p>Unknown are the states, the stiffness and the road with its derivatives; known are both accelerations with theirs. What no singular value \
@@ -119,7 +117,6 @@ impl Observability {
         )
     }
 
-    /// What the bounds hold for, as a paragraph of HTML.
     pub(crate) fn conditions_text(&self) -> String {
         let c = &self.conditions;
         format!(
@@ -159,7 +156,6 @@ impl Observability {
         format!("<h3>Over speed, damping, noise and tracks</h3>{}", self.circumstances_text())
     }
 
-    /// What the sweeps show, as a paragraph of HTML.
     pub(crate) fn circumstances_text(&self) -> String {
         "<p>Speed and noise hardly matter to the road's spectrum (a), which is far louder than the sensors; the damper does, through the width of the \
          wheel-hop resonance. For wheels that compare (b, c) it is the other way round: more speed is more road and less noise is a better comparison. \

@@ -1,4 +1,4 @@
-//! What the accelerations and all their derivatives fix, and what they leave free: the rank of the observability matrix
+//! The unknowns that the accelerations and all their derivatives fix or leave free: the rank of the observability matrix
 //! with the road as an unknown input (`docs/math/identifiability.md`, eq. 4-10).
 //!
 //! Called by the study. The unknowns are the states, the stiffnesses and the road with its derivatives at one instant;

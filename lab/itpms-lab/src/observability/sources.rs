@@ -121,7 +121,6 @@ const PARAMETERS: usize = REAR_CAR + CAR_PARAMETERS + 2;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Circumstances {
-    /// Road, speed, rate, noise and band.
     pub(super) drive: BoundSetting,
     /// Damping of both corners in N s/m; `None`: their own.
     pub(super) damping_n_s_per_m: Option<f64>,
@@ -281,7 +280,6 @@ mod tests {
         bound(&subject, label, Car::Exact, Circumstances::of(&subject)).sd_kpa(situation, seconds)
     }
 
-    /// Sensors that hardly err.
     fn quiet(subject: &Subject) -> Circumstances {
         let drive = BoundSetting { accel_noise_m_s2: 1e-3, ..subject.drive };
         Circumstances { drive, ..Circumstances::of(subject) }

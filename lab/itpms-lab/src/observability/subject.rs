@@ -9,14 +9,12 @@ use itpms_analysis::bound::BoundSetting;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Subject {
     pub vehicle: String,
-    /// Which corner: `fl`, `fr`, `rl` or `rr`.
     pub corner: String,
     pub front: CornerConfig<f64>,
     /// The corner with another unsprung mass that meets the same road (source b').
     pub unlike: CornerConfig<f64>,
     /// Whether `unlike` was made up because the vehicle's corners are alike.
     pub unlike_is_made_up: bool,
-    /// Road, speed, rate, noise and band.
     pub drive: BoundSetting,
     pub period_s: f64,
     pub before_s: f64,
@@ -70,7 +68,6 @@ impl Subject {
         }
     }
 
-    /// The paper's simulated corner (Table 2).
     pub fn paper() -> Self {
         Self::new("paper, Table 2", "fl", &CornerConfig::paper(), None)
     }

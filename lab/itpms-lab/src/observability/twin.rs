@@ -23,7 +23,6 @@ const LOW: f64 = 0.5715;
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Twin {
     pub label: String,
-    /// Gauge pressure in kPa at each time.
     #[serde(skip)]
     pub pressure_kpa: Vec<f64>,
     #[serde(skip)]
@@ -85,7 +84,6 @@ fn time(step: usize) -> f64 {
     step as f64 / RATE_HZ
 }
 
-/// Record of one step of a drive.
 #[derive(Debug, Clone, Copy)]
 struct Step {
     wheel_m: f64,
@@ -198,7 +196,7 @@ mod tests {
             worst = worst.max((plant.accelerations_m_s2()[1] - a).abs());
             largest = largest.max(a.abs());
         }
-        // What the two integrators differ by at 60 Hz: (ωh)^4 of some hundredths, over its own decay time.
+        // The two integrators' difference at 60 Hz: (ωh)^4 of some hundredths, over its own decay time.
         assert!(worst < 1e-3 * largest, "{worst} of {largest}");
     }
 }

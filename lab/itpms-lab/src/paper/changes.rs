@@ -13,12 +13,11 @@ use super::section::{Section, Table, number, signed};
 use super::standing::{spread, standing};
 use itpms_analysis::plot::{Axis, Figure, Ink, Panel};
 
-/// Parameters of the three studies.
 pub(super) struct Study<'a> {
     pub(super) figure: u32,
     pub(super) table: u32,
     pub(super) title: &'static str,
-    /// What the rows change, with its unit, and the same for a column.
+    /// The quantity that the rows change, with its unit, and the same for a column.
     pub(super) what: &'static str,
     pub(super) column: &'static str,
     /// One word per row: `220 kg`.

@@ -35,6 +35,7 @@ impl Contestant {
             EstimatorKind::AekfUiInformed,
             EstimatorKind::Informed,
         ];
+        let is_published = |kind| matches!(kind, EstimatorKind::AekfUi | EstimatorKind::EkfUi);
         let one = |kind| Self { kind, reset_s: if is_published(kind) { 0.0 } else { reset_s } };
         kinds.into_iter().map(one).collect()
     }
@@ -58,12 +59,6 @@ impl Contestant {
     }
 }
 
-/// As in the paper, to the letter.
-pub(super) fn is_published(kind: EstimatorKind) -> bool {
-    matches!(kind, EstimatorKind::AekfUi | EstimatorKind::EkfUi)
-}
-
-/// Estimate of a contestant after a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Word {
     pub(super) pressure_kpa: f64,

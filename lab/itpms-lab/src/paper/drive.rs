@@ -10,10 +10,8 @@ use super::contestant::{Runner, Word};
 use crate::runner::Result;
 use crate::score::stats::ErrorSum;
 
-/// Points of a drawn history per second.
 const TRACE_HZ: f64 = 20.0;
 
-/// Whether a drive's histories are kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Keep {
     Errors,
@@ -45,7 +43,6 @@ pub(super) struct Trace {
     pub(super) road_m: Vec<f64>,
 }
 
-/// The truth, in the same form.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Truth {
     pub(super) time_s: Vec<f64>,

@@ -14,7 +14,6 @@ const HELD_S: f64 = 0.2;
 /// Usual error axis in kPa: what works stays within.
 const ERROR_KPA: f64 = 80.0;
 
-/// Curves of a record in one panel.
 pub(super) type Pick = fn(&Record) -> &Vec<f64>;
 
 pub(super) fn time_axis(outcome: &Outcome) -> Axis {
@@ -42,7 +41,6 @@ pub(super) fn four(mut panel: Panel, outcome: &Outcome, values: impl Fn(&Record)
     panel
 }
 
-/// Marks where a drawn drive diverged.
 fn divergences(mut panel: Panel, outcome: &Outcome) -> Panel {
     for record in outcome.shown() {
         if let Some(time_s) = record.drawn_diverged_s {

@@ -1,5 +1,5 @@
 //! The paper's study made again: every figure and table with numbers from our own drives, the paper's numbers beside
-//! them, and an account of what agrees.
+//! them, and an account of the agreement.
 //!
 //! Called by the binary's `reproduce`, which writes the [`File`]s. Deterministic: the same [`Request`] gives the same
 //! bytes on any number of processors. Nothing here looks at a clock, a path or the network.
@@ -51,7 +51,6 @@ pub use section::{Section, Table};
 use crate::runner::{Progress, Result, refused};
 use section::Part;
 
-/// The corner that the paper's scenarios drive.
 const CORNER: Corner = Corner::FrontLeft;
 
 /// Open points of the paper, and the number of drives.
@@ -90,11 +89,9 @@ impl Default for Request {
 pub struct File {
     /// Without a folder.
     pub name: String,
-    /// Text in UTF-8.
     pub content: String,
 }
 
-/// The study, ready to be written.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Study {
     request: Request,

@@ -19,7 +19,6 @@ const BARS: usize = 50;
 /// Time range of the left panels in s.
 const DRAWN_S: f64 = 10.0;
 
-/// Noise of one setting, and its moments.
 struct Noise {
     variance: f64,
     points: Vec<(f64, f64)>,

@@ -40,7 +40,7 @@ impl Outcome {
     pub(super) fn of(case: &Case, mut drives: Vec<Drive>) -> Self {
         let record = |(i, who): (usize, &Contestant)| {
             let each = || drives.iter().filter_map(move |drive| drive.results.get(i));
-            // What has diverged claims nothing.
+            // A diverged filter claims nothing.
             let covered: Vec<f64> =
                 each().filter(|result| result.diverged_s.is_none()).map(|result| result.coverage).collect();
             let drawn = each().next();
@@ -73,7 +73,6 @@ impl Outcome {
         self.records.iter().take(EstimatorKind::ALL.len())
     }
 
-    /// The default estimator as it is drawn.
     pub(super) fn informed(&self) -> Option<&Record> {
         self.shown().find(|record| record.who.kind == EstimatorKind::Informed)
     }

@@ -14,7 +14,6 @@ use super::{CORNER, Request};
 use crate::runner::Result;
 use crate::score::stats::{ErrorSum, Spread};
 
-/// Name of a reading, and its settings.
 fn readings() -> [(&'static str, FilterConfig<f64>); 7] {
     let usual = FilterConfig::paper_simulation();
     let printed = usual.with_correction_input(CorrectionInput::Previous);

@@ -7,7 +7,6 @@ use itpms_analysis::plot::{Figure, escape};
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Section {
-    /// Anchor, unique on the page.
     pub(super) id: String,
     pub(super) title: String,
     pub(super) parts: Vec<Part>,
@@ -30,7 +29,6 @@ pub(super) enum Part {
 }
 
 impl Section {
-    /// An empty section; `id` is its anchor.
     pub fn new(id: impl Into<String>, title: impl Into<String>) -> Self {
         Self { id: id.into(), title: title.into(), parts: vec![] }
     }
@@ -47,7 +45,6 @@ impl Section {
         self
     }
 
-    /// A table with its caption (HTML).
     pub fn table(mut self, table: Table, caption: impl Into<String>) -> Self {
         self.parts.push(Part::Table { table, caption: caption.into() });
         self

@@ -15,7 +15,6 @@ use crate::runner::{Result, StudyError};
 use itpms_analysis::bound::{BoundSetting, CornerBound};
 use itpms_analysis::spectrum::PowerLaw;
 
-/// The corner that the paper's scenarios drive.
 pub(super) const CORNER: Corner = Corner::FrontLeft;
 /// Sd in kPa of the estimator's pressure at the start, and so of the bound's.
 pub(super) const START_SD_KPA: f64 = 30.0;

@@ -40,7 +40,6 @@ struct Constant {
     pressure_kpa: f64,
     /// Added to the seeds: every pressure drives roads of its own, so that errors are independent.
     seed_shift: u64,
-    /// Started above and below the truth.
     starts: [Case; 2],
 }
 

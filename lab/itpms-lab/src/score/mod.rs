@@ -80,7 +80,7 @@ impl Part {
         self >= Self::Drive
     }
 
-    /// What the table says above the rows of a part.
+    /// The table's heading above the rows of a part.
     fn title(part: &str) -> Option<&'static str> {
         Some(match part {
             "paper" => {
@@ -168,13 +168,11 @@ impl Default for Request {
 /// The result. JSON: `version`, `estimators`, `seeds`, `first_seed`, `rows` ([`Row`]).
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Score {
-    /// Of this structure: 1.
     pub version: u32,
     #[serde(serialize_with = "labels")]
     pub estimators: Vec<EstimatorKind>,
     pub seeds: usize,
     pub first_seed: u64,
-    /// In the order of the table.
     pub rows: Vec<Row>,
 }
 
@@ -182,7 +180,6 @@ fn labels<S: serde::Serializer>(kinds: &[EstimatorKind], serializer: S) -> Resul
     serializer.collect_seq(kinds.iter().map(|kind| kind.label()))
 }
 
-/// Computes a score on all processors.
 pub fn score(request: &Request, progress: Progress<'_>) -> Result<Score> {
     let (Some(&kind), true) = (request.estimators.first(), request.seeds > 0) else {
         return refused("0 seeds or no estimator, expected at least one of each");

@@ -28,7 +28,6 @@ const STIFFNESS_PERIOD_S: f64 = 0.1;
 const ERROR_PERCENT: f64 = 8.0;
 const IRI_PERCENT: f64 = 5.0;
 
-/// Result of one drive, in percent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Fidelity {
     /// Rms of the error over rms of the road, in the band.
@@ -128,7 +127,7 @@ fn compare(record: &[f64], truth: &[f64], spacing_m: f64) -> Result<Fidelity> {
     Ok(Fidelity { error: 100.0 * error, iri: 100.0 * (iri(record)? / iri(truth)? - 1.0) })
 }
 
-/// Rms in m of what lies within the band.
+/// Rms in m within the band.
 fn band_rms(heights_m: impl Iterator<Item = f64>, spacing_m: f64) -> Result<f64> {
     let half = (0.5 * SEGMENT_M / spacing_m) as usize;
     let mut welch = Welch::new(2 * half, spacing_m)?;

@@ -5,7 +5,6 @@
 use itpms_paper::EstimatorKind;
 use serde::Serialize;
 
-/// Goal of a cell's figure.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Goal {
@@ -86,7 +85,6 @@ pub struct Cell {
     #[serde(flatten)]
     pub column: Column,
     pub value: f64,
-    /// Its goal, if any.
     pub goal: Option<Goal>,
     pub verdict: Option<Verdict>,
 }
@@ -106,7 +104,6 @@ pub struct Row {
 }
 
 impl Row {
-    /// A row, judged by its cells.
     pub fn new(
         part: &'static str,
         name: impl Into<String>,

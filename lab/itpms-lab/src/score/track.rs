@@ -19,7 +19,6 @@ const PAPER: [(&str, f64, f64); 3] =
 /// The test bed's scenarios: goal for the median RMSE in kPa, where there is one.
 const BENCH: [(&str, Option<Goal>); 3] =
     [("bench-drop", Some(Goal::AtMost(4.2))), ("bench-drop-recover", None), ("bench-slow", None)];
-/// True sprung mass over the file's.
 const MASS_FACTORS: [f64; 2] = [0.92, 1.08];
 /// The grid: slopes, classes, noise in m/s².
 const SLOPES: [f64; 3] = [1.6, 2.1, 2.6];
@@ -47,7 +46,6 @@ fn track(case: &Case, turn: Turn) -> Result<WindowErrors> {
     Ok(track)
 }
 
-/// A case's figures over its drives.
 struct Summary {
     name: String,
     kind: EstimatorKind,
@@ -100,7 +98,6 @@ impl Summary {
     }
 }
 
-/// Which drives the asked-for parts need.
 pub(super) struct Plan {
     paper: Vec<usize>,
     mass: Vec<usize>,

@@ -203,7 +203,6 @@ struct Kept {
 }
 
 impl Kept {
-    /// Drives; rows and km.
     fn follow(
         &mut self,
         scenario: &Scenario,

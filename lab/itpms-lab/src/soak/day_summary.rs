@@ -26,7 +26,6 @@ pub struct DaySummary {
 
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct OfCondition {
-    /// Hours driven on later days.
     pub hours: f64,
     pub false_warnings: usize,
     pub seeds: Vec<u64>,

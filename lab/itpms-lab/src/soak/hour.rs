@@ -92,7 +92,6 @@ pub struct RadiusHour {
     pub covered: [f64; 3],
 }
 
-/// Record of a day beside its hour.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DayHour {
     /// What the day was: of a mixed plan one of the others.
@@ -110,7 +109,6 @@ pub struct DayHour {
     pub loss: Option<LossHour>,
 }
 
-/// Outcome of a yaw rate.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct YawHour {
     pub fault: YawFault,

@@ -62,7 +62,6 @@ pub struct Extreme {
 }
 
 impl Summary {
-    /// Of drives in any order.
     pub fn of(hours: &[Hour]) -> Self {
         let mut hours: Vec<&Hour> = hours.iter().collect();
         hours.sort_by_key(|hour| hour.seed);

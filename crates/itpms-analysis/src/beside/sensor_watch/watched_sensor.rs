@@ -26,7 +26,6 @@ itpms_core::labelled! {
 /// A tire's own sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WatchedSensor {
-    /// What is known of it.
     pub state: SensorState,
     /// Its last reading in kPa; NaN: none.
     pub pressure_kpa: f64,

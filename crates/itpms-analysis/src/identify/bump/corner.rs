@@ -18,21 +18,14 @@ const TIRE: usize = 0;
 const TIRE_DAMPING: usize = 1;
 /// Bands that are drawn: below 16 Hz.
 const DRAWN: usize = 3;
-/// Standard errors by which the spring has to differ from zero.
-const CLEAR: f64 = 3.0;
 
 pub(super) fn fit(label: &str, motion: &Motion, masses: Option<BumpMasses>) -> Result<BumpFit> {
     let body_rows: Vec<BandRows> = motion.bands.iter().map(|band| body_equation(band, motion)).collect();
     let body =
         Fit::of(&body_rows, &motion.whole(|band| &band.travel_velocity), "spring, damper and friction")?;
     let (spring, damping) = (body.coefficient(SPRING, 1.0), body.coefficient(DAMPING, 1.0));
-    if !(spring.value > CLEAR * spring.standard_error) {
-        return Err(IdentifyError::NoSlope {
-            what: "the spring over the sprung mass",
-            value: spring.value,
-            standard_error: spring.standard_error,
-            unit: "1/s²",
-        });
+    if !(spring.value > 3.0 * spring.standard_error) {
+        return Err(IdentifyError::no_slope("the spring over the sprung mass", &spring, "1/s²"));
     }
     let w = spring.value.sqrt();
     let ratio = damping.value / (2.0 * w);

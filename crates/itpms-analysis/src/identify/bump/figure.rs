@@ -32,7 +32,7 @@ impl BumpFit {
     }
 }
 
-/// What was measured with the fit over it, and the residual on an axis of its own.
+/// The measurement with the fit over it, and the residual on an axis of its own.
 fn pair(
     letter: &mut impl FnMut() -> &'static str,
     title: &str,

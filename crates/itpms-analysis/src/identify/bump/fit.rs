@@ -33,7 +33,7 @@ impl Fit {
     /// Fits all bands with one set of coefficients. `velocity` is what the motion's way is counted by, `what` is what cannot be
     /// distinguished if they cannot.
     pub(super) fn of(bands: &[BandRows], velocity: &[f64], what: &'static str) -> Result<Self> {
-        let singular = || IdentifyError::Singular(what);
+        let singular = || IdentifyError::singular(what);
         let mut weights = vec![1.0; bands.len()];
         let mut residuals = Vec::new();
         for _ in 0..ROUNDS {

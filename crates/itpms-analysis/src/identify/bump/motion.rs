@@ -99,7 +99,7 @@ impl Motion {
         let shortest = (SHORTEST_S / step_s) as usize;
         if ends <= settled + shortest {
             let found = ends.saturating_sub(settled);
-            return Err(IdentifyError::TooFew { what: "rows of free motion", found, expected: shortest });
+            return Err(IdentifyError::too_few("rows of free motion", found, shortest));
         }
         let slip: Vec<f64> = closing.iter().map(|v| (v / FRICTION_VELOCITY_M_S).tanh()).collect();
         let mut constants = vec![vec![1.0; travel[0].len()]];
@@ -173,23 +173,24 @@ impl Motion {
 
 /// The step of a record, uniform to a tenth of itself.
 fn step(time_s: &[f64]) -> Result<f64> {
-    if time_s.len() < 3 {
-        return Err(IdentifyError::TooFew { what: "rows", found: time_s.len(), expected: 3 });
-    }
-    if let Some(row) = time_s.iter().position(|value| !value.is_finite()) {
-        return Err(IdentifyError::NotFinite { what: "time_s", row: row + 1 });
-    }
+    guard::at_least("rows", time_s.len(), 3)?;
+    guard::finite("time_s", time_s)?;
     let step = (time_s[time_s.len() - 1] - time_s[0]) / (time_s.len() - 1) as f64;
     for (i, pair) in time_s.windows(2).enumerate() {
         if !(pair[1] > pair[0]) {
-            return Err(IdentifyError::TimeOrder { row: i + 2, from_s: pair[0], to_s: pair[1] });
+            return Err(IdentifyError::time_order(i + 2, pair[0], pair[1]));
         }
         if !((pair[1] - pair[0] - step).abs() < 0.1 * step) {
-            return Err(IdentifyError::UnevenTime { row: i + 2, step_s: pair[1] - pair[0], mean_s: step });
+            return Err(IdentifyError::Refused(format!(
+                "time_s steps by {:.6} s at row {}, expected {step:.6} s as on average: one rate throughout",
+                pair[1] - pair[0],
+                i + 2
+            )));
         }
     }
     if !(1.0 / step >= LOWEST_RATE_HZ) {
-        return Err(IdentifyError::TooSlow { rate_hz: 1.0 / step, expected_hz: 100.0 });
+        let found = format!("found {:.1} rows per second, expected at least 100", 1.0 / step);
+        return Err(IdentifyError::Refused(found));
     }
     Ok(step)
 }

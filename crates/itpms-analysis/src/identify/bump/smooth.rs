@@ -6,14 +6,10 @@ pub(super) const BANDS: usize = CUTS_HZ.len();
 /// How many standard deviations of the kernel are kept on each side.
 const REACH: f64 = 4.5;
 
-/// Standard deviation in s of the Gaussian whose response has half its power at `cut_hz`.
-fn kernel_sd_s(cut_hz: f64) -> f64 {
-    std::f64::consts::LN_2.sqrt() / (std::f64::consts::TAU * cut_hz)
-}
-
 /// `x` low-passed; beyond its ends it is taken to go on as at them.
 pub(super) fn low_pass(x: &[f64], cut_hz: f64, step_s: f64) -> Vec<f64> {
-    let sd = kernel_sd_s(cut_hz) / step_s;
+    // The Gaussian whose response has half its power at `cut_hz`.
+    let sd = std::f64::consts::LN_2.sqrt() / (std::f64::consts::TAU * cut_hz * step_s);
     let reach = (REACH * sd).ceil() as usize;
     let weights: Vec<f64> = (0..=reach).map(|i| (-0.5 * (i as f64 / sd).powi(2)).exp()).collect();
     let total = weights[0] + 2.0 * weights[1..].iter().sum::<f64>();

@@ -33,7 +33,7 @@ impl<T: Real> SingleWheelEstimate<T> {
     /// each of them meets by itself looks like a leak.
     pub(in crate::car) fn onset_rate(&self, incoherence: T) -> T {
         let surely = (self.changing - T::lit(USUALLY_SUSPECTED)).max(T::zero());
-        // What is no number suspects nothing.
+        // NaN suspects nothing.
         (T::lit(BEGIN_SUSPECTED) * surely * (T::one() - within(incoherence, LOST))).max(T::zero())
     }
 

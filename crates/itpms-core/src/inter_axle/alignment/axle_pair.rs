@@ -58,7 +58,7 @@ struct SavedCorrection<T: Real> {
     frf_correction: FrfCorrection<T>,
 }
 
-/// What is believed of the car where the two axles meet.
+/// The belief about the car where the two axles meet.
 pub(crate) struct PairingContext<'a, T: Real> {
     pub(crate) wheelbase_m: T,
     pub(crate) wheels: [Wheel<T>; 2],

@@ -18,12 +18,12 @@ pub(crate) const SEEN: usize = FRONT + 1;
 /// Those of both axles, the front's first.
 pub(crate) const BOTH: usize = FRONT + SEEN;
 
-/// Place of a corner's signal among those of both axles; `None`: the front's jerk against the other side's, which nobody needs.
+/// Place of a corner's signal among those of both axles; `None`: the front's jerk against the other side's, which is not needed.
 pub(crate) fn place(axle: usize, signal: usize) -> Option<usize> {
     (signal < if axle == 0 { FRONT } else { SEEN }).then_some(axle * FRONT + signal)
 }
 
-/// Time in s after which a tenth is left of what the filters answer to something short. Waiting longer cost more road than it
+/// Time in s after which the filters' response to a pulse has decayed to a tenth. Waiting longer cost more road than it
 /// brought.
 const ECHO_S: f64 = 0.05;
 /// Thinned signals come at this rate in Hz at least.

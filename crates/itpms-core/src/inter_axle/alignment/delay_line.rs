@@ -1,4 +1,4 @@
-//! What the front wheel met during the last second, to be read again where the rear wheel is now.
+//! The front wheel's last second, to be read again where the rear wheel is now.
 
 use nalgebra::{SMatrix, SVector};
 

@@ -54,7 +54,7 @@ impl<T: Real> FrfCorrection<T> {
                     _ => one,
                 }
             });
-            // What the other side of an axle does is its own.
+            // The other side of an axle moves by itself.
             for axle in [0, FRONT] {
                 frf_ratios[axle + RELATIVE + 1] = frf_ratios[axle + RELATIVE];
             }

@@ -1,4 +1,4 @@
-//! What a wheel's imbalance makes of one side's roads: a line at one turn of the wheel, which is no road and not shared.
+//! A wheel's imbalance in one side's roads: a line at one turn of the wheel, which is no road and not shared.
 //! Finds how fast the wheels turn, and takes the line off the signals of both axles (docs/math/shared-road.md, section 2).
 //! Knows nothing of beliefs.
 
@@ -168,7 +168,7 @@ mod tests {
         }
     }
 
-    /// Drives at a speed that swings, with a line of amplitude `line` at `per_m`; gives power of what is in the first
+    /// Drives at a speed that swings, with a line of amplitude `line` at `per_m`; gives power of the signal in the first
     /// signal after a while, power of that without the line, and the rate that was found.
     fn drive(line: f64, per_m: f64) -> (f64, f64, Option<f64>) {
         let (mut imbalance, mut white) = (Imbalance::<f64>::BLANK, White(1));

@@ -1,4 +1,4 @@
-//! What a wheel would do on the road that both axles agree on: the mean of both, sent forward through one axle's
+//! A wheel's motion on the road that both axles agree on: the mean of both, sent forward through one axle's
 //! quarter car. Derivatives of the residual taken from it are free of the axles' differences, so they do not
 //! bias what is learned (docs/math/shared-road.md, section 4). Knows nothing of beliefs or frames.
 

@@ -26,13 +26,13 @@ const KERNEL_HALF: usize = 8;
 const KERNEL: usize = 2 * KERNEL_HALF + 1;
 const LOWEST_HZ: f64 = 0.5;
 
-/// What is known of one axle's corner.
+/// Parameters of one axle's corner.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Wheel<T> {
     /// As in the vehicle file.
     pub(crate) body: Body<T>,
-    /// What the strut's friction damps near wheel hop on average, beside the damper.
+    /// Mean damping of the strut's friction near wheel hop, beside the damper.
     pub(crate) friction_n_s_per_m: T,
     /// Compliance of the tire at placard pressure in m/N.
     pub(crate) theta: T,
@@ -58,7 +58,7 @@ pub(crate) struct AxleFrame<T: Real> {
 /// Most of an axle's coupling that is believed: a rod with its mass at both ends has none, a uniform one a third, and a mass that is all in
 /// the middle a half, against which its wheels would move without any.
 const MOST_COUPLING: f64 = 0.4;
-/// What a side's residual has of one axle: tire, mass, damping, spring, bar, coupling.
+/// One axle's quantities in a side's residual: tire, mass, damping, spring, bar, coupling.
 const OWN: usize = SEEN;
 
 /// Whose signals of a frame.

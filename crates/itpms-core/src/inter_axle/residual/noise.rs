@@ -211,7 +211,7 @@ mod tests {
         let closed_form = before + (1.0 - (-1.0 / 3.0_f64).exp()) * (29.0 * before + 0.01);
         assert!((pothole.near_wheel_hop() - closed_form).abs() < 1e-12);
         assert!(pothole.weight() > 0.99);
-        // What is on one side is a tire that falls, or one wheel's hole: seen with the usual 2 s.
+        // A change on one side is a tire that falls, or one wheel's hole: seen with the usual 2 s.
         let mut one_side = coherence.clone();
         drive_beside(&mut one_side, 0.1, 1.0, false);
         let closed_form = before + (1.0 - (-0.05_f64).exp()) * (29.0 * before + 0.01);

@@ -30,7 +30,7 @@ const PERIOD_S: f64 = 0.004;
 /// Steps after which an instrument has forgotten that it began at rest: six seconds, 1e-5 of a body's slowest swing.
 const SETTLED: i32 = 1500;
 
-/// The unlike axles of a family car, on the left; friction damps a fifth of what the dampers do.
+/// The unlike axles of a family car, on the left; friction damps a fifth as much as the dampers.
 fn wheels() -> [Wheel<f64>; 2] {
     let wheel = |corner: Corner,
                  sprung_mass_kg,

@@ -1,4 +1,4 @@
-//! What the axles disagree on: exact signals, derivatives, expectations, and roads that are not quite the same.
+//! The axles' residual: exact signals, derivatives, expectations, and roads that are not quite the same.
 
 use crate::inter_axle::tests::std::vec::Vec;
 

@@ -25,7 +25,7 @@ pub(super) fn hop_bin<T: Real>(corner: &CornerConfig<T>) -> usize {
 }
 
 impl<T: Real> BodyEquation<T> {
-    /// What a corner's friction damps near wheel hop on the present road, in N s/m.
+    /// Equivalent damping of a corner's friction near wheel hop on the present road, in N s/m.
     pub(crate) fn friction_damping(&self, corner: Corner) -> T {
         let slip_n = self.slip_forces_n(corner).into_iter().enumerate();
         let damped = slip_n

@@ -61,7 +61,7 @@ fn learn_late(
             for row in 0..4 {
                 let body = (0..4).fold(s * 0.0, |sum, j| sum + forces[j] * g[(row, j)]);
                 let body = body + complex(&mut random) * (noise * body.norm_sqr().sqrt() / 2f64.sqrt());
-                // What is late is so by exp(-s τ), exactly; the wheel moves as the strut and a tenth more.
+                // The delay is exp(-s τ), exactly; the wheel moves as the strut and a tenth more.
                 let late = (s * -late_s[row]).exp();
                 let wheel = s * s * velocity[row] * 1.1;
                 let lag = wheel * (late - 1.0);
@@ -176,7 +176,7 @@ fn friction_that_is_known_leaves_the_models_error_of_its_stiffness() {
     let slip_n = [20.0, 0.0, 45.0];
     learn(&mut equation, mass + pitch + roll, slip_n, 0.0);
     for corner in Corner::ALL {
-        // Elements of 60 N/m per newton each, in phase with the deflection; a fifth of what they make.
+        // Elements of 60 N/m per newton each, in phase with the deflection; a fifth of their sum.
         let expected = 0.2 * 60.0 * slip_n.iter().sum::<f64>();
         let sd = equation.stiffness_variance(corner).sqrt();
         assert!((sd / expected - 1.0).abs() < 0.1, "{sd} {expected}");

@@ -26,10 +26,10 @@ pub(crate) struct Drive {
     /// `ln` of the wheels' radii.
     pub(crate) radius: [f64; 4],
     pub(super) yaw_rate: bool,
-    /// What the sensor makes of a yaw rate.
+    /// The sensor's reading of a yaw rate.
     pub(super) yaw_gain: f64,
     pub(super) accel_x: bool,
-    /// What the left front wheel slips more than the right one, as a share of their slip.
+    /// Excess slip of the left front wheel over the right one, as a share of their slip.
     pub(super) split: f64,
 }
 
@@ -81,7 +81,7 @@ impl Drive {
         let aim = if braking { 0.1 * force } else { force };
         self.front_force = aim;
         self.wander = [self.wander(self.wander[0], 1.6e-4, 58.0), self.wander(self.wander[1], 2.0e-4, 58.0)];
-        // Wheels hop and twist by 1.6e-3 from sample to sample and come back: of a block's mean a tenth of what it would be remains.
+        // Wheels hop and twist by 1.6e-3 from sample to sample and come back: a tenth of it remains in a block's mean.
         let noise: [f64; 4] = core::array::from_fn(|i| {
             let before = core::mem::replace(&mut self.hop[i], self.random.normal());
             1.06e-3 * (self.hop[i] - before) + 5e-4 * self.random.normal()

@@ -32,7 +32,6 @@ pub(super) trait Stamped: Copy {
     fn has_values_of(&self, other: &Self) -> bool;
 }
 
-/// Fate of a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Fate<T> {
     Kept(T),

@@ -148,7 +148,7 @@ impl<T: Stamped> Series<T> {
                     self.judge(sink);
                 }
             }
-            State::Spreading(spread) if step_s > GAP_STEPS * spread.step_s() => {
+            State::Spreading(spread) if step_s > GAP_STEPS * spread.step_s => {
                 self.settle(sink);
                 self.keep(sample, sink);
             }
@@ -209,6 +209,7 @@ impl<T: Stamped> Series<T> {
             samples.windows(2).map(|pair| pair[1].time_s() - pair[0].time_s()).collect();
         // The first one repeats the stamp before it.
         let repeated = 1 + steps.iter().filter(|step| **step == 0.0).count();
+        let is_twice = |one: &T, other: &T| one.time_s() == other.time_s() && one.has_values_of(other);
         let twice = samples.windows(2).filter(|pair| is_twice(&pair[0], &pair[1])).count();
         steps.retain(|step| *step > 0.0);
         steps.sort_by(f64::total_cmp);
@@ -243,10 +244,6 @@ impl<T: Stamped> Series<T> {
             }
         }
     }
-}
-
-fn is_twice<T: Stamped>(one: &T, other: &T) -> bool {
-    one.time_s() == other.time_s() && one.has_values_of(other)
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! By the stamp, over seconds, in bounded memory.
 //!
-//! What is in order passes without being moved; a batch that is not is sorted once, stably, so that equal stamps keep the file's order.
+//! Rows in order pass without being moved; a batch out of order is sorted once, stably, so that equal stamps keep the file's order.
 
 use std::collections::VecDeque;
 

@@ -15,7 +15,7 @@ const FEWEST_HALF: usize = 16;
 /// A stretch without gaps.
 #[derive(Debug)]
 pub(super) struct Spread<T> {
-    step_s: f64,
+    pub(super) step_s: f64,
     half: usize,
     /// The samples under the mean, and those behind its middle that have no time yet.
     samples: VecDeque<T>,
@@ -45,10 +45,6 @@ impl<T: Stamped> Spread<T> {
             spread: 0,
             unsure: 0,
         }
-    }
-
-    pub(super) fn step_s(&self) -> f64 {
-        self.step_s
     }
 
     /// Takes the next sample; hands out those whose time is known.

@@ -1,7 +1,7 @@
 //! Pressures that came with the log, in another unit than kPa: errors against them would be nonsense.
 //!
 //! Tires of cars hold 150 to 350 kPa, of lorries up to 900, and a flat one some tens. So a median from 0.5 to 12 is in bar, one
-//! beyond 1500 in millibar or in Pa. What is in psi looks like a flat tire and is not seen.
+//! beyond 1500 in millibar or in Pa. A value in psi looks like a flat tire and is not detected.
 
 use itpms_core::model::Corner;
 

@@ -70,7 +70,7 @@ impl<W: Write> McapWriter<W> {
         Ok(Topic { channel: channel.map_err(io_error)?, messages: 0 })
     }
 
-    /// Adds a message. What is null in it is left out: JSON has no NaN, and readers take a null for anything.
+    /// Adds a message. Null fields are left out: JSON has no NaN, and readers take a null for anything.
     pub fn write(
         &mut self,
         topic: &mut Topic,

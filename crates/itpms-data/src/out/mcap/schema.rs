@@ -22,7 +22,6 @@ impl From<Kind> for FieldType {
     }
 }
 
-/// The schema of every message.
 const ABOUT: &str = "A field that a message lacks has no value at its time. Units are in the names of the fields. time_s is the drive's own time; log_time counts it from 1970 where the drive has a date.";
 
 /// `/estimate/fl` as the name of a schema: `itpms.estimate.fl`.

@@ -4,10 +4,10 @@ use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
 
 use super::statistics::{Clock, Range};
-use super::{ListedGroup, ListedSignal, Listing};
+use super::{FormatLister, ListedGroup, ListedSignal, Listing};
 use crate::can::{CanId, FrameKind, FrameReader};
 use crate::dbc::{Dbc, Message};
-use crate::error::DataError;
+use crate::error::{DataError, Problem};
 use crate::log::attached;
 use crate::signals::Candidate;
 
@@ -49,10 +49,12 @@ impl FrameLister {
             beyond: 0,
         })
     }
+}
 
-    pub(super) fn step(&mut self) -> Result<bool, DataError> {
+impl FormatLister for FrameLister {
+    fn step(&mut self) -> Result<bool, Problem> {
         for _ in 0..FRAMES_PER_STEP {
-            let Some(frame) = self.reader.next_frame()? else { return Ok(false) };
+            let Some(frame) = self.reader.next_frame().map_err(DataError::from)? else { return Ok(false) };
             self.whole.tick(frame.time_s);
             self.latest_s = self.latest_s.max(frame.time_s);
             if matches!(frame.kind, FrameKind::Remote | FrameKind::Error) {
@@ -76,11 +78,11 @@ impl FrameLister {
         Ok(true)
     }
 
-    pub(super) fn progress(&self) -> f64 {
+    fn progress(&self) -> f64 {
         self.reader.progress()
     }
 
-    pub(super) fn finish(self) -> Listing {
+    fn finish(self: Box<Self>) -> Listing {
         let several = self.messages.keys().any(|(_, bus)| *bus != 0);
         let mut notes: Vec<String> = self
             .dbc

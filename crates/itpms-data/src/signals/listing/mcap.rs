@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use super::statistics::{Clock, Range};
-use super::{ListedGroup, ListedSignal, Listing};
-use crate::error::DataError;
+use super::{FormatLister, ListedGroup, ListedSignal, Listing};
+use crate::error::{DataError, Problem};
 use crate::mcap_in::{Messages, Topics};
 use crate::signals::{Candidate, Unread};
 
@@ -26,32 +26,6 @@ impl McapLister {
         let messages = Messages::open(path)?;
         let (topics, whole) = (Topics::default(), Clock::default());
         Ok(Self { messages, topics, clocks: Vec::new(), whole, span_s: None })
-    }
-
-    pub(crate) fn step(&mut self) -> Result<bool, crate::Problem> {
-        let Self { messages, topics, clocks, whole, span_s } = self;
-        for _ in 0..MESSAGES_PER_STEP {
-            let mut taken = None;
-            if !messages.step(|message| taken = topics.take(message))? {
-                return Ok(false);
-            }
-            let Some((topic, time_s)) = taken else { continue };
-            clocks.resize_with(topics.topics.len().max(clocks.len()), Default::default);
-            let Some((clock, ranges)) = clocks.get_mut(topic) else { continue };
-            clock.tick(time_s);
-            whole.tick(time_s);
-            let (first_s, last_s) = span_s.unwrap_or((time_s, time_s));
-            *span_s = Some((first_s.min(time_s), last_s.max(time_s)));
-            for (place, value) in &topics.found {
-                ranges.resize(ranges.len().max(place + 1), Range::default());
-                ranges[*place].add(*value);
-            }
-        }
-        Ok(true)
-    }
-
-    pub(super) fn progress(&self) -> f64 {
-        self.messages.progress()
     }
 
     pub(crate) fn into_parts(self) -> (Listing, Topics, Vec<(usize, usize)>) {
@@ -92,5 +66,37 @@ impl McapLister {
             unread,
         };
         (listing, topics, places)
+    }
+}
+
+impl FormatLister for McapLister {
+    fn step(&mut self) -> Result<bool, Problem> {
+        let Self { messages, topics, clocks, whole, span_s } = self;
+        for _ in 0..MESSAGES_PER_STEP {
+            let mut taken = None;
+            if !messages.step(|message| taken = topics.take(message))? {
+                return Ok(false);
+            }
+            let Some((topic, time_s)) = taken else { continue };
+            clocks.resize_with(topics.topics.len().max(clocks.len()), Default::default);
+            let Some((clock, ranges)) = clocks.get_mut(topic) else { continue };
+            clock.tick(time_s);
+            whole.tick(time_s);
+            let (first_s, last_s) = span_s.unwrap_or((time_s, time_s));
+            *span_s = Some((first_s.min(time_s), last_s.max(time_s)));
+            for (place, value) in &topics.found {
+                ranges.resize(ranges.len().max(place + 1), Range::default());
+                ranges[*place].add(*value);
+            }
+        }
+        Ok(true)
+    }
+
+    fn progress(&self) -> f64 {
+        self.messages.progress()
+    }
+
+    fn finish(self: Box<Self>) -> Listing {
+        self.into_parts().0
     }
 }

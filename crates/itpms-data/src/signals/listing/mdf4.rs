@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use super::statistics::{Clock, Range};
-use super::{ListedGroup, ListedSignal, Listing};
-use crate::error::DataError;
+use super::{FormatLister, ListedGroup, ListedSignal, Listing};
+use crate::error::{DataError, Problem};
 use crate::mdf4::{GroupCursor, Mdf4Reader};
 use crate::mdf4_contents::{is_signal, signal_name, stacks, unread};
 use crate::signals::Unread;
@@ -60,8 +60,10 @@ impl Mdf4Lister {
         }
         Ok(false)
     }
+}
 
-    pub(super) fn step(&mut self) -> Result<bool, DataError> {
+impl FormatLister for Mdf4Lister {
+    fn step(&mut self) -> Result<bool, Problem> {
         if self.cursor.is_none() && !self.open_next()? {
             return Ok(false);
         }
@@ -69,7 +71,7 @@ impl Mdf4Lister {
             return Ok(false);
         };
         for _ in 0..=VALUES_PER_STEP / self.values.len().max(1) {
-            let Some(time_s) = cursor.next(&mut self.values)? else {
+            let Some(time_s) = cursor.next(&mut self.values).map_err(DataError::from)? else {
                 self.notes.extend(cursor.repairs().iter().map(ToString::to_string));
                 self.cursor = None;
                 return Ok(true);
@@ -81,13 +83,13 @@ impl Mdf4Lister {
         Ok(true)
     }
 
-    pub(super) fn progress(&self) -> f64 {
+    fn progress(&self) -> f64 {
         let in_group = self.cursor.as_ref().map_or(1.0, GroupCursor::progress);
         let before = self.groups.last().map_or(0, |group| group.place);
         (before as f64 + in_group) / self.reader.groups().len().max(1) as f64
     }
 
-    pub(super) fn finish(self) -> Listing {
+    fn finish(self: Box<Self>) -> Listing {
         let mut span_s: Option<(f64, f64)> = None;
         let (mut groups, mut listed) = (Vec::new(), Vec::new());
         for group in self.groups {

@@ -15,10 +15,11 @@ mod statistics;
 mod table;
 
 use std::collections::HashMap;
+use std::fmt::Debug;
 use std::path::{Path, PathBuf};
 
 use super::{Candidate, Unread};
-use crate::error::{DataError, likely_unit};
+use crate::error::{DataError, Problem, likely_unit};
 use crate::log::{Format, LogFormat, Selection};
 use crate::signals::column_unit;
 #[cfg(feature = "mcap")]
@@ -29,20 +30,17 @@ use statistics::{Clock, Range};
 #[derive(Debug)]
 pub struct Lister {
     path: PathBuf,
-    source: Source,
+    source: Box<dyn FormatLister>,
 }
 
-#[derive(Debug)]
-enum Source {
-    Table(Box<table::TableLister>),
-    #[cfg(feature = "parquet")]
-    Parquet(Box<parquet::ParquetLister>),
-    #[cfg(feature = "can")]
-    Frames(Box<frames::FrameLister>),
-    #[cfg(feature = "mdf4")]
-    Mdf4(Box<mdf4::Mdf4Lister>),
-    #[cfg(feature = "mcap")]
-    Mcap(Box<McapLister>),
+/// The list of a log of one format in the making.
+pub(crate) trait FormatLister: Debug + Send {
+    /// Reads on for a stretch of some thousand values; false at the end.
+    fn step(&mut self) -> Result<bool, Problem>;
+
+    fn progress(&self) -> f64;
+
+    fn finish(self: Box<Self>) -> Listing;
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -113,66 +111,34 @@ impl Lister {
         if dbc.is_some() && !is_bus_log {
             return Err(fail("a DBC file says what the frames of a CAN log mean; this is none".into()));
         }
-        let source = match format {
+        let source: Box<dyn FormatLister> = match format {
             #[cfg(feature = "can")]
-            LogFormat::Can => Source::Frames(Box::new(frames::FrameLister::open(path, dbc)?)),
+            LogFormat::Can => Box::new(frames::FrameLister::open(path, dbc)?),
             #[cfg(feature = "mdf4")]
-            LogFormat::Mdf4 => Source::Mdf4(Box::new(mdf4::Mdf4Lister::open(path)?)),
+            LogFormat::Mdf4 => Box::new(mdf4::Mdf4Lister::open(path)?),
             #[cfg(feature = "mcap")]
-            LogFormat::Mcap => Source::Mcap(Box::new(McapLister::open(path)?)),
+            LogFormat::Mcap => Box::new(McapLister::open(path)?),
             #[cfg(feature = "parquet")]
             LogFormat::Table(Format::Parquet) => {
-                Source::Parquet(Box::new(parquet::ParquetLister::open(path, rows).map_err(fail)?))
+                Box::new(parquet::ParquetLister::open(path, rows).map_err(fail)?)
             }
-            LogFormat::Table(Format::Csv) => {
-                Source::Table(Box::new(table::TableLister::open(path, rows).map_err(fail)?))
-            }
+            LogFormat::Table(Format::Csv) => Box::new(table::TableLister::open(path, rows).map_err(fail)?),
         };
         Ok(Self { path: path.to_owned(), source })
     }
 
     /// Reads on for a stretch of some thousand values; false at the end.
     pub fn step(&mut self) -> Result<bool, DataError> {
-        match &mut self.source {
-            Source::Table(source) => source.step().map_err(|problem| DataError::new(&self.path, problem)),
-            #[cfg(feature = "parquet")]
-            Source::Parquet(source) => source.step().map_err(|problem| DataError::new(&self.path, problem)),
-            #[cfg(feature = "can")]
-            Source::Frames(source) => source.step(),
-            #[cfg(feature = "mdf4")]
-            Source::Mdf4(source) => source.step(),
-            #[cfg(feature = "mcap")]
-            Source::Mcap(source) => source.step().map_err(|problem| DataError::new(&self.path, problem)),
-        }
+        self.source.step().map_err(|problem| DataError::new(&self.path, problem))
     }
 
     /// Share of the log that has been read, 0 to 1.
     pub fn progress(&self) -> f64 {
-        match &self.source {
-            Source::Table(source) => source.progress(),
-            #[cfg(feature = "parquet")]
-            Source::Parquet(source) => source.progress(),
-            #[cfg(feature = "can")]
-            Source::Frames(source) => source.progress(),
-            #[cfg(feature = "mdf4")]
-            Source::Mdf4(source) => source.progress(),
-            #[cfg(feature = "mcap")]
-            Source::Mcap(source) => source.progress(),
-        }
+        self.source.progress()
     }
 
     pub fn finish(self) -> Listing {
-        match self.source {
-            Source::Table(source) => source.finish(),
-            #[cfg(feature = "parquet")]
-            Source::Parquet(source) => source.finish(),
-            #[cfg(feature = "can")]
-            Source::Frames(source) => source.finish(),
-            #[cfg(feature = "mdf4")]
-            Source::Mdf4(source) => source.finish(),
-            #[cfg(feature = "mcap")]
-            Source::Mcap(source) => source.into_parts().0,
-        }
+        self.source.finish()
     }
 }
 

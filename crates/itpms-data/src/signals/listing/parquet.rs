@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use super::Listing;
 use super::statistics::{Clock, Range};
+use super::{FormatLister, Listing};
 use crate::error::Problem;
 use crate::log::{Clock as Counter, Selection};
 use crate::parquet_columns::{ParquetParts, Quantity};
@@ -59,8 +59,10 @@ impl ParquetLister {
             others,
         })
     }
+}
 
-    pub(super) fn step(&mut self) -> Result<bool, Problem> {
+impl FormatLister for ParquetLister {
+    fn step(&mut self) -> Result<bool, Problem> {
         for _ in 0..ROWS_PER_STEP {
             if self.columns.advance()?.is_none() {
                 return Ok(false);
@@ -77,11 +79,11 @@ impl ParquetLister {
         Ok(true)
     }
 
-    pub(super) fn progress(&self) -> f64 {
+    fn progress(&self) -> f64 {
         self.columns.progress()
     }
 
-    pub(super) fn finish(self) -> Listing {
+    fn finish(self: Box<Self>) -> Listing {
         let clock = self.time.and_then(|(place, _)| self.names.get(place).cloned());
         let columns = self.names.into_iter().zip(self.ranges).enumerate();
         let columns = columns

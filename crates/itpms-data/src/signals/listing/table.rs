@@ -4,8 +4,8 @@ use std::path::Path;
 
 use itpms_files::input;
 
-use super::Listing;
 use super::statistics::{Clock, Range};
+use super::{FormatLister, Listing};
 use crate::error::Problem;
 use crate::log::{Clock as Counter, Lines, Selection, TextHead, clock_seconds};
 
@@ -47,7 +47,38 @@ impl TableLister {
         Ok(Self { lines, head, bytes: about.len(), ranges, time, clock, counter, rows, places, uneven: 0 })
     }
 
-    pub(super) fn step(&mut self) -> Result<bool, Problem> {
+    /// Whether the present line is the names once more, in any order, or says something of the columns.
+    fn is_of_the_names(&mut self) -> bool {
+        let text = self.lines.text();
+        if self.head.is_names(text) {
+            return true;
+        }
+        let is_text = self.clock.samples() == 0 || !text.first().is_some_and(u8::is_ascii_digit);
+        if !is_text || !self.head.is_without_numbers(text) {
+            return false;
+        }
+        let names = self.head.dialect.names(text);
+        let places: Vec<_> =
+            names.iter().map(|name| self.head.names.iter().position(|own| own == name)).collect();
+        let is_header = self.time.is_some_and(|(time, _)| places.contains(&Some(time)));
+        if is_header {
+            self.places = places;
+        }
+        is_header || self.clock.samples() == 0 && !self.head.units.is_empty()
+    }
+
+    fn is_meant(&self) -> bool {
+        let is = |(place, row): &(usize, Selection)| {
+            let now = self.places.iter().position(|of| *of == Some(*place));
+            let cell = now.and_then(|place| self.head.dialect.cells(self.lines.text()).nth(place));
+            cell.is_some_and(|cell| row.takes(&String::from_utf8_lossy(cell)))
+        };
+        self.rows.iter().all(is)
+    }
+}
+
+impl FormatLister for TableLister {
+    fn step(&mut self) -> Result<bool, Problem> {
         for _ in 0..ROWS_PER_STEP {
             if !self.lines.advance()? {
                 return Ok(false);
@@ -77,40 +108,11 @@ impl TableLister {
         Ok(true)
     }
 
-    /// Whether the present line is the names once more, in any order, or says something of the columns.
-    fn is_of_the_names(&mut self) -> bool {
-        let text = self.lines.text();
-        if self.head.is_names(text) {
-            return true;
-        }
-        let is_text = self.clock.samples() == 0 || !text.first().is_some_and(u8::is_ascii_digit);
-        if !is_text || !self.head.is_without_numbers(text) {
-            return false;
-        }
-        let names = self.head.dialect.names(text);
-        let places: Vec<_> =
-            names.iter().map(|name| self.head.names.iter().position(|own| own == name)).collect();
-        let is_header = self.time.is_some_and(|(time, _)| places.contains(&Some(time)));
-        if is_header {
-            self.places = places;
-        }
-        is_header || self.clock.samples() == 0 && !self.head.units.is_empty()
-    }
-
-    fn is_meant(&self) -> bool {
-        let is = |(place, row): &(usize, Selection)| {
-            let now = self.places.iter().position(|of| *of == Some(*place));
-            let cell = now.and_then(|place| self.head.dialect.cells(self.lines.text()).nth(place));
-            cell.is_some_and(|cell| row.takes(&String::from_utf8_lossy(cell)))
-        };
-        self.rows.iter().all(is)
-    }
-
-    pub(super) fn progress(&self) -> f64 {
+    fn progress(&self) -> f64 {
         self.lines.position() as f64 / self.bytes.max(1) as f64
     }
 
-    pub(super) fn finish(self) -> Listing {
+    fn finish(self: Box<Self>) -> Listing {
         let mut notes: Vec<String> = self.head.remark().into_iter().chain(self.counter.remarks()).collect();
         if self.uneven > 0 {
             notes.push(format!("{} rows have more or fewer cells than the header", self.uneven));

@@ -42,7 +42,6 @@ const TIRE_DAMPING_N_S_PER_M: [f64; 2] = [50.0, 30.0];
 /// Of an axle's unsprung masses, how much more the front has than the rear: brakes, steering, mostly the drive shafts.
 const FRONT_HEAVIER: f64 = 0.04;
 
-/// Input for a typical car.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TypicalCar {
     /// Its name; made up of the rest unless given.

@@ -84,7 +84,7 @@ impl<'a> Columns<'a> {
         Self { firsts: listing.first_candidates(), resolved, has_samples }
     }
 
-    /// What the signal at this place of this group was taken for.
+    /// The column that the signal at this place of this group was taken for.
     fn of(&self, group: usize, signal: usize) -> Option<&'a Chosen> {
         let candidate = self.firsts.get(group)? + signal;
         self.resolved.iter().find(|chosen| chosen.candidate == candidate)

@@ -65,7 +65,6 @@ impl Broker {
         !lock(&self.shared.subscribers).is_empty()
     }
 
-    /// Sends a message to whoever has subscribed.
     pub(super) fn send(&self, topic: &str, payload: &[u8], id: u16) {
         let mut body = (topic.len() as u16).to_be_bytes().to_vec();
         body.extend_from_slice(topic.as_bytes());

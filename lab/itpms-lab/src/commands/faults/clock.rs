@@ -10,7 +10,6 @@ use super::{Campaign, Outcome};
 /// Seconds of rows before a jump, and after it.
 const BEFORE_S: f64 = 25.0;
 const AFTER_S: f64 = 20.0;
-/// Estimates published per second.
 const TOLD_HZ: f64 = 10.0;
 /// Seconds after a jump within which estimates have to come as before.
 const SOON_S: f64 = 5.0;
@@ -63,7 +62,7 @@ pub(super) fn jumps(campaign: &mut Campaign<'_>) -> Result<Outcome, Failure> {
             }
             tried += 1;
             warned += false_warnings;
-            // Half of what comes in that time without a jump.
+            // Half the number of estimates in that time without a jump.
             let goes_on = f64::from(soon) >= 0.5 * SOON_S * TOLD_HZ && resumed_s < SOON_S;
             lost += u64::from(!goes_on || false_warnings > 0);
             if resumed_s > worst.0 {

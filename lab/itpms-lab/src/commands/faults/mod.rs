@@ -25,7 +25,6 @@ struct Outcome {
     tried: u64,
     /// Of those, how many took something that was to stay.
     lost: u64,
-    /// Further observations, as text.
     found: String,
 }
 

@@ -116,7 +116,7 @@ pub(super) fn changed_state(campaign: &mut Campaign<'_>) -> Result<Outcome, Fail
     let header = bytes.iter().position(|byte| *byte == b'\n').unwrap_or(0);
     let every = (1.0 / campaign.effort).ceil().max(1.0) as usize;
     let believed = |changed: &[u8], at: usize| {
-        // What is changed in the first line alone and accepted all the same is the same drive.
+        // A file changed in the first line alone and accepted all the same is the same drive.
         SavedDrive::parse(changed, vehicle, &options).is_ok() && at > header
     };
     changed(&bytes, every, believed)

@@ -85,7 +85,6 @@ pub(super) fn options() -> DriveOptions {
     DriveOptions::default()
 }
 
-/// What is reported to no one.
 pub(super) fn silent() -> NoteSink {
     Arc::new(|_| {})
 }

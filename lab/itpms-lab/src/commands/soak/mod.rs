@@ -115,7 +115,6 @@ fn finish(args: &SoakArgs, summary: &Summary, hours: &Path, screen: &Screen) -> 
     Ok(())
 }
 
-/// Progress message.
 struct Word {
     begun: Instant,
     said: Instant,

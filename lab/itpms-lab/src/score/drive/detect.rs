@@ -14,7 +14,6 @@ use super::{Drive, Plant, Setup};
 use crate::runner::{Result, Runner, Turn};
 use itpms_sim::simulation::Simulation;
 
-/// Pressures in kPa, before and after.
 const FROM_KPA: f64 = 241.3;
 const TO_KPA: f64 = 0.8 * FROM_KPA;
 const CLASSES: [RoadClass; 4] = [RoadClass::A, RoadClass::B, RoadClass::C, RoadClass::D];
@@ -70,7 +69,6 @@ struct Found {
     km_h: f64,
     /// Seconds from the complete loss to the warning; infinite if it did not come.
     after_s: f64,
-    /// Whether another wheel was called low.
     wrong: bool,
     /// Whether something was reported before the loss began.
     early: bool,

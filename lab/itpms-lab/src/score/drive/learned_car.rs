@@ -33,7 +33,7 @@ const SLOPE_SD: f64 = 0.05;
 /// Seeds of the drives of one car.
 const LATER: u64 = 1 << 32;
 
-/// What a file is known by, and at which pressures, in kPa, the ten minutes are driven.
+/// A file's confidence, and the pressures in kPa at which the ten minutes are driven.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Subject {
     pub(super) name: &'static str,
@@ -64,12 +64,12 @@ impl Subject {
 #[derive(Debug, Clone)]
 pub(super) struct DrawnCar {
     pub(super) file: CarConfig<f64>,
-    /// What is simulated, on the road of the learning drive, at placard pressures.
+    /// The scenario, on the road of the learning drive, at placard pressures.
     pub(super) scenario: Scenario,
     seed: u64,
 }
 
-/// What a corner is, in the units of [`itpms_analysis::learn::LearnedCorner`].
+/// A corner's parameters, in the units of [`itpms_analysis::learn::LearnedCorner`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Truth {
     pub(super) unsprung_mass_kg: f64,

@@ -54,10 +54,9 @@ itpms_core::labelled! {
     }
 }
 
-/// How an estimator goes into a drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Setup {
-    /// What the row's name gets; empty for the usual one.
+    /// Suffix of the row's name; empty for the usual one.
     label: &'static str,
     sources: Sources,
     /// Seconds at the start that it is set to placard pressure.
@@ -74,7 +73,7 @@ impl Setup {
 /// A drive and the estimators that go along on it.
 #[derive(Debug, Clone)]
 struct Drive {
-    /// What the names of its rows begin with.
+    /// Prefix of its rows' names.
     name: String,
     scenario: Scenario,
     setups: Vec<Setup>,
@@ -209,7 +208,6 @@ impl Drive {
     }
 }
 
-/// Which drives the asked-for parts need.
 pub(super) struct Plan {
     errors: errors::Plan,
     detection: detect::Plan,

@@ -14,7 +14,6 @@ const OFFSET_M: f64 = 0.02;
 /// A noisy sensor, in m/s² rms per sample.
 const NOISY_M_S2: f64 = 0.3;
 
-/// The sources of information, alone and together.
 const SOURCES: [Setup; 4] = [
     Setup { label: "spectrum", sources: Sources::Spectrum, reset_s: None },
     Setup { label: "shared road", sources: Sources::SharedRoad, reset_s: None },

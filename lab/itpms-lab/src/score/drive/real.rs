@@ -30,7 +30,6 @@ const LEFT: f64 = 0.8;
 const UNKNOWN: Setup = Setup { label: "", ..Setup::USUAL };
 const CALIBRATED: Setup = Setup { label: "calibrated", reset_s: Some(CALIBRATION_S), ..Setup::USUAL };
 
-/// Result of one drive with one estimator.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Level {
     wheels: [ValidErrors; 4],
@@ -39,7 +38,6 @@ struct Level {
     sensors: u32,
 }
 
-/// Outcome of a drive with a loss.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Found {
     struck: Corner,
@@ -195,7 +193,7 @@ fn level_cells(deviation: &Deviation, levels: &[Level]) -> Vec<Cell> {
     const VALID: Column = Column::new("valid", "valid", 3);
     const FALSE: Column = Column::new("false_warnings", "false", 0);
     const SENSORS: Column = Column::new("sensor_warnings", "sensor", 0);
-    // What a wheel on a rim has is no pressure: it is judged by whether it is warned of.
+    // A wheel on its rim has no pressure: it is judged by whether it is warned of.
     let judged = |i: usize| deviation.flat.is_none_or(|flat| flat.index() != i);
     let wheels = levels.iter().flat_map(|level| level.wheels.iter().enumerate());
     let wheels: Vec<&ValidErrors> = wheels.filter(|(i, _)| judged(*i)).map(|(_, wheel)| wheel).collect();

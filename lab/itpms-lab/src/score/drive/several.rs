@@ -35,7 +35,6 @@ const MOTORWAY_FRICTION_N: f64 = 50.0;
 const MOTORWAY_IMBALANCE_KG_M: f64 = 0.004;
 
 itpms_core::labelled! {
-    /// Which tires have lost air, and when.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
     enum Loss {
         None = "nothing lost",
@@ -172,7 +171,7 @@ fn car(turn: Turn) -> Result<(Scenario, CarConfig<f64>)> {
     Ok((scenario, file))
 }
 
-/// What the car learns at its placard's pressures on a day before.
+/// The car's reference, learned at its placard's pressures on a day before.
 fn calibrated_before(
     scenario: &Scenario,
     file: &CarConfig<f64>,

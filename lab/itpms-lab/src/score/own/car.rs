@@ -24,7 +24,7 @@ const CARS: [OnTheRoad; 4] = [
     OnTheRoad(1_620.0, 0.58, 2.69, [225.0, 65.0, 17.0], 230.0), // Toyota RAV4 XA50
 ];
 
-/// What is drawn evenly, from the least to the most. Shares of unsprung mass, bounce, damping and friction: the scatter of published
+/// Uniform distributions, from the least to the most. Shares of unsprung mass, bounce, damping and friction: the scatter of published
 /// cars (docs/vehicle.md, table 1) and struts.
 const MASS_OVER_PAPERS: [f64; 2] = [0.97, 1.06];
 const FRONT_SHARE_OFF: [f64; 2] = [-0.015, 0.015];
@@ -128,7 +128,6 @@ impl OwnCar {
     }
 }
 
-/// Common parameters of an axle's corners.
 struct Axle {
     quarter: QuarterCar<f64>,
     friction_n: f64,

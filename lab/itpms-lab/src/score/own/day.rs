@@ -1,6 +1,6 @@
 //! One day of a car: how fast, over which road, with whom, in which tires.
 //!
-//! Called by the path. What a car may change between two days is in [`CHANGES`].
+//! Called by the path. A car's possible changes between two days are in [`CHANGES`].
 
 use itpms_core::model::Corner;
 use itpms_sim::car::{CarSpec, PayloadSpec};
@@ -108,14 +108,13 @@ impl Day {
     }
 }
 
-/// Changes of a car since its calibration.
 #[derive(Debug)]
 pub(super) struct Change {
     pub(super) name: &'static str,
     edit: fn(&mut Deviations),
     /// Pressure at the end of the drive over that at its start.
     warm: f64,
-    /// What it carries in the place of the day's load, in kg by their places.
+    /// Its load in place of the day's, in kg by place.
     load: Option<&'static [([f64; 2], f64)]>,
 }
 
@@ -166,7 +165,7 @@ mod tests {
                     .map(|corner| corner.as_ref().map(|c| (c.truth, c.unsprung_mass_kg, c.damping_n_s_per_m)))
             };
             assert_eq!(parts(&before), parts(&after));
-            // What was lost is the pressure of one tire alone.
+            // The loss is of one tire's pressure alone.
             let loss = Pressure::ramp(230.0, 184.0, 60.0, 10.0);
             let (losing, _) = later.scenario(&car, &SAME, Some((Corner::RearLeft, loss))).unwrap();
             assert_eq!(losing.corner.fl, after.corner.fl);

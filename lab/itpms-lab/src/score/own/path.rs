@@ -21,7 +21,7 @@ use itpms_analysis::learn::{Listener, PASSES, WheelbaseListener, learn};
 
 /// Ten minutes at placard pressures, and a later day, in s.
 pub(super) const DAYS_S: [f64; 2] = [600.0, 130.0];
-/// What is left of a pressure after a loss on the later day.
+/// Remaining share of a pressure after a loss on the later day.
 const LEFT: f64 = 0.8;
 
 itpms_core::labelled! {
@@ -41,7 +41,6 @@ pub(super) struct Taught {
     wheels: Option<RadiusCalibration<f64>>,
 }
 
-/// A drawn car after its first day.
 pub(super) struct Owned {
     index: usize,
     car: OwnCar,

@@ -79,7 +79,7 @@ impl Seen {
                 wheel.before[0] += corner.pressure_kpa;
                 wheel.before[1] += 1.0;
             }
-            // What was before a loss counts in the same drive without one.
+            // Times before a loss count in the same drive without one.
             if self.struck.is_none() || since_s >= 0.0 {
                 wheel.sds += corner.pressure_sd_kpa;
                 wheel.errors.push(corner.pressure_kpa - truth.pressure_kpa, corner.pressure_sd_kpa);

@@ -1,4 +1,4 @@
-//! What a frame of both axles is worth to the belief, and what the pair learns from it (docs/math/shared-road.md).
+//! The measurement that a frame of both axles gives the belief, and what the pair learns from it (docs/math/shared-road.md).
 
 use nalgebra::SVector;
 
