@@ -3,6 +3,7 @@
 use crate::memory::Blank;
 use crate::model::{ParameterError, positive};
 use crate::real::Real;
+use crate::wheel_speed::Tuning;
 
 /// Which wheels the engine turns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Blank)]
@@ -88,6 +89,10 @@ pub struct WheelSpeedConfig<T> {
     pub radius_per_ln_pressure_sd: T,
     /// Changes of the load while the car stands.
     pub load: LoadUncertainty<T>,
+    /// Numbers that are usually left as they are; `None`: [`Tuning::DEFAULT`]. It is in no saved state: a monitor that is read from one has
+    /// the default.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub tuning: Option<&'static Tuning>,
 }
 
 impl<T: Real> WheelSpeedConfig<T> {
@@ -104,7 +109,12 @@ impl<T: Real> WheelSpeedConfig<T> {
             radius_per_ln_pressure: T::lit(0.007),
             radius_per_ln_pressure_sd: T::lit(0.6),
             load: LoadUncertainty::unknown(),
+            tuning: None,
         }
+    }
+
+    pub(super) fn tuning(&self) -> &'static Tuning {
+        self.tuning.unwrap_or(&Tuning::DEFAULT)
     }
 
     pub(super) fn check(&self) -> Result<(), ParameterError> {
@@ -128,6 +138,7 @@ impl<T: Real> WheelSpeedConfig<T> {
             return Err(ParameterError { name: "radius_per_ln_pressure", value: beta.to_f64(), expected });
         }
         positive("radius_per_ln_pressure_sd", self.radius_per_ln_pressure_sd)?;
+        self.tuning().check()?;
         self.load.check()
     }
 }

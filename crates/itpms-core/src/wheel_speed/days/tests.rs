@@ -10,8 +10,9 @@ use crate::model::Corner;
 use crate::random::Random;
 use crate::torsion::TorsionEvidence;
 use crate::wheel_speed::LoadUncertainty;
-use crate::wheel_speed::hypotheses::{Decision, PLACES, UNEXPLAINED, add_load};
+use crate::wheel_speed::hypotheses::{Decision, PLACES, add_load};
 
+const TUNING: Tuning = Tuning::DEFAULT;
 const BEGAN_S: f64 = 1.7e9;
 const MOST_DAYS: usize = 6;
 const SIZE: usize = 3 * MOST_DAYS;
@@ -44,7 +45,7 @@ fn full(triangle: &Triangle<f64>) -> [[f64; 3]; 3] {
 fn by_brute_force(days: &[(f64, [f64; 3], Triangle<f64>)], usual: &Triangle<f64>) -> [f64; 4] {
     let size = 3 * days.len();
     let mut wear = [0.0; 6];
-    add_radii(&mut wear, WEAR_SD);
+    add_radii(&mut wear, TUNING.wear[1]);
     let stacked = |rates: &Triangle<f64>| {
         let (usual, rates) = (full(usual), full(rates));
         let mut covariance = [[0.0; SIZE]; SIZE];
@@ -69,20 +70,20 @@ fn by_brute_force(days: &[(f64, [f64; 3], Triangle<f64>)], usual: &Triangle<f64>
     };
     let none = log_density(stacked(&wear), without([0.0; 3]), size);
     let mut any = wear;
-    [0, 2, 5].into_iter().for_each(|i| any[i] += UNEXPLAINED_SD * UNEXPLAINED_SD);
-    let other = UNEXPLAINED
-        * Tuning::DEFAULT.one_loses
+    [0, 2, 5].into_iter().for_each(|i| any[i] += (2.0 * TUNING.leak_per_day).powi(2));
+    let other = TUNING.unexplained
+        * decision::Tuning::DEFAULT.one_loses
         * (log_density(stacked(&any), without([0.0; 3]), size) - none).exp();
     let covariance = stacked(&wear);
     let leaks = SEEN.map(|seen| {
         let (step, mut sum, mut prior) = (2e-4, 0.0, 0.0);
         for n in 0..5000 {
             let g = -step * (f64::from(n) + 0.5);
-            let weight = (-0.5 * ((g + RATE) / RATE).powi(2)).exp();
+            let weight = (-0.5 * ((g + TUNING.leak_per_day) / TUNING.leak_per_day).powi(2)).exp();
             prior += weight;
             sum += weight * (log_density(covariance, without(seen.map(|x| x * g)), size) - none).exp();
         }
-        Tuning::DEFAULT.one_loses * sum / prior
+        decision::Tuning::DEFAULT.one_loses * sum / prior
     });
     let total = 1.0 + other + leaks.iter().sum::<f64>();
     leaks.map(|leak| leak / total)
@@ -93,7 +94,7 @@ fn sums_say_what_all_days_side_by_side_say() {
     let mut random = Random(3);
     for leak in [0.0, -0.01, -0.04, 0.03] {
         let mut usual = [0.01, 0.002, 0.02, -0.003, 0.001, 0.05];
-        add_load(&mut usual, &LoadUncertainty::unknown(), 0.5);
+        add_load(&mut usual, &LoadUncertainty::unknown(), 0.5, &TUNING);
         let mut sums = RadiusDays::<f64>::since(BEGAN_S);
         let mut days = [(0.0, [0.0; 3], [0.0; 6]); MOST_DAYS];
         for (n, day) in days.iter_mut().enumerate() {
@@ -103,7 +104,7 @@ fn sums_say_what_all_days_side_by_side_say() {
             *day = (k, change, own);
             assert!(sums.see(BEGAN_S + DAY_S * k, &change, &own));
         }
-        let (found, expected) = (sums.verdict(&usual), by_brute_force(&days, &usual));
+        let (found, expected) = (sums.verdict(&usual, &TUNING), by_brute_force(&days, &usual));
         assert_eq!(found.days, 6);
         for (found, expected) in found.probability.iter().zip(expected) {
             // The integral's steps, and the exponential in powers of two.
@@ -114,7 +115,7 @@ fn sums_say_what_all_days_side_by_side_say() {
         for (k, change, own) in &days {
             single.see(BEGAN_S + DAY_S * k, &change.map(|x| x as f32), &own.map(|x| x as f32));
         }
-        let single = single.verdict(&usual.map(|x| x as f32));
+        let single = single.verdict(&usual.map(|x| x as f32), &TUNING);
         for (single, double) in single.probability.iter().zip(found.probability) {
             assert!((f64::from(*single) - double).abs() < 1e-3 * double + 1e-12, "{single} {double}");
         }
@@ -137,7 +138,7 @@ fn first_named(
     let calibration = [0.01, 0.0, 0.02, 0.0, 0.0, 0.05f64];
     let error = [0, 2, 5].map(|i| calibration[i].sqrt() * random.normal());
     let mut usual = calibration;
-    add_load(&mut usual, &LoadUncertainty::unknown(), 0.5);
+    add_load(&mut usual, &LoadUncertainty::unknown(), 0.5, &TUNING);
     let mut days = RadiusDays::<f64>::since(BEGAN_S);
     // 13 000 km a year, by which tires wear otherwise.
     let wear = SEEN.map(|_| 0.0043 * random.normal());
@@ -157,16 +158,24 @@ fn first_named(
             usual_load[i] + load[i] + error[i] + radii + noise + SEEN[wheel][i] * lost
         });
         let mut covariance = own;
-        add_load(&mut covariance, &LoadUncertainty::unknown(), 0.5);
+        add_load(&mut covariance, &LoadUncertainty::unknown(), 0.5, &TUNING);
         add_radii(&mut covariance, 0.1);
         assert!(days.see(BEGAN_S + DAY_S * k as f64, &change, &covariance));
-        let (by_days, probability) = days.verdict(&usual).likeliest();
+        let (by_days, probability) = days.verdict(&usual, &TUNING).likeliest();
         if probability > 0.99 {
             named[1] = named[1].or(Some((k, by_days.index() == wheel)));
         }
         let mut alone = core::array::from_fn(|i| own[i] + calibration[i]);
-        add_load(&mut alone, &LoadUncertainty::unknown(), 1.0);
-        let day = Decision::of(&change, &alone, Since::Ever, 1.56, &TorsionEvidence::BLANK, UNEXPLAINED);
+        add_load(&mut alone, &LoadUncertainty::unknown(), 1.0, &TUNING);
+        let day = Decision::of(
+            &change,
+            &alone,
+            Since::Ever,
+            1.56,
+            &TorsionEvidence::BLANK,
+            TUNING.unexplained,
+            &TUNING,
+        );
         if let Some(found) = (0..4).find(|wheel| day.sets.low(Corner::ALL[*wheel]) > 0.99) {
             named[0] = named[0].or(Some((k, found == wheel)));
         }
