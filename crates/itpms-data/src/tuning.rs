@@ -60,18 +60,16 @@ fn parse(text: &str) -> Result<Tuning, Problem> {
 
 /// All numbers as such a file, each below what it means.
 pub fn text(tuning: &Tuning) -> String {
-    let mut out = String::from("[decision]\n");
-    tuning.monitor.decision.each(lines(&mut out));
-    out.push_str("\n[warning]\n");
-    tuning.monitor.warning.each(lines(&mut out));
-    out.push_str("\n[diagnosis]\n");
-    tuning.monitor.diagnosis.each(lines(&mut out));
-    out.push_str("\n[wheel_speed]\n");
-    tuning.wheel_speed.unwrap_or(&wheel_speed::Tuning::DEFAULT).each(lines(&mut out));
+    let mut out = String::new();
+    tuning.monitor.decision.each(lines(&mut out, "[decision]"));
+    tuning.monitor.warning.each(lines(&mut out, "\n[warning]"));
+    tuning.monitor.diagnosis.each(lines(&mut out, "\n[diagnosis]"));
+    tuning.wheel_speed.unwrap_or(&wheel_speed::Tuning::DEFAULT).each(lines(&mut out, "\n[wheel_speed]"));
     out
 }
 
-fn lines(out: &mut String) -> impl FnMut(&'static str, &'static str, &[f64]) {
+fn lines(out: &mut String, table: &str) -> impl FnMut(&'static str, &'static str, &[f64]) {
+    out.extend([table, "\n"]);
     |name, meaning, numbers| {
         let _ = match numbers {
             [number] => writeln!(out, "#{meaning}\n{name} = {number:?}"),
@@ -91,9 +89,8 @@ mod tests {
         tuning.wheel_speed = Some(&wheel_speed::Tuning { least_days: 5, ..wheel_speed::Tuning::DEFAULT });
         assert_eq!(parse(&text(&tuning)).unwrap(), tuning);
         assert_eq!(parse("").unwrap(), Tuning::default());
-        let one =
-            parse("[warning]\nlow = [1, 10.0]\n[decision]\nsurely_low = 0.95\n[wheel_speed]\nleast_days = 5")
-                .unwrap();
+        let some = "[warning]\nlow = [1, 10.0]\n[decision]\nsurely_low = 0.95\n[wheel_speed]\nleast_days = 5";
+        let one = parse(some).unwrap();
         assert_eq!(one, tuning);
     }
 

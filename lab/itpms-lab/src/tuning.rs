@@ -19,8 +19,7 @@ pub fn set(tuning: Tuning) -> bool {
 
 /// The monitor of a car.
 pub(crate) fn monitor(car: &CarConfig<f64>) -> MonitorConfig<f64> {
-    let tuning = TUNING.get().copied().unwrap_or_default().monitor;
-    MonitorConfig { tuning, ..MonitorConfig::new(car) }
+    MonitorConfig { tuning: TUNING.get().copied().unwrap_or_default().monitor, ..MonitorConfig::new(car) }
 }
 
 /// The numbers of wheel speeds, where they are set.

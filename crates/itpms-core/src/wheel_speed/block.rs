@@ -60,10 +60,10 @@ pub(super) struct BlockSums<T> {
 
 impl<T: Real> Block<T> {
     /// Leaves out the ratios that a slippery road hides under this force, and those of coupled axles, whatever the torque.
-    pub(super) fn hide(&mut self, coupled: [bool; 2], slip_1e3: [T; 2], most_unequal: f64) {
+    pub(super) fn hide(&mut self, coupled: [bool; 2], slip_1e3: [T; 2], sides: f64) {
         for (i, (hidden, used)) in self.hidden.iter_mut().zip(&mut self.used).enumerate() {
             *hidden |= coupled[i];
-            *used &= !*hidden && slip_1e3[i] < T::lit(most_unequal);
+            *used &= !*hidden && slip_1e3[i] < T::lit(sides);
         }
         // Without a yaw rate only the other axle tells a bend from a tire.
         if self.yaw_rate_rad_s.is_none() && self.hidden != [false; 2] {

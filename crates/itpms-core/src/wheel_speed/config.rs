@@ -1,5 +1,6 @@
 //! Configuration of radius analysis: the car's dimensions, its driven axle, how a radius follows the pressure, what loads may do.
 
+use super::state::SCALE;
 use crate::memory::Blank;
 use crate::model::{ParameterError, positive};
 use crate::real::Real;
@@ -111,6 +112,11 @@ impl<T: Real> WheelSpeedConfig<T> {
             load: LoadUncertainty::unknown(),
             tuning: None,
         }
+    }
+
+    /// Thousandths of a radius per `ln` of its pressure.
+    pub(super) fn per_ln_1e3(&self) -> T {
+        T::lit(SCALE) * self.radius_per_ln_pressure
     }
 
     pub(super) fn tuning(&self) -> &'static Tuning {

@@ -154,9 +154,10 @@ impl<T: Real> Filter<T> {
     pub(super) fn predict(&mut self, step_s: T, config: &WheelSpeedConfig<T>, learning: bool) {
         let (tuning, shares_driven) = (config.tuning(), driven_shares(config.driven));
         let [_, _, slip_walk] = tuning.slip_changes.map(T::lit);
-        let ([road_slip, road_unequal, road_side], [places, places_walk, _]) =
-            (tuning.road_changes.map(T::lit), tuning.places.map(T::lit));
-        let walks = [0.0, tuning.leak_walk * tuning.leak_walk].map(|leaks| tuning.walk * tuning.walk + leaks);
+        let [road_slip, road_unequal] = tuning.road_changes.map(T::lit);
+        let [places, places_walk, _] = tuning.places.map(T::lit);
+        let [walk, leak_walk] = tuning.walk;
+        let walks = [0.0, leak_walk * leak_walk].map(|leaks| walk * walk + leaks);
         if learning {
             for leak in &mut self.weight[1..OUTLIER] {
                 *leak = T::lit(1e-12);
@@ -179,7 +180,7 @@ impl<T: Real> Filter<T> {
             let slip = slip_walk * mode.mean[SLIP];
             mode.widen(SLIP, (T::lit(1e-6) + slip * slip) * step_s);
             if number == OUTLIER {
-                mode.widen_along(FRONT_WANDER, &[1.0, 1.0], road_side * road_side);
+                mode.widen_along(FRONT_WANDER, &[1.0, 1.0], T::lit(4.0) * disturbances.side::<T>());
                 let slip = road_slip * mode.mean[SLIP];
                 mode.widen(SLIP, slip * slip);
             }

@@ -282,9 +282,8 @@ mod tests {
         assert!(astray(&right).is_none() && !right.is_doubtful(&Tuning::DEFAULT), "{right:?}");
         for (late, corner) in [(0, Corner::FrontLeft), (1, Corner::FrontRight), (3, Corner::RearRight)] {
             for delay_s in [0.1, 0.2, 0.5] {
-                let wheel =
-                    |i: usize, time_s: f64| usual(i, if i == late { time_s - delay_s } else { time_s });
-                let following = driven(&config, wheel, 1.0, FREE);
+                let by_s = |i: usize| if i == late { delay_s } else { 0.0 };
+                let following = driven(&config, |i, time_s| usual(i, time_s - by_s(i)), 1.0, FREE);
                 let found = following.delays_s(&Tuning::DEFAULT).unwrap()[late / 2];
                 let expected = if late % 2 == 0 { delay_s } else { -delay_s };
                 // To first order; what is usual follows by 10 s.
@@ -296,15 +295,8 @@ mod tests {
         let low = driven(&config, |i, time_s| usual(i, time_s) * if i == 2 { 1.003 } else { 1.0 }, 1.0, FREE);
         assert!(astray(&low).is_none() && !low.is_doubtful(&Tuning::DEFAULT));
         let exchanged = |a: usize, b: usize| {
-            let of = move |i: usize| {
-                if i == a {
-                    b
-                } else if i == b {
-                    a
-                } else {
-                    i
-                }
-            };
+            let of =
+                |i: usize| [(a, b), (b, a)].into_iter().find(|(from, _)| *from == i).map_or(i, |(_, to)| to);
             driven(&config, |i, time_s| usual(of(i), time_s), 1.0, FREE)
         };
         let [fl, fr, rl, rr] = Corner::ALL;
@@ -329,10 +321,8 @@ mod tests {
         };
         let late = |coupled| {
             let following = driven(&config, alike, 1.0, coupled);
-            (
-                following.delays_s(&Tuning::DEFAULT).unwrap()[1].abs(),
-                following.astray(&config, false, [3.5e-3 * 15.0; 2]),
-            )
+            let [_, delay_s] = following.delays_s(&Tuning::DEFAULT).unwrap();
+            (delay_s.abs(), following.astray(&config, false, [3.5e-3 * 15.0; 2]))
         };
         assert!(late(FREE).0 > Tuning::DEFAULT.late_s[1]);
         assert_eq!(late([false, true]), (0.0, None));

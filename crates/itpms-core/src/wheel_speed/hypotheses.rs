@@ -1,6 +1,6 @@
 //! Which tires are low: sixteen hypotheses against what is believed of the radii (`docs/math/wheel-speed.md`, eq. 9-11, 20).
 
-use super::config::LoadUncertainty;
+use super::config::WheelSpeedConfig;
 use crate::decision::{self, LOSS, Probabilities, SETS, Since};
 use crate::memory::Blank;
 use crate::model::SEEN;
@@ -11,7 +11,7 @@ use crate::wheel_speed::Tuning;
 /// Priors and low tires are the [decision](crate::decision)'s.
 const DECISION: decision::Tuning = decision::Tuning::DEFAULT;
 /// A loss of a fifth of the pressure, as `-ln 0.8`.
-pub(super) const FIFTH: f64 = 0.223_143_55;
+const FIFTH: f64 = 0.223_143_55;
 /// The sets of low tires, each of some nearly flat, and one that is empty.
 const HYPOTHESES: usize = 2 * SETS - 1 + 4;
 /// A symmetric matrix of three: 00, 10, 11, 20, 21, 22.
@@ -28,17 +28,17 @@ pub(super) struct Decision<T> {
 }
 
 impl<T: Real> Decision<T> {
-    /// From the changes of the three ratios of radii `since` then with their covariance, in thousandths, `fifth` (the change by a loss of a fifth), the
-    /// evidence of tooth pulses alone, and the prior of the `unexplained` hypothesis over that of one wheel.
+    /// From the changes of the three ratios of radii `since` then with their covariance, in thousandths, the evidence of tooth
+    /// pulses alone, and the prior of the `unexplained` hypothesis over that of one wheel.
     pub(super) fn of(
         change: &[T; 3],
         covariance: &Triangle<T>,
         since: Since,
-        fifth: T,
         torsion: &TorsionEvidence<T>,
         unexplained: T,
-        tuning: &Tuning,
+        config: &WheelSpeedConfig<T>,
     ) -> Self {
+        let (tuning, fifth) = (config.tuning(), T::lit(FIFTH) * config.per_ln_1e3());
         let one = T::lit(since.prior_of_one(&DECISION));
         let unexplained_sd = tuning.unexplained_sd.map(T::lit);
         let unexplained = left_unexplained(change, covariance, unexplained_sd, unexplained * one)
@@ -96,21 +96,14 @@ struct Hypothesis<T> {
 impl<T: Real> Hypothesis<T> {
     /// The sixteen sets of low tires by their bits, then each nearly flat, then each tire empty; with the set that it belongs to.
     fn numbered(number: usize, since: Since, fifth: T, tuning: &Tuning) -> (usize, Self) {
-        let fine_sd = fine_sd(since, tuning);
-        match number.checked_sub(SETS) {
-            None => {
-                let [low, sd] = DECISION.low;
-                // The sd of its share over the share left, in losses of a fifth of the `ln`.
-                (number, Self::of(number, fine_sd, [low, sd * LOSS / (1.0 - low * LOSS) / FIFTH], fifth))
-            }
-            Some(before) if before + 1 < SETS => {
-                (before + 1, Self::of(before + 1, fine_sd, DECISION.flat, fifth))
-            }
-            Some(before) => {
-                let set = 1 << ((before + 1) % SETS);
-                (set, Self::of(set, fine_sd, tuning.empty, fifth))
-            }
-        }
+        let [low, sd] = DECISION.low;
+        let (set, expected) = match number.checked_sub(SETS) {
+            // The sd of its share over the share left, in losses of a fifth of the `ln`.
+            None => (number, [low, sd * LOSS / (1.0 - low * LOSS) / FIFTH]),
+            Some(before) if before + 1 < SETS => (before + 1, DECISION.flat),
+            Some(before) => (1 << ((before + 1) % SETS), tuning.empty),
+        };
+        (set, Self::of(set, fine_sd(since, tuning), expected, fifth))
     }
 
     fn of(set: usize, fine_sd: f64, [mean, sd]: [f64; 2], fifth: T) -> Self {
@@ -182,17 +175,16 @@ fn left_unexplained<T: Real>(change: &[T; 3], covariance: &Triangle<T>, sd: [T; 
 }
 
 /// The smallest loss of this wheel alone that would be found, as `-ln` of the share of the pressure that it leaves: its squared distance
-/// from no loss is what prior and threshold ask for. `per_ln`: thousandths of a radius per `ln` of its pressure.
+/// from no loss is what prior and threshold ask for.
 pub(super) fn least_found<T: Real>(
     wheel: usize,
     covariance: &Triangle<T>,
     since: Since,
-    per_ln: T,
     torsion: &TorsionEvidence<T>,
-    tuning: &Tuning,
+    config: &WheelSpeedConfig<T>,
 ) -> T {
-    let mut noise = *covariance;
-    add_radii(&mut noise, fine_sd(since, tuning));
+    let (mut noise, per_ln) = (*covariance, config.per_ln_1e3());
+    add_radii(&mut noise, fine_sd(since, config.tuning()));
     let step = SEEN.get(wheel).map_or([T::zero(); 3], |seen| seen.map(|x| T::lit(x) * per_ln));
     let radii = inverse(&noise).map_or(T::zero(), |(inverse, _)| dot(&step, &times(&inverse, &step)));
     let tested_ln = DECISION.low[0] * FIFTH;
@@ -214,12 +206,8 @@ pub(super) fn add_radii<T: Real>(covariance: &mut Triangle<T>, sd: f64) {
 }
 
 /// Adds this part of the covariance that unknown loads give the three ratios since the calibration.
-pub(super) fn add_load<T: Real>(
-    covariance: &mut Triangle<T>,
-    load: &LoadUncertainty<T>,
-    part: f64,
-    tuning: &Tuning,
-) {
+pub(super) fn add_load<T: Real>(covariance: &mut Triangle<T>, config: &WheelSpeedConfig<T>, part: f64) {
+    let (load, tuning) = (&config.load, config.tuning());
     let per_load = T::lit(tuning.per_load);
     let rear_axle = [T::zero(), T::zero(), -per_load * load.rear_axle];
     let rear_left_right = [T::zero(), T::lit(2.0) * per_load * load.rear_left_right, T::zero()];
@@ -262,11 +250,20 @@ pub(super) fn inverse<T: Real>(&[a, b, c, d, e, f]: &Triangle<T>) -> Option<(Tri
 mod tests {
     use super::*;
     use crate::model::Corner;
+    use crate::wheel_speed::tests::config;
 
     const NO_PULSES: TorsionEvidence<f64> = <TorsionEvidence<f64> as crate::memory::Blank>::BLANK;
-    const TUNING: Tuning = Tuning::DEFAULT;
     /// Known to a ten-thousandth.
     const SHARP: Triangle<f64> = [0.01, 0.0, 0.01, 0.0, 0.0, 0.01];
+
+    /// A loss of a fifth is 1.56 at .007.
+    fn decided(
+        change: &[f64; 3],
+        covariance: &Triangle<f64>,
+        pulses: &TorsionEvidence<f64>,
+    ) -> Decision<f64> {
+        Decision::of(change, covariance, Since::Ever, pulses, Tuning::DEFAULT.unexplained, &config())
+    }
 
     /// The ratios of these radii.
     fn seen(radius: [f64; 4]) -> [f64; 3] {
@@ -289,32 +286,19 @@ mod tests {
     fn every_pattern_is_named_by_its_ratios_but_all_four() {
         for number in 1..15usize {
             let radius = core::array::from_fn(|i| if number & (1 << i) == 0 { 0.0 } else { -2.0 });
-            let decision = Decision::of(
-                &seen(radius),
-                &SHARP,
-                Since::Ever,
-                1.6,
-                &NO_PULSES,
-                TUNING.unexplained,
-                &TUNING,
-            );
+            let decision = decided(&seen(radius), &SHARP, &NO_PULSES);
             let most = decision.sets.of_set().iter().copied().fold(0.0, f64::max);
             assert_eq!(decision.sets.of_set()[number], most, "{number:04b}");
             // Three at once are so rare that the unexplained hypothesis is not much less probable.
             let sure = if number.count_ones() == 3 { 0.7 } else { 0.9 };
             for (wheel, radius) in radius.iter().enumerate() {
                 let low = number & (1 << wheel) != 0;
-                assert_eq!(
-                    decision.sets.low(Corner::ALL[wheel]) > sure,
-                    low,
-                    "{number:04b} {wheel}: {}",
-                    decision.sets.low(Corner::ALL[wheel])
-                );
+                let probability = decision.sets.low(Corner::ALL[wheel]);
+                assert_eq!(probability > sure, low, "{number:04b} {wheel}: {probability}");
                 assert!((decision.change[wheel] - radius).abs() < 3.0 * decision.change_sd[wheel]);
             }
         }
-        let decision =
-            Decision::of(&[0.0; 3], &SHARP, Since::Ever, 1.6, &NO_PULSES, TUNING.unexplained, &TUNING);
+        let decision = decided(&[0.0; 3], &SHARP, &NO_PULSES);
         assert!(decision.sets.of_set()[0] > 0.99);
     }
 
@@ -324,11 +308,11 @@ mod tests {
     fn an_empty_tire_is_named_at_once_and_a_slipping_axle_is_none() {
         for wheel in 0..4 {
             let radius = core::array::from_fn(|i| if i == wheel { -20.0 } else { 0.0 });
-            let decision = Decision::of(&seen(radius), &SHARP, Since::Ever, 1.56, &NO_PULSES, 1.0, &TUNING);
+            let decision = Decision::of(&seen(radius), &SHARP, Since::Ever, &NO_PULSES, 1.0, &config());
             assert!(decision.sets.low(Corner::ALL[wheel]) > 0.99, "{wheel}: {:?}", decision.sets);
             assert!((decision.change[wheel] + 20.0).abs() < 3.0 * decision.change_sd[wheel]);
         }
-        let slips = Decision::of(&[3.0, 0.0, 8.0], &SHARP, Since::Ever, 1.56, &NO_PULSES, 1.0, &TUNING);
+        let slips = Decision::of(&[3.0, 0.0, 8.0], &SHARP, Since::Ever, &NO_PULSES, 1.0, &config());
         assert!(slips.sets.any_low() < 0.5, "{:?}", slips.sets);
     }
 
@@ -338,14 +322,12 @@ mod tests {
     fn the_least_loss_that_is_found_is_where_prior_and_threshold_meet() {
         let covariance = [0.08, 0.0, 0.08, 0.0, 0.0, 4.0];
         let expected = (2.0 * (99.0 / 0.025f64).ln() / (1.0 / 0.16 + 0.25 / 4.04f64)).sqrt() / 7.0;
-        let found = least_found(0, &covariance, Since::Ever, 7.0, &NO_PULSES, &TUNING);
+        let found = least_found(0, &covariance, Since::Ever, &NO_PULSES, &config());
         assert!((found - expected).abs() < 1e-9, "{found} {expected}");
         // What is found there has as good as reached the threshold, whatever of its size is expected.
         let at = |loss: f64| {
             let change = seen([-7.0 * loss, 0.0, 0.0, 0.0]);
-            Decision::of(&change, &covariance, Since::Ever, 1.56, &NO_PULSES, TUNING.unexplained, &TUNING)
-                .sets
-                .low(Corner::ALL[0])
+            decided(&change, &covariance, &NO_PULSES).sets.low(Corner::ALL[0])
         };
         assert!(at(0.9 * found) < 0.99 && at(1.1 * found) > 0.99, "{} {}", at(0.9 * found), at(1.1 * found));
     }
@@ -353,23 +335,13 @@ mod tests {
     #[test]
     fn loads_of_unknown_size_hide_a_rear_tire_and_not_a_front_one() {
         let mut covariance = SHARP;
-        add_load(&mut covariance, &LoadUncertainty::unknown(), 1.0, &TUNING);
+        add_load(&mut covariance, &config(), 1.0);
         // A fifth of 6.4e-3 per load between the axles, twice 3 % of it between the rear wheels; the passenger's part is in 20 and 21, too.
         assert!((covariance[5] - (0.01 + 1.28 * 1.28 + 0.04)).abs() < 1e-12);
         assert!((covariance[2] - (0.01 + 0.384 * 0.384 + 0.04)).abs() < 1e-12);
         let low = |wheel: usize| {
             let radius = core::array::from_fn(|i| if i == wheel { -2.0 } else { 0.0 });
-            Decision::of(
-                &seen(radius),
-                &covariance,
-                Since::Ever,
-                1.6,
-                &NO_PULSES,
-                TUNING.unexplained,
-                &TUNING,
-            )
-            .sets
-            .low(Corner::ALL[wheel])
+            decided(&seen(radius), &covariance, &NO_PULSES).sets.low(Corner::ALL[wheel])
         };
         assert!(low(0) > 0.99 && low(0) > low(3), "{} {}", low(0), low(3));
     }
@@ -381,48 +353,20 @@ mod tests {
             information: [1.0 / 50.0; 4],
             reference_kpa: [240.0; 4],
         };
-        let alike = Decision::of(
-            &[0.0; 3],
-            &SHARP,
-            Since::Ever,
-            1.6,
-            &pulses([-56.0; 4]),
-            TUNING.unexplained,
-            &TUNING,
-        );
+        let alike = decided(&[0.0; 3], &SHARP, &pulses([-56.0; 4]));
         assert!((0..4).all(|wheel| alike.sets.low(Corner::ALL[wheel]) > 0.99), "{:?}", alike.sets);
         // A tenth of the pressure, as of a cold morning, is nothing.
-        let cold = Decision::of(
-            &[0.0; 3],
-            &SHARP,
-            Since::Ever,
-            1.6,
-            &pulses([-24.0; 4]),
-            TUNING.unexplained,
-            &TUNING,
-        );
+        let cold = decided(&[0.0; 3], &SHARP, &pulses([-24.0; 4]));
         assert!(cold.sets.of_set()[0] > 0.99, "{:?}", cold.sets.of_set());
         // With loads of unknown size the radii of an axle say little: a larger load may have done it.
         let mut covariance = SHARP;
-        add_load(&mut covariance, &LoadUncertainty::unknown(), 1.0, &TUNING);
+        add_load(&mut covariance, &config(), 1.0);
         let change = seen([0.0, 0.0, -2.0, -2.0]);
         let (without, with) = (
-            Decision::of(&change, &covariance, Since::Ever, 1.6, &NO_PULSES, TUNING.unexplained, &TUNING),
-            Decision::of(
-                &change,
-                &covariance,
-                Since::Ever,
-                1.6,
-                &pulses([0.0, 0.0, -58.0, -58.0]),
-                TUNING.unexplained,
-                &TUNING,
-            ),
+            decided(&change, &covariance, &NO_PULSES),
+            decided(&change, &covariance, &pulses([0.0, 0.0, -58.0, -58.0])),
         );
-        assert!(
-            without.sets.low(Corner::ALL[2]) < 0.5
-                && with.sets.low(Corner::ALL[2]) > 0.99
-                && with.sets.low(Corner::ALL[3]) > 0.99
-                && with.sets.low(Corner::ALL[0]) < 0.01
-        );
+        let [fl, _, rl, rr] = Corner::ALL.map(|corner| with.sets.low(corner));
+        assert!(without.sets.low(Corner::ALL[2]) < 0.5 && rl > 0.99 && rr > 0.99 && fl < 0.01);
     }
 }

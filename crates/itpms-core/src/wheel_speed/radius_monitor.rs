@@ -343,7 +343,7 @@ impl<T: Real> RadiusMonitor<T> {
         if self.yaw.is_doubted() {
             block.yaw_rate_rad_s = None;
         }
-        block.hide(self.coupled(), slip_1e3, tuning.most_unequal);
+        block.hide(self.coupled(), slip_1e3, tuning.sides);
         if block.good {
             self.sensors.take_block(&block, tuning);
         }

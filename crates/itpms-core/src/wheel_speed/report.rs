@@ -181,13 +181,15 @@ impl<T: Real> RadiusReport<T> {
     /// `step_s` of usable driving later, on a road that is surely slippery, or may be.
     pub(super) fn drive_on(&mut self, [surely, maybe]: [bool; 2], step_s: T, tuning: &Tuning) {
         let left_s = (self.slippery_s - step_s).at_least(T::zero());
-        self.slippery_s = if surely { T::lit(tuning.slippery_s) } else { left_s };
+        let [_, _, slippery_s] = tuning.sure_for_s.map(T::lit);
+        self.slippery_s = if surely { slippery_s } else { left_s };
         self.unseen.slippery = maybe || self.slippery_s > T::zero();
     }
 
     /// Prior of "no loss explains it" over that of one wheel's loss: such a place of the road is as frequent as a loss, and passes.
     pub(super) fn unexplained(&self, tuning: &Tuning) -> T {
-        (self.loss_s * T::lit(-1.0 / tuning.passes_s)).exp_fast().at_least(T::lit(tuning.unexplained))
+        let [_, passes_s, _] = tuning.sure_for_s;
+        (self.loss_s * T::lit(-1.0 / passes_s)).exp_fast().at_least(T::lit(tuning.unexplained))
     }
 
     /// `step_s` of usable driving later.
@@ -231,17 +233,15 @@ impl<T: Real> RadiusReport<T> {
         }
         self.probable_s = if probable == self.probable { self.probable_s + step_s } else { step_s };
         self.probable = probable;
-        let tuning = config.tuning();
+        let [sure_s, passes_s, slippery_s] = config.tuning().sure_for_s;
         let after_s = match probable {
-            RadiusState::Low(_) | RadiusState::OneOf(_) if self.unseen.slippery => tuning.slippery_s,
+            RadiusState::Low(_) | RadiusState::OneOf(_) if self.unseen.slippery => slippery_s,
             // One tire of an axle and a side, or two across, are nothing else; without a yaw rate left and right of both axles move alike.
             RadiusState::Low(wheels) => match Pattern::from(wheels) {
-                Pattern::Wheel(_) | Pattern::Diagonal if !self.unseen.which_of_a_diagonal => {
-                    tuning.sure_for_s
-                }
-                _ => tuning.passes_s,
+                Pattern::Wheel(_) | Pattern::Diagonal if !self.unseen.which_of_a_diagonal => sure_s,
+                _ => passes_s,
             },
-            RadiusState::OneOf(_) => tuning.passes_s,
+            RadiusState::OneOf(_) => passes_s,
             _ => 0.0,
         };
         self.lasted_s += step_s;

@@ -113,7 +113,7 @@ impl<T: Real> YawWitness<T> {
         let slower = (T::one() / v) - self.usual_slowness;
         self.usual_slowness += usual_step * slower;
         let by_bias = T::lit(SCALE) * track_rear * bias_sd_rad_s * slower.abs();
-        let [front, rear] = slip_1e3.map(|slip| T::lit(tuning.passing) + slip + by_bias);
+        let [front, rear] = slip_1e3.map(|slip| T::lit(tuning.sides) + slip + by_bias);
         let beyond = beyond - beyond.at_least(-front * rear).at_most(front * rear);
         let beyond = if shown { per_square * beyond } else { T::zero() };
         let most = T::lit(tuning.yaw_left);

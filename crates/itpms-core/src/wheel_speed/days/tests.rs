@@ -11,6 +11,7 @@ use crate::random::Random;
 use crate::torsion::TorsionEvidence;
 use crate::wheel_speed::LoadUncertainty;
 use crate::wheel_speed::hypotheses::{Decision, PLACES, add_load};
+use crate::wheel_speed::tests::config;
 
 const TUNING: Tuning = Tuning::DEFAULT;
 const BEGAN_S: f64 = 1.7e9;
@@ -94,7 +95,7 @@ fn sums_say_what_all_days_side_by_side_say() {
     let mut random = Random(3);
     for leak in [0.0, -0.01, -0.04, 0.03] {
         let mut usual = [0.01, 0.002, 0.02, -0.003, 0.001, 0.05];
-        add_load(&mut usual, &LoadUncertainty::unknown(), 0.5, &TUNING);
+        add_load(&mut usual, &config(), 0.5);
         let mut sums = RadiusDays::<f64>::since(BEGAN_S);
         let mut days = [(0.0, [0.0; 3], [0.0; 6]); MOST_DAYS];
         for (n, day) in days.iter_mut().enumerate() {
@@ -123,12 +124,7 @@ fn sums_say_what_all_days_side_by_side_say() {
 }
 
 /// A car's usual load and the day's, its noise, and what a loss adds; the day on which a day alone names a wheel, and that on which days do.
-fn first_named(
-    random: &mut Random,
-    beta: f64,
-    leak_per_day: f64,
-    wheel: usize,
-) -> [Option<(usize, bool)>; 2] {
+fn first_named(random: &mut Random, leak_per_day: f64, wheel: usize) -> [Option<(usize, bool)>; 2] {
     let draw = |random: &mut Random, part: f64| {
         let load = LoadUncertainty::<f64>::unknown();
         let [a, b, c] = [0.0; 3].map(|_: f64| part.sqrt() * random.normal());
@@ -138,7 +134,7 @@ fn first_named(
     let calibration = [0.01, 0.0, 0.02, 0.0, 0.0, 0.05f64];
     let error = [0, 2, 5].map(|i| calibration[i].sqrt() * random.normal());
     let mut usual = calibration;
-    add_load(&mut usual, &LoadUncertainty::unknown(), 0.5, &TUNING);
+    add_load(&mut usual, &config(), 0.5);
     let mut days = RadiusDays::<f64>::since(BEGAN_S);
     // 13 000 km a year, by which tires wear otherwise.
     let wear = SEEN.map(|_| 0.0043 * random.normal());
@@ -146,19 +142,15 @@ fn first_named(
     for k in 1..=56usize {
         let own = [0.03, 0.0, 0.05, 0.0, 0.0, 0.2f64];
         let (load, by_itself) = (draw(random, 0.5), SEEN.map(|_| 0.1 * random.normal()));
-        let lost = 1e3 * beta * k as f64 * (1.0 - leak_per_day).ln();
+        let lost = 7.0 * k as f64 * (1.0 - leak_per_day).ln();
         let change: [f64; 3] = core::array::from_fn(|i| {
-            let radii: f64 = SEEN
-                .iter()
-                .zip(by_itself)
-                .zip(wear)
-                .map(|((seen, x), wear)| seen[i] * (x + wear * k as f64))
-                .sum();
+            let radii: f64 =
+                (0..4).map(|wheel| SEEN[wheel][i] * (by_itself[wheel] + wear[wheel] * k as f64)).sum();
             let noise = own[[0, 2, 5][i]].sqrt() * random.normal();
             usual_load[i] + load[i] + error[i] + radii + noise + SEEN[wheel][i] * lost
         });
         let mut covariance = own;
-        add_load(&mut covariance, &LoadUncertainty::unknown(), 0.5, &TUNING);
+        add_load(&mut covariance, &config(), 0.5);
         add_radii(&mut covariance, 0.1);
         assert!(days.see(BEGAN_S + DAY_S * k as f64, &change, &covariance));
         let (by_days, probability) = days.verdict(&usual, &TUNING).likeliest();
@@ -166,16 +158,9 @@ fn first_named(
             named[1] = named[1].or(Some((k, by_days.index() == wheel)));
         }
         let mut alone = core::array::from_fn(|i| own[i] + calibration[i]);
-        add_load(&mut alone, &LoadUncertainty::unknown(), 1.0, &TUNING);
-        let day = Decision::of(
-            &change,
-            &alone,
-            Since::Ever,
-            1.56,
-            &TorsionEvidence::BLANK,
-            TUNING.unexplained,
-            &TUNING,
-        );
+        add_load(&mut alone, &config(), 1.0);
+        let (unseen, unexplained) = (TorsionEvidence::BLANK, TUNING.unexplained);
+        let day = Decision::of(&change, &alone, Since::Ever, &unseen, unexplained, &config());
         if let Some(found) = (0..4).find(|wheel| day.sets.low(Corner::ALL[*wheel]) > 0.99) {
             named[0] = named[0].or(Some((k, found == wheel)));
         }
@@ -186,7 +171,7 @@ fn first_named(
 #[test]
 fn no_healthy_car_is_named_in_eight_weeks() {
     let mut random = Random(11);
-    let named = (0..40).filter(|_| first_named(&mut random, 0.007, 0.0, 0)[1].is_some()).count();
+    let named = (0..40).filter(|_| first_named(&mut random, 0.0, 0)[1].is_some()).count();
     assert_eq!(named, 0);
 }
 
@@ -196,7 +181,7 @@ fn slow_leaks_are_named_before_a_day_alone_names_them() {
     for (leak_per_day, share_named) in [(0.005, 0.8), (0.01, 0.95)] {
         let (mut alone, mut by_days, mut right) = (0, 0, 0);
         for car in 0..40 {
-            let [day, days] = first_named(&mut random, 0.007, leak_per_day, car % 4);
+            let [day, days] = first_named(&mut random, leak_per_day, car % 4);
             let weeks = |named: Option<(usize, bool)>| named.map_or(57, |(k, _)| k);
             (alone, by_days) = (alone + weeks(day), by_days + weeks(days));
             right += usize::from(days.is_some_and(|(_, right)| right));

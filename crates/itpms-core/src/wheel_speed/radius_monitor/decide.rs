@@ -10,10 +10,10 @@ use crate::wheel_speed::block::{BLOCK_S, Block};
 use crate::wheel_speed::calibration::RadiusCalibration;
 use crate::wheel_speed::days::{DAY_S, RadiusDay, RadiusDays, SlowLeak};
 use crate::wheel_speed::hypotheses::{
-    Decision, FIFTH, PLACES, Triangle, add_load, add_radii, all_would_be_found, least_found,
+    Decision, PLACES, Triangle, add_load, add_radii, all_would_be_found, least_found,
 };
 use crate::wheel_speed::report::{RadiusState, Unseen};
-use crate::wheel_speed::state::{CHANGE, OFFSET, SCALE};
+use crate::wheel_speed::state::{CHANGE, OFFSET};
 
 impl<T: Real> RadiusMonitor<T> {
     /// Goes on with what the days since the calibration have shown.
@@ -39,7 +39,7 @@ impl<T: Real> RadiusMonitor<T> {
     /// usual one, half the day's.
     fn usual(&self, calibration: &RadiusCalibration<T>) -> Triangle<T> {
         let mut usual = PLACES.map(|(i, j)| calibration.covariance_1e6[i][j]);
-        add_load(&mut usual, &self.config.load, 0.5, self.tuning());
+        add_load(&mut usual, &self.config, 0.5);
         usual
     }
 
@@ -71,7 +71,7 @@ impl<T: Real> RadiusMonitor<T> {
         let (change, mut covariance) = self.now(calibration);
         covariance.iter_mut().zip(PLACES).for_each(|(sum, (i, j))| *sum += calibration.covariance_1e6[i][j]);
         if self.loads_may_differ {
-            add_load(&mut covariance, &self.config.load, 1.0, self.tuning());
+            add_load(&mut covariance, &self.config, 1.0);
         }
         Some((change, covariance))
     }
@@ -94,7 +94,7 @@ impl<T: Real> RadiusMonitor<T> {
         let usual = self.usual(calibration);
         let tuning = self.tuning();
         let [fine_driving_sd, _] = tuning.fine_sd;
-        add_load(&mut covariance, &self.config.load, 0.5, tuning);
+        add_load(&mut covariance, &self.config, 0.5);
         add_radii(&mut covariance, fine_driving_sd);
         if self.days.see(self.clock_began_unix_s + self.report.time_s, &change, &covariance) {
             self.slow_leak = self.days.verdict(&usual, tuning);
@@ -105,33 +105,31 @@ impl<T: Real> RadiusMonitor<T> {
     /// the one with more evidence for a loss counts.
     pub(super) fn decide(&mut self, block: &Block<T>) {
         let tuning = self.tuning();
-        let per_ln = T::lit(SCALE) * self.config.radius_per_ln_pressure;
-        let fifth = T::lit(FIFTH) * per_ln;
         let (change, [covariance, offsets]) = self.driving();
         let since = self.since_calibration();
         let nothing = TorsionEvidence::BLANK;
         let torsion = if since.is_some() { &nothing } else { &self.torsion };
         let unexplained = self.report.unexplained(tuning);
         let mut decision =
-            Decision::of(&change, &covariance, Since::Beginning, fifth, torsion, unexplained, tuning);
+            Decision::of(&change, &covariance, Since::Beginning, torsion, unexplained, &self.config);
         let mut differ = (change, covariance);
         let least: [T; 4];
         if let Some((change, covariance)) = since {
             let across =
-                Decision::of(&change, &covariance, Since::Ever, fifth, &self.torsion, unexplained, tuning);
+                Decision::of(&change, &covariance, Since::Ever, &self.torsion, unexplained, &self.config);
             if !(decision.sets.any_low() > across.sets.any_low()) {
                 decision = across;
             }
             differ = (change, covariance);
             least = core::array::from_fn(|i| {
-                least_found(i, &covariance, Since::Ever, per_ln, &self.torsion, tuning)
+                least_found(i, &covariance, Since::Ever, &self.torsion, &self.config)
             });
         } else {
             // That radii have not moved is believed without any sample; what moves one stands out from how well its offset is known.
             let noise = core::array::from_fn(|i| covariance[i] + offsets[i]);
             least = core::array::from_fn(|i| {
                 T::lit(tuning.driving_margin)
-                    * least_found(i, &noise, Since::Beginning, per_ln, &self.torsion, tuning)
+                    * least_found(i, &noise, Since::Beginning, &self.torsion, &self.config)
             });
         }
         self.report.unseen = Unseen {
