@@ -35,7 +35,7 @@ HOUSES = [
 ]
 # Constants of the core that are numbers to choose, not sizes or names, and fields of its tables that can be set, at most.
 CHOSEN = 366
-SETTABLE = 173
+SETTABLE = 170
 SIZES = "sizes, indices, layouts, names"
 CLASSES = {
     "physics, numerics": ("model", "real", "cholesky", "memory"),

@@ -6,7 +6,6 @@ use std::sync::OnceLock;
 
 use itpms_core::model::CarConfig;
 use itpms_core::monitor::MonitorConfig;
-use itpms_core::wheel_speed;
 use itpms_data::tuning::Tuning;
 
 static TUNING: OnceLock<Tuning> = OnceLock::new();
@@ -19,10 +18,10 @@ pub fn set(tuning: Tuning) -> bool {
 
 /// The monitor of a car.
 pub(crate) fn monitor(car: &CarConfig<f64>) -> MonitorConfig<f64> {
-    MonitorConfig { tuning: TUNING.get().copied().unwrap_or_default().monitor, ..MonitorConfig::new(car) }
+    MonitorConfig { tuning: numbers().monitor, ..MonitorConfig::new(car) }
 }
 
-/// The numbers of wheel speeds, where they are set.
-pub(crate) fn wheel_speed() -> Option<&'static wheel_speed::Tuning> {
-    TUNING.get()?.wheel_speed
+/// Its numbers, and those of wheel speeds.
+pub(crate) fn numbers() -> Tuning {
+    TUNING.get().copied().unwrap_or_default()
 }

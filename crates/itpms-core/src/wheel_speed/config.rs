@@ -59,11 +59,8 @@ impl<T: Real> LoadUncertainty<T> {
         ];
         for (name, value) in shares {
             if !(value >= T::zero() && value <= T::lit(10.0)) {
-                return Err(ParameterError {
-                    name,
-                    value: value.to_f64(),
-                    expected: "a number from 0 to 10",
-                });
+                let (value, expected) = (value.to_f64(), "a number from 0 to 10");
+                return Err(ParameterError { name, value, expected });
             }
         }
         Ok(())
@@ -131,11 +128,8 @@ impl<T: Real> WheelSpeedConfig<T> {
         ];
         for (name, value) in lengths {
             if !(value >= T::lit(0.5) && value <= T::lit(20.0)) {
-                return Err(ParameterError {
-                    name,
-                    value: value.to_f64(),
-                    expected: "a length from 0.5 to 20 m",
-                });
+                let (value, expected) = (value.to_f64(), "a length from 0.5 to 20 m");
+                return Err(ParameterError { name, value, expected });
             }
         }
         let beta = self.radius_per_ln_pressure;

@@ -5,8 +5,7 @@
 mod tests;
 
 use super::filter::normal_distribution;
-use super::hypotheses::{Triangle, add_radii, add_square, dot, inverse, times};
-use crate::decision;
+use super::hypotheses::{DECISION, Triangle, add_radii, add_square, dot, inverse, times};
 use crate::memory::Blank;
 use crate::model::{Corner, SEEN};
 use crate::real::Real;
@@ -179,7 +178,7 @@ impl<T: Real> RadiusDays<T> {
         let half = T::lit(0.5);
         let square = dot(&rates, &times(&inner, &rates)) - dot(&rates, &times(&outer, &rates));
         let unexplained = half * (square + (inner_size / outer_size).ln_fast())
-            + T::lit(tuning.unexplained * decision::Tuning::DEFAULT.one_loses).ln_fast();
+            + T::lit(DECISION.unexplained * DECISION.one_loses).ln_fast();
         let leaks = SEEN.map(|seen| Leak::of(&inner, &rates, &seen.map(T::lit), tuning.leak_per_day));
         let best = leaks.iter().map(|leak| leak.log).fold(unexplained.at_least(T::zero()), T::at_least);
         let total = leaks
@@ -214,7 +213,7 @@ impl<T: Real> Leak<T> {
         let loses = normal_distribution(-mean / sd).at_least(T::lit(1e-30)) / normal_distribution(T::one());
         let square = mean * mean / variance - T::lit(rate * rate) * before;
         let log = T::lit(0.5) * (square + (variance * before).ln_fast())
-            + (loses * T::lit(decision::Tuning::DEFAULT.one_loses)).ln_fast();
+            + (loses * T::lit(DECISION.one_loses)).ln_fast();
         Self { log, rate: (mean, sd) }
     }
 }

@@ -101,8 +101,8 @@ impl<T: Real> Filter<T> {
         // By all hypotheses: a tire that has just lost air would be slip to one that knows of no loss.
         let belief = self.belief();
         let (slip, sd) = (belief.mean[SLIP].abs(), belief.get(SLIP, SLIP).sqrt());
-        let [_, snow] = tuning.slippery.map(T::lit);
-        self.slippery = [slip - sd, slip + sd].map(|slip| slip > snow * self.dry_slip);
+        let beyond = T::lit(tuning.slippery) * self.dry_slip;
+        self.slippery = [slip - sd, slip + sd].map(|slip| slip > beyond);
     }
 
     /// Whether the slip is surely beyond that of any dry road.
@@ -320,8 +320,7 @@ fn dry_slip<T: Real>(belief: &Gaussian<T>, tuning: &Tuning) -> T {
 
 /// By how much the slip is beyond that of a dry road.
 fn slippery<T: Real>(belief: &Gaussian<T>, dry_slip: T, tuning: &Tuning) -> T {
-    let [beyond, _] = tuning.slippery.map(T::lit);
-    (belief.mean[SLIP].abs() - beyond * dry_slip).at_least(T::zero())
+    (belief.mean[SLIP].abs() - T::lit(tuning.slippery) * dry_slip).at_least(T::zero())
 }
 
 /// Share of the driving force of each axle.
@@ -382,13 +381,12 @@ impl<T: Real> Measurements<T> {
         let yaw = block.yaw_rate_rad_s.unwrap_or(T::zero()) * T::lit(SCALE);
         let way = config.wheelbase_m / block.speed_m_s * yaw;
         let turn = [-front * yaw, -rear * yaw, half * way * way * T::lit(1.0 / SCALE)];
-        let [front_share, rear_share, axle_share] = tuning.spread_share;
-        let shares = [front_share, rear_share, if known { axle_share } else { 2.0 * axle_share }];
         let curve = T::lit(tuning.per_lateral[usize::from(known)]) * block.lateral_m_s2;
         let [front_slip, rear_slip] = driven_shares(config.driven).map(|share| T::lit(share) * slip_noise);
         let slip = [front_slip, rear_slip, slip_noise].map(|slip| slip * block.force_m_s2);
         let noise = |i: usize| {
-            let spread = T::lit(shares[i]) * block.spread[i];
+            let twice = if known || i != AXLE { 1.0 } else { 2.0 };
+            let spread = T::lit(twice * tuning.spread_share) * block.spread[i];
             let curve = if i == AXLE { T::zero() } else { curve };
             let bend = T::lit(tuning.per_bend) * turn[i];
             T::lit(tuning.block_noise) + spread * spread + curve * curve + bend * bend + slip[i] * slip[i]

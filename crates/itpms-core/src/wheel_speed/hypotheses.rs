@@ -9,7 +9,7 @@ use crate::torsion::TorsionEvidence;
 use crate::wheel_speed::Tuning;
 
 /// Priors and low tires are the [decision](crate::decision)'s.
-const DECISION: decision::Tuning = decision::Tuning::DEFAULT;
+pub(super) const DECISION: decision::Tuning = decision::Tuning::DEFAULT;
 /// A loss of a fifth of the pressure, as `-ln 0.8`.
 const FIFTH: f64 = 0.223_143_55;
 /// The sets of low tires, each of some nearly flat, and one that is empty.
@@ -44,7 +44,7 @@ impl<T: Real> Decision<T> {
         let unexplained = left_unexplained(change, covariance, unexplained_sd, unexplained * one)
             + torsion.log_likelihood(0);
         let mut all = [(T::zero(), [T::zero(); 4], [T::zero(); 4]); HYPOTHESES];
-        let (mut best, priors) = (unexplained, log_priors::<T>(since, tuning));
+        let (mut best, priors) = (unexplained, log_priors::<T>(since));
         for (number, (log, mean, variance)) in all.iter_mut().enumerate() {
             let (set, hypothesis) = Hypothesis::numbered(number, since, fifth, tuning);
             let likelihood;
@@ -148,11 +148,12 @@ fn fine_sd(since: Since, tuning: &Tuning) -> f64 {
 }
 
 /// Logs of the priors of the sets against none.
-fn log_priors<T: Real>(since: Since, tuning: &Tuning) -> [T; SETS] {
-    let mut priors: [T; SETS] = DECISION.log_priors(since.prior_of_one(&DECISION));
+fn log_priors<T: Real>(since: Since) -> [T; SETS] {
+    let one = since.prior_of_one(&DECISION);
+    let mut priors: [T; SETS] = DECISION.log_priors(one);
     if since == Since::Beginning {
-        let axle = T::lit(tuning.axle_driving).ln_fast();
-        [priors[0b0011], priors[0b1100]] = [priors[0b0011] + axle, priors[0b1100] + axle];
+        // Both tires of an axle are two accidents, while the slip of another road moves one axle against the other, too.
+        [priors[0b0011], priors[0b1100]] = [T::lit(one * one).ln_fast(); 2];
     }
     priors
 }
@@ -262,7 +263,7 @@ mod tests {
         covariance: &Triangle<f64>,
         pulses: &TorsionEvidence<f64>,
     ) -> Decision<f64> {
-        Decision::of(change, covariance, Since::Ever, pulses, Tuning::DEFAULT.unexplained, &config())
+        Decision::of(change, covariance, Since::Ever, pulses, DECISION.unexplained, &config())
     }
 
     /// The ratios of these radii.

@@ -19,7 +19,6 @@ use crate::memory::{Blank, Placed};
 use crate::model::{Corner, ParameterError, RadiusDifferences, SEEN, WheelSpeedSample, Wheels};
 use crate::real::Real;
 use crate::torsion::TorsionEvidence;
-use crate::wheel_speed::Tuning;
 
 /// Use of a block.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -88,10 +87,6 @@ impl<T: Real> RadiusMonitor<T> {
         Ok(())
     }
 
-    fn tuning(&self) -> &'static Tuning {
-        self.config.tuning()
-    }
-
     /// Learns how the tires differ during so much usable driving in s (300 to 600; at least 10 are taken) at pressures that are known: each
     /// is this share of its reference (0.2 to 5; anything else counts as 1). An earlier calibration is forgotten.
     /// A tire that is low at the calibration is reported as low from its end on.
@@ -99,7 +94,7 @@ impl<T: Real> RadiusMonitor<T> {
         if !self.configured {
             return;
         }
-        self.phase = Phase::Learning(usable_s.at_least(T::lit(self.tuning().least_calibration_s)));
+        self.phase = Phase::Learning(usable_s.at_least(T::lit(self.config.tuning().least_calibration_s)));
         self.learned_s = T::zero();
         self.calibration.clear();
         self.refused_snow = false;
@@ -127,7 +122,7 @@ impl<T: Real> RadiusMonitor<T> {
         if !matches!(self.phase, Phase::Learning(_)) {
             return self.calibration.as_ref().is_some();
         }
-        if self.learned_s >= T::lit(self.tuning().least_calibration_s) {
+        if self.learned_s >= T::lit(self.config.tuning().least_calibration_s) {
             self.learned();
             return self.calibration.as_ref().is_some();
         }
@@ -196,7 +191,7 @@ impl<T: Real> RadiusMonitor<T> {
 
     /// The tires have rolled so many km since the calibration: they have worn, each by itself.
     pub(crate) fn age(&mut self, km: T) {
-        let [wear, _] = self.tuning().wear;
+        let [wear, _] = self.config.tuning().wear;
         if let Some(calibration) = self.calibration.as_mut().filter(|_| km > T::zero()) {
             let sd = T::lit(wear) * km;
             for seen in SEEN {
@@ -236,7 +231,7 @@ impl<T: Real> RadiusMonitor<T> {
     /// The wheel whose speed is none of a tire that rolls beside the others, and how many times theirs it is.
     #[must_use]
     pub(crate) fn odd(&self) -> Option<(Corner, T)> {
-        self.sensors.odd(self.tuning())
+        self.sensors.odd(self.config.tuning())
     }
 
     /// The malfunction of speeds that do not follow the car, and whose.
@@ -277,7 +272,7 @@ impl<T: Real> RadiusMonitor<T> {
         self.sensors.note_missing(sample, follows_s);
         if sample.complete() {
             let moved = self.stuck().is_empty();
-            let tuning = self.tuning();
+            let tuning = self.config.tuning();
             self.sensors.take(sample, follows_s, tuning);
             if self.stuck().is_empty() {
                 self.sums.add(sample);
@@ -326,7 +321,7 @@ impl<T: Real> RadiusMonitor<T> {
     }
 
     fn end_block(&mut self) {
-        let tuning = self.tuning();
+        let tuning = self.config.tuning();
         let mut block = self.sums.conclude(&self.config, self.sensors.step_m_s());
         let slip_1e3 = self.filter.unequal_slip_1e3(block.force_m_s2, &self.config);
         if self.yaw.take(&block, &self.config, self.filter.yaw_bias_rad_s(tuning), slip_1e3) {
@@ -382,7 +377,8 @@ impl<T: Real> RadiusMonitor<T> {
 
     /// Whether the wheels follow the car; what was learned with one that does not is forgotten, and nothing is learned from it.
     fn follow(&mut self, block: &mut Block<T>) {
-        let (bias_rad_s, believed) = (self.filter.yaw_bias_rad_s(self.tuning()).0, !self.yaw.is_doubted());
+        let (bias_rad_s, believed) =
+            (self.filter.yaw_bias_rad_s(self.config.tuning()).0, !self.yaw.is_doubted());
         self.following.take(block, &self.config, bias_rad_s, believed, self.coupled());
         let is_astray = self.astray().is_some();
         if is_astray != self.was_astray {
@@ -395,7 +391,7 @@ impl<T: Real> RadiusMonitor<T> {
     /// The speeds that do not follow the car's bends and accelerations as a wheel's does.
     fn astray(&self) -> Option<Astray> {
         let per_m_s2 = T::lit(1.0 / SCALE) * self.last.speed_m_s;
-        let slip_s = self.filter.slip_1e3(self.tuning()).map(|slip| per_m_s2 * slip);
+        let slip_s = self.filter.slip_1e3(self.config.tuning()).map(|slip| per_m_s2 * slip);
         // What is known of the road is forgotten with what was learned: that makes no right speed of a wrong one.
         let slippery = self.filter.is_slippery()[1] && !self.was_astray;
         self.following.astray(&self.config, slippery, slip_s)
@@ -428,7 +424,7 @@ impl<T: Real> RadiusMonitor<T> {
     }
 
     fn learned(&mut self) {
-        self.refused_snow = self.filter.is_on_snow(self.tuning());
+        self.refused_snow = self.filter.is_on_snow(self.config.tuning());
         if self.refused_snow {
             self.phase = Phase::Uncalibrated;
             self.report.forget(RadiusState::Uncalibrated);

@@ -189,7 +189,9 @@ impl<T: Real> RadiusReport<T> {
     /// Prior of "no loss explains it" over that of one wheel's loss: such a place of the road is as frequent as a loss, and passes.
     pub(super) fn unexplained(&self, tuning: &Tuning) -> T {
         let [_, passes_s, _] = tuning.sure_for_s;
-        (self.loss_s * T::lit(-1.0 / passes_s)).exp_fast().at_least(T::lit(tuning.unexplained))
+        (self.loss_s * T::lit(-1.0 / passes_s))
+            .exp_fast()
+            .at_least(T::lit(decision::Tuning::DEFAULT.unexplained))
     }
 
     /// `step_s` of usable driving later.

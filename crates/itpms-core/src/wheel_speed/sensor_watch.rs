@@ -88,12 +88,13 @@ impl<T: Real> SensorWatch<T> {
 
     /// Takes a block that was driven well.
     pub(super) fn take_block(&mut self, block: &Block<T>, tuning: &Tuning) {
+        let [_, passes_s, _] = tuning.sure_for_s;
         for (i, (absurd_s, mean)) in self.absurd_s.iter_mut().zip(&mut self.absurd).enumerate() {
             let now = [block.ratio[i], block.ratio[AXLE]];
             // A bend does the same to both axles.
             let other = T::lit(2.0) * block.ratio[1 - i].abs();
             if !(now[0].abs() < T::lit(tuning.absurd_ratio).at_least(other)) {
-                *absurd_s = (*absurd_s + T::lit(BLOCK_S)).at_most(T::lit(tuning.absurd_s + 2.0));
+                *absurd_s = (*absurd_s + T::lit(BLOCK_S)).at_most(T::lit(passes_s + 2.0));
                 for (mean, now) in mean.iter_mut().zip(now) {
                     *mean += (now - *mean) * T::lit(BLOCK_S) / *absurd_s;
                 }
@@ -105,7 +106,8 @@ impl<T: Real> SensorWatch<T> {
 
     /// The wheel whose speed is none of a tire that rolls beside the others, and how many times theirs it is.
     pub(super) fn odd(&self, tuning: &Tuning) -> Option<(Corner, T)> {
-        let axle = self.absurd_s.iter().position(|s| *s >= T::lit(tuning.absurd_s))?;
+        let [_, passes_s, _] = tuning.sure_for_s;
+        let axle = self.absurd_s.iter().position(|s| *s >= T::lit(passes_s))?;
         let [ratio, between] = *self.absurd.get(axle)?;
         // The wheel that has it in the ratio of its axle has half of it between the axles.
         let front = if axle == 0 { between } else { -between };

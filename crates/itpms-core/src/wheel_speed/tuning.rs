@@ -17,7 +17,7 @@ crate::tuning::tuning! {
         coupled_m_s2: [f64; 2] = [0.3, 0.15],
         /// What a road that differs from left to right may do to a ratio: slip that does as much hides it, and a yaw rate may leave as much.
         sides: f64 = 1.0,
-        /// Ratio of two wheels that is none of radii.
+        /// Ratio of two wheels that is none of radii; it is a sensor's where a road's would have passed.
         absurd_ratio: f64 = 30.0,
         /// Usable driving in s that teaches a calibration anything.
         least_calibration_s: f64 = 10.0,
@@ -25,8 +25,8 @@ crate::tuning::tuning! {
         // A block's noise (eq. 7).
         /// Least variance of a block's ratio, in 1e-6: what its speeds' steps leave has to be less.
         block_noise: f64 = 0.0025,
-        /// Share of the spread within a block that its mean keeps, of front, rear and between the axles; twice the last one without a yaw rate.
-        spread_share: [f64; 3] = [0.06, 0.08, 0.07],
+        /// Share of the spread within a block that its mean keeps; twice that between the axles without a yaw rate.
+        spread_share: f64 = 0.07,
         /// Noise per m/s² to the side, without a yaw rate and with one, by which the bend's load is learned.
         per_lateral: [f64; 2] = [0.2, 0.1],
         /// Noise as a share of the bend that is taken off: a yaw rate's gain, a track.
@@ -65,8 +65,8 @@ crate::tuning::tuning! {
         unequal_share: f64 = 0.25,
         /// What changes where a road does at once, in an outlier: slip by this share of it, how unequally driven wheels slip by this share of it.
         road_changes: [f64; 2] = [0.3, 0.15],
-        /// Slip over a dry road's beyond which left and right differ from place to place, and beyond which a road is called slippery.
-        slippery: [f64; 2] = [1.6, 1.8],
+        /// Slip over a dry road's beyond which a road is slippery: left and right differ from place to place.
+        slippery: f64 = 1.8,
         /// Share of that excess by which driven wheels differ: from one place to the next, per √s, and as noise.
         places: [f64; 3] = [0.5, 0.1, 0.3],
 
@@ -85,14 +85,10 @@ crate::tuning::tuning! {
         yaw_bias_sd: f64 = 20.0,
 
         // Which tires are low.
-        /// Prior that an axle's tires lose air in one drive over that of a side's: two accidents, while another road's slip moves one axle, too.
-        axle_driving: f64 = 0.01,
         /// Loss of an empty tire, always a single one, in losses of a fifth of the `ln`, and its sd: half to all but a thirtieth of its pressure.
         empty: [f64; 2] = [9.0, 3.0],
         /// Sds of the three ratios under causes outside these hypotheses: snow, a coupling, another tire.
         unexplained_sd: [f64; 3] = [4.0, 4.0, 10.0],
-        /// Prior of a lasting one over that of one low tire.
-        unexplained: f64 = 0.005,
         /// How much larger a loss while driving is that is found in half of the drives than prior and threshold ask for.
         driving_margin: f64 = 1.25,
         /// Usable driving in s over which a state has to be sure: at the least; where it is open which tire it is, or a road, a load or a slip,
@@ -116,8 +112,6 @@ crate::tuning::tuning! {
         bends_seen: [f64; 2] = [100.0, 1000.0],
         /// Delay in s from which on a speed comes late, a loss may be one, and a front and a rear wheel may be exchanged.
         late_s: [f64; 3] = [0.06, 0.03, 0.012],
-        /// Driving in s with an absurd ratio that a spinning wheel or a bend does not last for.
-        absurd_s: f64 = 20.0,
         /// Share of a yaw rate that a sensor may leave by its own, and what of a radius a bend's load takes per m/s², which imitates a yaw rate.
         yaw_off: [f64; 2] = [0.2, 8e-4],
         /// What may be left of a yaw rate beyond that in rad²/s²: two tires of a side that lose a quarter at once leave 0.008.

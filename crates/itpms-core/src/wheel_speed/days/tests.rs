@@ -72,8 +72,8 @@ fn by_brute_force(days: &[(f64, [f64; 3], Triangle<f64>)], usual: &Triangle<f64>
     let none = log_density(stacked(&wear), without([0.0; 3]), size);
     let mut any = wear;
     [0, 2, 5].into_iter().for_each(|i| any[i] += (2.0 * TUNING.leak_per_day).powi(2));
-    let other = TUNING.unexplained
-        * decision::Tuning::DEFAULT.one_loses
+    let other = DECISION.unexplained
+        * DECISION.one_loses
         * (log_density(stacked(&any), without([0.0; 3]), size) - none).exp();
     let covariance = stacked(&wear);
     let leaks = SEEN.map(|seen| {
@@ -84,7 +84,7 @@ fn by_brute_force(days: &[(f64, [f64; 3], Triangle<f64>)], usual: &Triangle<f64>
             prior += weight;
             sum += weight * (log_density(covariance, without(seen.map(|x| x * g)), size) - none).exp();
         }
-        decision::Tuning::DEFAULT.one_loses * sum / prior
+        DECISION.one_loses * sum / prior
     });
     let total = 1.0 + other + leaks.iter().sum::<f64>();
     leaks.map(|leak| leak / total)
@@ -159,7 +159,7 @@ fn first_named(random: &mut Random, leak_per_day: f64, wheel: usize) -> [Option<
         }
         let mut alone = core::array::from_fn(|i| own[i] + calibration[i]);
         add_load(&mut alone, &config(), 1.0);
-        let (unseen, unexplained) = (TorsionEvidence::BLANK, TUNING.unexplained);
+        let (unseen, unexplained) = (TorsionEvidence::BLANK, DECISION.unexplained);
         let day = Decision::of(&change, &alone, Since::Ever, &unseen, unexplained, &config());
         if let Some(found) = (0..4).find(|wheel| day.sets.low(Corner::ALL[*wheel]) > 0.99) {
             named[0] = named[0].or(Some((k, found == wheel)));

@@ -20,7 +20,7 @@ impl<T: Real> RadiusMonitor<T> {
     pub(crate) fn load_days(&mut self, days: &RadiusDays<T>) {
         self.days = *days;
         self.slow_leak = match self.calibration.as_ref() {
-            Some(calibration) => days.verdict(&self.usual(calibration), self.tuning()),
+            Some(calibration) => days.verdict(&self.usual(calibration), self.config.tuning()),
             None => SlowLeak::BLANK,
         };
     }
@@ -30,7 +30,7 @@ impl<T: Real> RadiusMonitor<T> {
         let unix_s = self.days.calibrated_unix_s + DAY_S * day.day.to_f64();
         let counts = self.days.see(unix_s, &day.change_1e3, &day.covariance_1e6);
         if let Some(calibration) = self.calibration.as_ref().filter(|_| counts) {
-            self.slow_leak = self.days.verdict(&self.usual(calibration), self.tuning());
+            self.slow_leak = self.days.verdict(&self.usual(calibration), self.config.tuning());
         }
         counts
     }
@@ -92,7 +92,7 @@ impl<T: Real> RadiusMonitor<T> {
         let Some(calibration) = self.calibration.as_ref().filter(|_| self.began_anew) else { return };
         let (change, mut covariance) = self.now(calibration);
         let usual = self.usual(calibration);
-        let tuning = self.tuning();
+        let tuning = self.config.tuning();
         let [fine_driving_sd, _] = tuning.fine_sd;
         add_load(&mut covariance, &self.config, 0.5);
         add_radii(&mut covariance, fine_driving_sd);
@@ -104,7 +104,7 @@ impl<T: Real> RadiusMonitor<T> {
     /// Loads move at a stop only, so a loss while the car drove is separable from them: of the changes in this drive and since the calibration
     /// the one with more evidence for a loss counts.
     pub(super) fn decide(&mut self, block: &Block<T>) {
-        let tuning = self.tuning();
+        let tuning = self.config.tuning();
         let (change, [covariance, offsets]) = self.driving();
         let since = self.since_calibration();
         let nothing = TorsionEvidence::BLANK;
