@@ -1,13 +1,21 @@
-//! Numbers of the monitor that are not their defaults, from a TOML file with a table for each module, and all of them as such a text.
+//! Numbers of the monitors that are not their defaults, from a TOML file with a table for each module, and all of them as such a text.
 
 use std::fmt::Write as _;
 use std::path::Path;
 
-use itpms_core::monitor::Tuning;
+use itpms_core::{monitor, wheel_speed};
 use toml::de::DeTable;
 
 use crate::error::{DataError, FileProblem, Problem};
 use crate::toml_table::{Table, syntax_problem};
+
+/// The numbers of a file.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Tuning {
+    pub monitor: monitor::Tuning,
+    /// Of wheel speeds, where any is not its default.
+    pub wheel_speed: Option<&'static wheel_speed::Tuning>,
+}
 
 /// Reads a file of numbers; what is not in it has its default.
 /// Errors: unknown names and numbers that cannot be meant, with the line.
@@ -39,26 +47,29 @@ macro_rules! take {
 fn parse(text: &str) -> Result<Tuning, Problem> {
     let file = DeTable::parse(text).map_err(|error| syntax_problem(text, &error))?;
     let root = Table::root(text, file.get_ref());
-    root.check_keys(&["decision", "diagnosis", "warning"])?;
-    let mut tuning = Tuning::default();
-    take!(root, "decision", tuning.decision);
-    take!(root, "warning", tuning.warning);
-    take!(root, "diagnosis", tuning.diagnosis);
-    Ok(tuning)
+    root.check_keys(&["decision", "diagnosis", "warning", "wheel_speed"])?;
+    let (mut monitor, mut wheel_speed) = (monitor::Tuning::default(), wheel_speed::Tuning::DEFAULT);
+    take!(root, "decision", monitor.decision);
+    take!(root, "warning", monitor.warning);
+    take!(root, "diagnosis", monitor.diagnosis);
+    take!(root, "wheel_speed", wheel_speed);
+    // Monitors point to them as long as the program runs.
+    let is_set = wheel_speed != wheel_speed::Tuning::DEFAULT;
+    Ok(Tuning { monitor, wheel_speed: is_set.then(|| &*Box::leak(Box::new(wheel_speed))) })
 }
 
 /// All numbers as such a file, each below what it means.
 pub fn text(tuning: &Tuning) -> String {
-    let mut out = String::from("[decision]\n");
-    tuning.decision.each(lines(&mut out));
-    out.push_str("\n[warning]\n");
-    tuning.warning.each(lines(&mut out));
-    out.push_str("\n[diagnosis]\n");
-    tuning.diagnosis.each(lines(&mut out));
+    let mut out = String::new();
+    tuning.monitor.decision.each(lines(&mut out, "[decision]"));
+    tuning.monitor.warning.each(lines(&mut out, "\n[warning]"));
+    tuning.monitor.diagnosis.each(lines(&mut out, "\n[diagnosis]"));
+    tuning.wheel_speed.unwrap_or(&wheel_speed::Tuning::DEFAULT).each(lines(&mut out, "\n[wheel_speed]"));
     out
 }
 
-fn lines(out: &mut String) -> impl FnMut(&'static str, &'static str, &[f64]) {
+fn lines(out: &mut String, table: &str) -> impl FnMut(&'static str, &'static str, &[f64]) {
+    out.extend([table, "\n"]);
     |name, meaning, numbers| {
         let _ = match numbers {
             [number] => writeln!(out, "#{meaning}\n{name} = {number:?}"),
@@ -74,10 +85,12 @@ mod tests {
     #[test]
     fn what_is_written_is_read() {
         let mut tuning = Tuning::default();
-        (tuning.decision.surely_low, tuning.warning.low.set_s) = (0.95, 1.0);
+        (tuning.monitor.decision.surely_low, tuning.monitor.warning.low.set_s) = (0.95, 1.0);
+        tuning.wheel_speed = Some(&wheel_speed::Tuning { least_days: 5, ..wheel_speed::Tuning::DEFAULT });
         assert_eq!(parse(&text(&tuning)).unwrap(), tuning);
         assert_eq!(parse("").unwrap(), Tuning::default());
-        let one = parse("[warning]\nlow = [1, 10.0]\n[decision]\nsurely_low = 0.95").unwrap();
+        let some = "[warning]\nlow = [1, 10.0]\n[decision]\nsurely_low = 0.95\n[wheel_speed]\nleast_days = 5";
+        let one = parse(some).unwrap();
         assert_eq!(one, tuning);
     }
 

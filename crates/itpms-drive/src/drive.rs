@@ -81,9 +81,10 @@ impl Drive {
         sample_rate_hz: f64,
     ) -> Result<Self, DriveError> {
         let alone = corners.is_empty();
-        let wheel_speeds = (wheel_speeds != WheelSpeedUse::None)
+        let mut wheel_speeds = (wheel_speeds != WheelSpeedUse::None)
             .then(|| vehicle.wheel_speed_config().map_err(|key| lacks(vehicle, key)))
             .transpose()?;
+        wheel_speeds.iter_mut().for_each(|config| config.tuning = settings.tuning.wheel_speed);
         if let Some(path) = settings.pulses.as_ref().filter(|_| wheel_speeds.is_none()) {
             return Err(DriveError::Mismatch(format!(
                 "{}: tooth pulses count together with wheel speeds, and the log has none that can be used: expected {{c}}_wheel_speed_m_s or {{c}}_wheel_speed_rad_s of all four",
@@ -92,7 +93,7 @@ impl Drive {
         }
         let (corners, home_kpa) = (vehicle.car_config(corners), vehicle.home_kpa());
         let limits = settings.regulation.into();
-        let tuning = settings.tuning;
+        let tuning = settings.tuning.monitor;
         let config = MonitorConfig { limits, home_kpa, wheel_speeds, tuning, ..MonitorConfig::new(&corners) };
         if !alone && settings.calibration_kpa.iter().any(Option::is_some) {
             let what = "pressures of the calibration other than the placards' (--pressure-kpa) are of use for wheel speeds alone";

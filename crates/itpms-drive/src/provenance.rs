@@ -6,9 +6,9 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use itpms_analysis::report::{Parameter, Provenance};
 use itpms_core::model::Corner;
-use itpms_core::monitor::Tuning;
 use itpms_data::log::{LogOptions, UnitCheck};
 use itpms_data::reference::day;
+use itpms_data::tuning::Tuning;
 use itpms_data::{LogReader, Vehicle};
 use itpms_road::RoadRepetition;
 

@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use itpms_core::model::{Corner, PressureUnit};
-use itpms_core::monitor::Tuning;
 use itpms_core::warning::Regulation;
 use itpms_data::Vehicle;
+use itpms_data::tuning::Tuning;
 use itpms_paper::EstimatorKind;
 use itpms_road::RoadRepetition;
 
@@ -19,7 +19,7 @@ pub(crate) const LOG_END_S: f64 = 1.0;
 pub struct Settings {
     pub estimator: EstimatorKind,
     pub regulation: Regulation,
-    /// Numbers of the monitor that are usually left as they are.
+    /// Numbers of the monitors that are usually left as they are.
     pub tuning: Tuning,
     pub road_repeats: RoadRepetition,
     /// So many seconds at the start are driven at placard pressure: a calibration drive.

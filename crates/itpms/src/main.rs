@@ -13,7 +13,7 @@ use std::process::ExitCode;
 
 use args::{Args, Command, Lab, Tool};
 use itpms_console::{Failure, Interrupt, Screen};
-use itpms_core::monitor::Tuning;
+use itpms_data::tuning::Tuning;
 
 fn main() -> ExitCode {
     let args = Args::read();

@@ -48,7 +48,7 @@ pub(crate) fn wheel_speed_config(
     };
     let limited_slip = wheels.locking_n > 0.0 || wheels.locking_share > 0.0;
     let config = WheelSpeedConfig::new(scenario.wheelbase_m, car.track_front_m, car.track_rear_m, driven);
-    Some(WheelSpeedConfig { limited_slip, load, ..config })
+    Some(WheelSpeedConfig { limited_slip, load, tuning: crate::tuning::numbers().wheel_speed, ..config })
 }
 
 /// A car whose tooth pulses may be read.

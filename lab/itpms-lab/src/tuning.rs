@@ -5,7 +5,8 @@
 use std::sync::OnceLock;
 
 use itpms_core::model::CarConfig;
-use itpms_core::monitor::{MonitorConfig, Tuning};
+use itpms_core::monitor::MonitorConfig;
+use itpms_data::tuning::Tuning;
 
 static TUNING: OnceLock<Tuning> = OnceLock::new();
 
@@ -16,5 +17,10 @@ pub fn set(tuning: Tuning) -> bool {
 }
 
 pub(crate) fn monitor(car: &CarConfig<f64>) -> MonitorConfig<f64> {
-    MonitorConfig { tuning: TUNING.get().copied().unwrap_or_default(), ..MonitorConfig::new(car) }
+    MonitorConfig { tuning: numbers().monitor, ..MonitorConfig::new(car) }
+}
+
+/// Its numbers, and those of wheel speeds.
+pub(crate) fn numbers() -> Tuning {
+    TUNING.get().copied().unwrap_or_default()
 }

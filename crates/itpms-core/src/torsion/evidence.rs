@@ -6,9 +6,7 @@ use crate::decision::{LOSS, Tuning};
 use crate::memory::Blank;
 use crate::real::Real;
 
-/// Loss of a low tire with its sd, as shares of its pressure, and by how much one that is not differs by itself.
-const LOW_SHARE: f64 = -Tuning::DEFAULT.low[0] * LOSS;
-const LOW_SD: f64 = Tuning::DEFAULT.low[1] * LOSS;
+/// By how much the pressure of a tire that is not low differs by itself, as a share of it.
 const FINE_SD: f64 = 0.0286;
 /// Lasting uncertainty of a wheel in kPa, however much is driven: by itself, and what all four have in common (load, slip stiffness, road).
 const OWN_SD_KPA: f64 = 4.4;
@@ -77,9 +75,10 @@ impl<T: Real> TorsionEvidence<T> {
     }
 
     fn wheels(&self, number: usize) -> impl Iterator<Item = Wheel<T>> + '_ {
+        let [lost, lost_sd] = Tuning::DEFAULT.low.map(|losses| losses * LOSS);
         let seen = self.change_kpa.iter().zip(&self.information).zip(&self.reference_kpa);
         seen.enumerate().map(move |(i, ((change_kpa, information), reference_kpa))| {
-            let (mean, sd) = if number & (1 << i) != 0 { (LOW_SHARE, LOW_SD) } else { (0.0, FINE_SD) };
+            let (mean, sd) = if number & (1 << i) != 0 { (-lost, lost_sd) } else { (0.0, FINE_SD) };
             let (expected_kpa, sd_kpa) = (T::lit(mean) * *reference_kpa, T::lit(sd) * *reference_kpa);
             let wider = T::one() + *information * (sd_kpa * sd_kpa + T::lit(OWN_SD_KPA * OWN_SD_KPA));
             Wheel {
@@ -92,11 +91,13 @@ impl<T: Real> TorsionEvidence<T> {
     }
 }
 
+/// Variance in kPa² of a wheel that stays however much is driven.
+pub(super) const LEVEL_VARIANCE_KPA2: f64 = OWN_SD_KPA * OWN_SD_KPA + COMMON_SD_KPA * COMMON_SD_KPA;
+
 /// Variance in kPa² of a change that pieces show with this information: theirs, what stays unknown of a wheel, and the Hz per kPa.
 pub(crate) fn level_variance_kpa2<T: Real>(change_kpa: T, information: T) -> T {
-    let unknown = T::lit(OWN_SD_KPA * OWN_SD_KPA + COMMON_SD_KPA * COMMON_SD_KPA);
     let scale_kpa = T::lit(SCALE_SD) * change_kpa;
-    T::one() / information + unknown + scale_kpa * scale_kpa
+    T::one() / information + T::lit(LEVEL_VARIANCE_KPA2) + scale_kpa * scale_kpa
 }
 
 #[cfg(test)]

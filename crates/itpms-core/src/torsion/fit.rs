@@ -9,7 +9,6 @@ use crate::spectrum::INDEPENDENT;
 
 /// Bins of a frame, from one distance of bins on: up to 74 Hz.
 pub(super) const BINS: usize = 38;
-const BIN_HZ: f64 = 0.5 / HOP_S;
 /// Band in Hz, and its upper limit as a share of the teeth's rate.
 const FROM_HZ: f64 = 24.0;
 const MOST_OF_TEETH: f64 = 0.36;
@@ -17,12 +16,9 @@ const MOST_OF_TEETH: f64 = 0.36;
 const LOWEST_HZ: f64 = 32.0;
 const GRID_HZ: f64 = 0.5;
 const GRID: usize = 69;
-/// Frequency about which a spectrum's slope is meant.
-const MIDDLE_HZ: f64 = 45.0;
 /// Steps of Gauss and Newton at the grid's first frequency, and at the others from their neighbor on.
 const FIRST_STEPS: usize = 12;
 const STEPS: usize = 4;
-const LONGEST_STEP: f64 = 0.7;
 /// Least power over noise, largest standard deviation in Hz.
 const LEAST_SIGNAL: f64 = 3.0;
 const MOST_SD_HZ: f64 = 3.5;
@@ -79,7 +75,7 @@ impl<T: Real> Spectrum<T> {
             .iter()
             .enumerate()
             .map(move |(bin, power)| {
-                let hz = T::lit(BIN_HZ * (bin + 1) as f64);
+                let hz = T::lit(0.5 / HOP_S * (bin + 1) as f64);
                 let of_teeth = hz / self.tooth_hz;
                 // sinc⁴ of a mean from tooth to tooth and of holding it: sinc x = 1 - (pi x)²/6 + (pi x)⁴/120.
                 let square = T::lit(9.869_604) * of_teeth * of_teeth;
@@ -149,10 +145,10 @@ struct Problem<'a, T: Real> {
     information: Vector4<T>,
 }
 
-/// A bin's frequency over the middle's in `ln`, and its squared ratio to the resonance.
+/// A bin's frequency over 45 Hz in `ln`, and its squared ratio to the resonance.
 fn places<T: Real>(bin: &Bin<T>, hz: T) -> (T, T) {
     let ratio = bin.hz / hz;
-    ((bin.hz * T::lit(1.0 / MIDDLE_HZ)).ln_fast(), ratio * ratio)
+    ((bin.hz * T::lit(1.0 / 45.0)).ln_fast(), ratio * ratio)
 }
 
 impl<'a, T: Real> Problem<'a, T> {
@@ -185,7 +181,8 @@ impl<'a, T: Real> Problem<'a, T> {
                 hessian += slope * slope.transpose() * self.weight;
             }
             let Some(inverse) = hessian.try_inverse() else { break };
-            let most = T::lit(LONGEST_STEP);
+            // No longer, lest it jump over the maximum.
+            let most = T::lit(0.7);
             self.value += (inverse * gradient).map(|step| step.at_least(-most).at_most(most));
         }
         let away = self.value - self.expected;

@@ -38,6 +38,7 @@ use nalgebra::SVector;
 pub use self::calibration::{TorsionCalibration, TorsionCurve};
 pub use self::car::{CarTorsion, NoWheelSpeeds, WheelSensors};
 pub use self::config::TorsionConfig;
+use self::evidence::LEVEL_VARIANCE_KPA2;
 pub(crate) use self::evidence::{TorsionEvidence, level_variance_kpa2};
 use self::fit::{BINS, Fitted, Spectrum, fit};
 use self::reference::Reference;
@@ -58,10 +59,8 @@ const FRAMES: u32 = 116;
 const LEAST_SPEED_M_S: f64 = 7.0;
 /// Change of speed within a piece, as a share, beyond which it is no piece of one speed.
 const MOST_CHANGE: f64 = 0.15;
-/// How far a pressure wanders in kPa per √s, how far it may be from the calibration's at its end, and what stays unknown of it however
-/// much is driven, in kPa.
+/// How far a pressure wanders in kPa per √s, and what stays unknown of it however much is driven, in kPa.
 const WALK_KPA: f64 = 0.4;
-const START_SD_KPA: f64 = 8.0;
 const LEVEL_SD_KPA: f64 = 5.0;
 /// What a tire may have lost in a [long stop](LONG_STOP_S) without being seen, in kPa (sd): what radius analysis takes its radius to have
 /// changed by.
@@ -174,7 +173,8 @@ impl<T: Real> TorsionWheel<T> {
     }
 
     fn start(&mut self) {
-        let variance = T::lit(START_SD_KPA * START_SD_KPA);
+        // What no piece tells of a level it does not tell of the calibration's either.
+        let variance = T::lit(LEVEL_VARIANCE_KPA2);
         (self.change_kpa, self.variance_kpa2, self.prior_kpa2) = (T::zero(), variance, variance);
         self.drop_piece();
     }

@@ -11,8 +11,6 @@ const MOST_TURNS: u32 = 20_000;
 const MOST_APART: f64 = 0.4;
 /// Memory of an edge's variance in edges.
 const EDGES: f64 = 4096.0;
-/// No edge's time is known better than to so many pitches: 20 ns of 2 ms. It is more than what arithmetic rounds to.
-const LEAST_EDGE_SD: f64 = 1e-5;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Edge<T> {
@@ -81,8 +79,8 @@ impl<T: Real> Teeth<T> {
     /// opposite directions; what the wheel does in truth changes evenly over three intervals, so that it leaves nothing in this sum.
     pub(super) fn edge_variance(&self) -> T {
         let [square, next, second] = self.products;
-        (T::lit(0.3) * square - T::lit(0.4) * next + T::lit(0.1) * second)
-            .at_least(T::lit(LEAST_EDGE_SD * LEAST_EDGE_SD))
+        // No edge's time is known better than to 20 ns of 2 ms, which is more than what arithmetic rounds to.
+        (T::lit(0.3) * square - T::lit(0.4) * next + T::lit(0.1) * second).at_least(T::lit(1e-10))
     }
 
     pub(super) fn push(&mut self, interval_s: T) -> Edge<T> {

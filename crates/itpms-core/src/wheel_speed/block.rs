@@ -9,27 +9,6 @@ use crate::real::Real;
 
 /// Samples below which a block says nothing.
 const LEAST_SAMPLES: u32 = 5;
-/// Speed below which the wheel speeds are too coarse, in m/s.
-pub(super) const LEAST_SPEED_M_S: f64 = 5.0;
-/// Lateral acceleration above which tires creep sideways, in m/s².
-const MOST_LATERAL_M_S2: f64 = 1.5;
-/// Force below which the brakes are on: unequal ones look like a radius, in m/s².
-const BRAKING_M_S2: f64 = -0.25;
-/// The same from the speed alone, which does not know the grade, in m/s².
-const SLOWING_M_S2: f64 = -0.4;
-/// Force, forward or sideways, above which slip is not proportional to it any more, in m/s².
-pub(super) const MOST_FORCE_M_S2: f64 = 2.5;
-/// Acceleration above which a coupled driven axle hides its tires, in m/s².
-const COUPLED_M_S2: f64 = 0.3;
-/// Force above which a car with two coupled axles does not coast, in m/s².
-const COASTING_M_S2: f64 = 0.15;
-/// By how much left and right of a driven axle may slip unequally on a slippery road where their ratio is used, in thousandths.
-const MOST_UNEQUAL: f64 = 1.0;
-/// Least variance of a block's ratio, in 1e-6: what its speeds' steps leave has to be less.
-pub(super) const LEAST_NOISE: f64 = 0.0025;
-/// Log ratio of two wheels that is none of radii, in thousandths.
-pub(super) const ABSURD_RATIO: f64 = 30.0;
-
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Block<T> {
@@ -81,10 +60,10 @@ pub(super) struct BlockSums<T> {
 
 impl<T: Real> Block<T> {
     /// Leaves out the ratios that a slippery road hides under this force, and those of coupled axles, whatever the torque.
-    pub(super) fn hide(&mut self, coupled: [bool; 2], slip_1e3: [T; 2]) {
+    pub(super) fn hide(&mut self, coupled: [bool; 2], slip_1e3: [T; 2], sides: f64) {
         for (i, (hidden, used)) in self.hidden.iter_mut().zip(&mut self.used).enumerate() {
             *hidden |= coupled[i];
-            *used &= !*hidden && slip_1e3[i] < T::lit(MOST_UNEQUAL);
+            *used &= !*hidden && slip_1e3[i] < T::lit(sides);
         }
         // Without a yaw rate only the other axle tells a bend from a tire.
         if self.yaw_rate_rad_s.is_none() && self.hidden != [false; 2] {
@@ -146,6 +125,7 @@ impl<T: Real> BlockSums<T> {
         if self.samples < LEAST_SAMPLES || !(self.slowest >= T::one()) {
             return Block::BLANK;
         }
+        let tuning = config.tuning();
         let share = T::one() / T::whole(self.samples);
         let mut block = Block::<T>::BLANK;
         let places = block.ratio.iter_mut().zip(&mut block.spread);
@@ -162,9 +142,9 @@ impl<T: Real> BlockSums<T> {
         let accel = accel_x.unwrap_or(slope);
         let yaw = mean_of(&self.yaw);
         let force = accel + drag;
-        let braking =
-            if accel_x.is_some() { force < T::lit(BRAKING_M_S2) } else { accel < T::lit(SLOWING_M_S2) };
-        // The larger of the known values; a turn shows in the rear wheels, too.
+        let [braking, slowing] = tuning.braking_m_s2.map(T::lit);
+        let braking = if accel_x.is_some() { force < braking } else { accel < slowing };
+        // Of what is known, the larger; a turn shows in the rear wheels, too.
         let turned = block.ratio[REAR] * T::lit(1.0 / SCALE) * v * v / config.track_rear_m;
         let by_yaw = yaw.unwrap_or(T::zero()) * v;
         let lateral = mean_of(&self.accel_y).unwrap_or(if yaw.is_some() { by_yaw } else { turned });
@@ -175,12 +155,12 @@ impl<T: Real> BlockSums<T> {
         block.grade_seen = accel_x.is_some();
         block.lateral_m_s2 = lateral.abs().at_least(by_yaw.abs());
         block.braking = braking || self.braked;
-        block.good = v > T::lit(LEAST_SPEED_M_S)
-            && block.lateral_m_s2 < T::lit(MOST_LATERAL_M_S2)
-            && force < T::lit(MOST_FORCE_M_S2)
+        block.good = v > T::lit(tuning.least_speed_m_s)
+            && block.lateral_m_s2 < T::lit(tuning.most_lateral_m_s2)
+            && force < T::lit(tuning.most_force_m_s2)
             && !block.braking;
-        let calm = accel < T::lit(COUPLED_M_S2);
-        let coasting = force < T::lit(COASTING_M_S2);
+        let [coupled, driven] = tuning.coupled_m_s2.map(T::lit);
+        let (calm, coasting) = (accel < coupled, force < driven);
         block.hidden = match (config.limited_slip, config.driven) {
             (false, _) => [false, false],
             (true, DrivenAxle::Front) => [!calm, false],
@@ -190,8 +170,8 @@ impl<T: Real> BlockSums<T> {
         // Nor of spinning wheels, nor of speeds that are sent too coarsely.
         let step_1e3 = T::lit(SCALE) * step_m_s / v;
         let sane = |i: usize| {
-            block.ratio[i].abs() < T::lit(ABSURD_RATIO)
-                && rounded(block.spread[i], step_1e3) < T::lit(LEAST_NOISE)
+            block.ratio[i].abs() < T::lit(tuning.absurd_ratio)
+                && rounded(block.spread[i], step_1e3) < T::lit(tuning.block_noise)
         };
         block.used = [sane(FRONT), sane(REAR), sane(AXLE)];
         block

@@ -3,6 +3,7 @@
 use super::state::{BEND, OFFSET, SLIP, UNEQUAL_SLIP};
 use crate::memory::Blank;
 use crate::real::Real;
+use crate::wheel_speed::Tuning;
 
 pub(super) const NUMBERS: usize = 8;
 /// The states it holds: three offsets, the slip that is learned with the last one, and those learned with the first two.
@@ -25,18 +26,14 @@ pub struct RadiusCalibration<T> {
     pub leaves_out_yaw_rate: bool,
 }
 
-/// What the load of a bend does to the ratio of each axle, in thousandths per m/s² to the left, and its sd, before anything was learned.
-pub(super) const BEND_MEAN: f64 = -0.5;
-pub(super) const BEND_SD: f64 = 0.5;
-
 impl<T: Real> RadiusCalibration<T> {
     /// That of no car, to be filled in: of a bend's load it says what is known before any drive.
     #[must_use]
     pub fn nothing() -> Self {
         let mut nothing = Self::BLANK;
+        let [mean, sd, _] = Tuning::DEFAULT.bend;
         for (i, _) in LEARNED.into_iter().enumerate().filter(|(_, state)| *state >= BEND) {
-            (nothing.mean_1e3[i], nothing.covariance_1e6[i][i]) =
-                (T::lit(BEND_MEAN), T::lit(BEND_SD * BEND_SD));
+            (nothing.mean_1e3[i], nothing.covariance_1e6[i][i]) = (T::lit(mean), T::lit(sd * sd));
         }
         nothing
     }

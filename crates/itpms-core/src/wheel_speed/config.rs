@@ -1,8 +1,10 @@
 //! Configuration of radius analysis: the car's dimensions, its driven axle, how a radius follows the pressure, what loads may do.
 
+use super::state::SCALE;
 use crate::memory::Blank;
 use crate::model::{ParameterError, positive};
 use crate::real::Real;
+use crate::wheel_speed::Tuning;
 
 /// Which wheels the engine turns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Blank)]
@@ -57,11 +59,8 @@ impl<T: Real> LoadUncertainty<T> {
         ];
         for (name, value) in shares {
             if !(value >= T::zero() && value <= T::lit(10.0)) {
-                return Err(ParameterError {
-                    name,
-                    value: value.to_f64(),
-                    expected: "a number from 0 to 10",
-                });
+                let (value, expected) = (value.to_f64(), "a number from 0 to 10");
+                return Err(ParameterError { name, value, expected });
             }
         }
         Ok(())
@@ -88,6 +87,10 @@ pub struct WheelSpeedConfig<T> {
     pub radius_per_ln_pressure_sd: T,
     /// Changes of the load while the car stands.
     pub load: LoadUncertainty<T>,
+    /// Numbers that are usually left as they are; `None`: [`Tuning::DEFAULT`]. It is in no saved state: a monitor that is read from one has
+    /// the default.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub tuning: Option<&'static Tuning>,
 }
 
 impl<T: Real> WheelSpeedConfig<T> {
@@ -104,7 +107,17 @@ impl<T: Real> WheelSpeedConfig<T> {
             radius_per_ln_pressure: T::lit(0.007),
             radius_per_ln_pressure_sd: T::lit(0.6),
             load: LoadUncertainty::unknown(),
+            tuning: None,
         }
+    }
+
+    /// Thousandths of a radius per `ln` of its pressure.
+    pub(super) fn per_ln_1e3(&self) -> T {
+        T::lit(SCALE) * self.radius_per_ln_pressure
+    }
+
+    pub(super) fn tuning(&self) -> &'static Tuning {
+        self.tuning.unwrap_or(&Tuning::DEFAULT)
     }
 
     pub(super) fn check(&self) -> Result<(), ParameterError> {
@@ -115,11 +128,8 @@ impl<T: Real> WheelSpeedConfig<T> {
         ];
         for (name, value) in lengths {
             if !(value >= T::lit(0.5) && value <= T::lit(20.0)) {
-                return Err(ParameterError {
-                    name,
-                    value: value.to_f64(),
-                    expected: "a length from 0.5 to 20 m",
-                });
+                let (value, expected) = (value.to_f64(), "a length from 0.5 to 20 m");
+                return Err(ParameterError { name, value, expected });
             }
         }
         let beta = self.radius_per_ln_pressure;
@@ -128,6 +138,7 @@ impl<T: Real> WheelSpeedConfig<T> {
             return Err(ParameterError { name: "radius_per_ln_pressure", value: beta.to_f64(), expected });
         }
         positive("radius_per_ln_pressure_sd", self.radius_per_ln_pressure_sd)?;
+        self.tuning().check()?;
         self.load.check()
     }
 }

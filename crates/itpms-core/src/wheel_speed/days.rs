@@ -5,26 +5,17 @@
 mod tests;
 
 use super::filter::normal_distribution;
-use super::hypotheses::{Triangle, UNEXPLAINED, add_radii, add_square, dot, inverse, times};
-use crate::decision::Tuning;
+use super::hypotheses::{DECISION, Triangle, add_radii, add_square, dot, inverse, times};
 use crate::memory::Blank;
 use crate::model::{Corner, SEEN};
 use crate::real::Real;
+use crate::wheel_speed::Tuning;
 
 /// Stamps from here on are dates, in s since 1970.
 const DATES_S: f64 = 1e8;
 pub(super) const DAY_S: f64 = 86_400.0;
 /// Drives less than so many days apart are of one day, with one load: the best known counts.
 const SAME_DAY: f64 = 0.6;
-const LEAST_DAYS: u32 = 4;
-/// Mean, taken off, and as large an sd, of a leak's rate in thousandths of the radius a day.
-const RATE: f64 = 0.15;
-/// By how much more or less than another a tire wears, or lets air through its rubber; and what no leak of one tire explains.
-const WEAR_SD: f64 = 0.003;
-const UNEXPLAINED_SD: f64 = 0.3;
-/// The standard normal distribution function at one: the part of the prior in which a leak takes air away.
-const LOSES: f64 = 0.841_344_746;
-
 /// Result of one day.
 #[derive(Debug, Clone, Copy, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -163,20 +154,22 @@ impl<T: Real> RadiusDays<T> {
     }
 
     /// What all days say, of a car whose usual load is known beforehand to `usual`, the calibration's covariance included.
-    pub(super) fn verdict(&self, usual: &Triangle<T>) -> SlowLeak<T> {
+    pub(super) fn verdict(&self, usual: &Triangle<T>, tuning: &Tuning) -> SlowLeak<T> {
         let mut all = *self;
         if !self.is_empty() {
             all.add_newest();
         }
         let nothing = SlowLeak { day: self.newest.day, days: all.count, ..SlowLeak::BLANK };
-        let Some((rates, mut covariance)) = all.rates(usual).filter(|_| all.count >= LEAST_DAYS) else {
+        let Some((rates, mut covariance)) = all.rates(usual).filter(|_| all.count >= tuning.least_days)
+        else {
             return nothing;
         };
-        add_radii(&mut covariance, WEAR_SD);
-        let mut wide = covariance;
+        let [_, wear_sd] = tuning.wear;
+        add_radii(&mut covariance, wear_sd);
+        let (mut wide, unexplained_sd) = (covariance, 2.0 * tuning.leak_per_day);
         for i in 0..3 {
             let along = core::array::from_fn(|j| if i == j { T::one() } else { T::zero() });
-            add_square(&mut wide, &along, T::lit(UNEXPLAINED_SD * UNEXPLAINED_SD));
+            add_square(&mut wide, &along, T::lit(unexplained_sd * unexplained_sd));
         }
         let (Some((inner, inner_size)), Some((outer, outer_size))) = (inverse(&covariance), inverse(&wide))
         else {
@@ -185,8 +178,8 @@ impl<T: Real> RadiusDays<T> {
         let half = T::lit(0.5);
         let square = dot(&rates, &times(&inner, &rates)) - dot(&rates, &times(&outer, &rates));
         let unexplained = half * (square + (inner_size / outer_size).ln_fast())
-            + T::lit(UNEXPLAINED * Tuning::DEFAULT.one_loses).ln_fast();
-        let leaks = SEEN.map(|seen| Leak::of(&inner, &rates, &seen.map(T::lit)));
+            + T::lit(DECISION.unexplained * DECISION.one_loses).ln_fast();
+        let leaks = SEEN.map(|seen| Leak::of(&inner, &rates, &seen.map(T::lit), tuning.leak_per_day));
         let best = leaks.iter().map(|leak| leak.log).fold(unexplained.at_least(T::zero()), T::at_least);
         let total = leaks
             .iter()
@@ -210,17 +203,17 @@ struct Leak<T> {
 
 impl<T: Real> Leak<T> {
     /// `inner`: information of the rates `found`, wear included.
-    fn of(inner: &Triangle<T>, found: &[T; 3], seen: &[T; 3]) -> Self {
+    fn of(inner: &Triangle<T>, found: &[T; 3], seen: &[T; 3], rate: f64) -> Self {
         let weighted = times(inner, seen);
-        let before = T::lit(1.0 / (RATE * RATE));
+        let before = T::lit(1.0 / (rate * rate));
         let variance = T::one() / (before + dot(seen, &weighted));
-        let mean = variance * (before * T::lit(-RATE) + dot(found, &weighted));
+        let mean = variance * (before * T::lit(-rate) + dot(found, &weighted));
         let sd = variance.sqrt();
         // A leak takes air away: only the part of prior and posterior below zero counts.
-        let loses = normal_distribution(-mean / sd).at_least(T::lit(1e-30)) * T::lit(1.0 / LOSES);
-        let square = mean * mean / variance - T::lit(RATE * RATE) * before;
+        let loses = normal_distribution(-mean / sd).at_least(T::lit(1e-30)) / normal_distribution(T::one());
+        let square = mean * mean / variance - T::lit(rate * rate) * before;
         let log = T::lit(0.5) * (square + (variance * before).ln_fast())
-            + (loses * T::lit(Tuning::DEFAULT.one_loses)).ln_fast();
+            + (loses * T::lit(DECISION.one_loses)).ln_fast();
         Self { log, rate: (mean, sd) }
     }
 }

@@ -1,8 +1,8 @@
 //! Six hypotheses on the time between two blocks, each with its Gaussian: nothing, one of four tires leaks, or the block is an
 //! outlier (an interacting multiple model filter; `docs/math/wheel-speed.md`, eq. 3-8).
 
-use super::block::{Block, LEAST_NOISE};
-use super::calibration::{BEND_MEAN, BEND_SD, LEARNED, RadiusCalibration};
+use super::block::Block;
+use super::calibration::{LEARNED, RadiusCalibration};
 use super::config::{DrivenAxle, WheelSpeedConfig};
 use super::gaussian::Gaussian;
 use super::state::{
@@ -12,73 +12,12 @@ use super::state::{
 use crate::memory::Blank;
 use crate::model::SEEN;
 use crate::real::Real;
+use crate::wheel_speed::Tuning;
 
 /// Nothing happens; wheel `i` leaks: `1 + i`; the block is an outlier.
 const MODES: usize = 6;
 const QUIET: usize = 0;
 const OUTLIER: usize = 5;
-
-/// Walk of a radius in thousandths per √s: by itself, and in a leak.
-const WALK: f64 = 0.01;
-const LEAK_WALK: f64 = 4.0;
-/// Leaks that begin and end per s, share of outliers.
-const LEAK_BEGINS_PER_S: f64 = 1e-5;
-const LEAK_ENDS_PER_S: f64 = 0.1;
-const OUTLIERS: f64 = 0.02;
-/// By how much an outlier's variance is larger.
-const OUTLIER_VARIANCE: f64 = 64.0;
-/// Slip is the road's, the load's and the day's: by which share of it that may change until another drive, while the car stands, and per √s
-/// of driving.
-const SLIP_SHARE_DAY: f64 = 1.0;
-const SLIP_SHARE_STANDING: f64 = 0.25;
-const SLIP_SHARE_WALK: f64 = 0.01;
-/// How unequally a driven axle's two wheels slip, as a share of their slip: as their loads, their tires and the road under them differ;
-/// beforehand and whenever the car has stood.
-const UNEQUAL_SHARE: f64 = 0.25;
-/// A road changes at once, where a block is an outlier: by which share of it the slip, by which share of the slip how unequally the wheels
-/// of a driven axle slip, and in thousandths what parts the wheels of both axles alike.
-const ROAD_SLIP: f64 = 0.3;
-const ROAD_UNEQUAL: f64 = 0.15;
-const ROAD_SIDE: f64 = 0.4;
-/// Sd of the change of a bend's load effect while the car stands.
-const BEND_STANDING_SD: f64 = 0.1;
-/// Slip above this multiple of a dry road's means a road on which left and right differ from place to place; then the shares of the excess
-/// slip by which the wheels of a driven axle differ, from one place to the next and per √s.
-const SNOW: f64 = 1.8;
-const MAYBE_SD: f64 = 1.0;
-const SLIPPERY: f64 = 1.6;
-const PLACES_SHARE: f64 = 0.5;
-const PLACES_WALK: f64 = 0.1;
-const PLACES_NOISE: f64 = 0.3;
-/// Priors of a car before its first block, as sds in thousandths: its offsets of front, rear and between the axles; the driven axle's
-/// slip per m/s², with its mean; a yaw rate's bias in 1e-3 rad/s.
-const OFFSET_SD: [f64; 3] = [4.0, 4.0, 6.0];
-const SLIP_MEAN: f64 = 3.5;
-const LEAST_SLIP: f64 = 2.0;
-const MOST_DRY_SLIP: f64 = 10.0;
-const SLIP_SD: f64 = 2.0;
-const YAW_BIAS_SD: f64 = 20.0;
-const YAW_BIAS_KNOWN_SD: f64 = 5.0;
-/// Sd in thousandths (1e-3 rad/s for the yaw rate) and time in s of each disturbance that wanders (docs/math/wheel-speed.md, table of the
-/// states): the noise of a yaw rate, or of the one assumed where none is measured; the difference of an axle's wheels, front and rear; the
-/// difference of the axles beside their force where that is measured, with a yaw rate alone, and with neither.
-const YAW_MEASURED: (f64, f64) = (0.85, 1.0);
-const YAW_UNKNOWN: (f64, f64) = (65.0, 4.0);
-const OF_AN_AXLE: [(f64, f64); 2] = [(0.16, 25.0), (0.22, 25.0)];
-/// The same of a road that differs from left to right, for both axles alike, with the same memory.
-const OF_A_SIDE: f64 = 0.2;
-const FORCE_MEASURED: (f64, f64) = (0.3, 20.0);
-const FORCE_BY_SPEED: [(f64, f64); 2] = [(1.35, 13.0), (1.65, 13.0)];
-/// A block's noise, eq. (7), beside its [least](LEAST_NOISE): its share of the spread within the block for each ratio, and for the axles'
-/// without a yaw rate; and 1e-3 per m/s² to the side, without a yaw rate and with one, by which the bend's load is learned.
-const SPREAD_SHARE: [f64; 3] = [0.06, 0.08, 0.07];
-const SPREAD_SHARE_WITHOUT_YAW: f64 = 0.14;
-const PER_LATERAL: [f64; 2] = [0.2, 0.1];
-/// The same, as a share of the bend that is taken off: a yaw rate's gain, a track; and as a share of the slip, of an axle that is driven.
-const PER_BEND: f64 = 0.02;
-const PER_SLIP: f64 = 0.05;
-/// Longest step of time over which a leak may begin or end, in s.
-const LONGEST_STEP_S: f64 = 4.0;
 
 #[derive(Debug, Clone, Copy, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -98,9 +37,11 @@ pub(super) struct Filter<T> {
 impl<T: Real> Filter<T> {
     /// Nothing known of the car but how cars are; these are the radii of now, by which the offsets are meant.
     pub(super) fn begin(&mut self, config: &WheelSpeedConfig<T>, radius_1e3: &[T; 4]) {
+        let tuning = config.tuning();
+        let [slip_mean, slip_sd] = tuning.slip;
         let slip = match config.driven {
-            DrivenAxle::Front => SLIP_MEAN,
-            DrivenAxle::Rear => -SLIP_MEAN,
+            DrivenAxle::Front => slip_mean,
+            DrivenAxle::Rear => -slip_mean,
             DrivenAxle::Both => 0.0,
         };
         let mut mean = [T::zero(); STATES];
@@ -111,22 +52,23 @@ impl<T: Real> Filter<T> {
             }
         }
         let mut sd = [T::lit(1e-4); STATES];
-        [sd[OFFSET + FRONT], sd[OFFSET + REAR], sd[OFFSET + AXLE]] = OFFSET_SD.map(T::lit);
-        (sd[SLIP], sd[YAW_BIAS]) = (T::lit(SLIP_SD), T::lit(YAW_BIAS_SD));
+        [sd[OFFSET + FRONT], sd[OFFSET + REAR], sd[OFFSET + AXLE]] = tuning.offset_sd.map(T::lit);
+        (sd[SLIP], sd[YAW_BIAS]) = (T::lit(slip_sd), T::lit(tuning.yaw_bias_sd));
+        let [bend, bend_sd, _] = tuning.bend.map(T::lit);
         for (mean, sd) in mean[BEND..].iter_mut().zip(&mut sd[BEND..]) {
-            (*mean, *sd) = (T::lit(BEND_MEAN), T::lit(BEND_SD));
+            (*mean, *sd) = (bend, bend_sd);
         }
         for (unequal, share) in sd[UNEQUAL_SLIP..BEND].iter_mut().zip(driven_shares(config.driven)) {
-            *unequal += T::lit(UNEQUAL_SHARE * share * SLIP_MEAN);
+            *unequal += T::lit(tuning.unequal_share * share * slip_mean);
         }
-        let disturbances = Disturbances::of(false, false);
-        for (i, (wander, _)) in disturbances.0 {
+        let disturbances = Disturbances::of(tuning, false, false);
+        for (i, [wander, _]) in disturbances.0 {
             sd[i] = T::lit(wander);
         }
         let mut belief = Gaussian::independent(mean, sd);
-        belief.widen_along(FRONT_WANDER, &[1.0, 1.0], T::lit(OF_A_SIDE * OF_A_SIDE));
+        belief.widen_along(FRONT_WANDER, &[1.0, 1.0], disturbances.side::<T>());
         self.start(belief);
-        self.dry_slip = T::lit(SLIP_MEAN + SLIP_SD);
+        self.dry_slip = T::lit(slip_mean + slip_sd);
     }
 
     /// As [`begin`](Self::begin), with what a calibration taught; any tire may have lost air since.
@@ -142,11 +84,12 @@ impl<T: Real> Filter<T> {
                 belief.set(state, other, *entry);
             }
         }
-        let slip = T::lit(SLIP_SHARE_DAY) * belief.mean[SLIP];
+        let [day, _, _] = config.tuning().slip_changes.map(T::lit);
+        let slip = day * belief.mean[SLIP];
         belief.widen(SLIP, slip * slip);
         self.start(belief);
-        self.dry_slip = dry_slip(&belief);
-        self.stood(config.driven);
+        self.dry_slip = dry_slip(&belief, config.tuning());
+        self.stood(config);
     }
 
     /// Whether the slip is surely beyond that of a dry road, and whether it may be.
@@ -154,23 +97,23 @@ impl<T: Real> Filter<T> {
         self.slippery
     }
 
-    fn see_slip(&mut self) {
+    fn see_slip(&mut self, tuning: &Tuning) {
         // By all hypotheses: a tire that has just lost air would be slip to one that knows of no loss.
         let belief = self.belief();
         let (slip, sd) = (belief.mean[SLIP].abs(), belief.get(SLIP, SLIP).sqrt());
-        let bounds = [slip - sd, slip + T::lit(MAYBE_SD) * sd];
-        self.slippery = bounds.map(|slip| slip > T::lit(SNOW) * self.dry_slip);
+        let beyond = T::lit(tuning.slippery) * self.dry_slip;
+        self.slippery = [slip - sd, slip + sd].map(|slip| slip > beyond);
     }
 
     /// Whether the slip is surely beyond that of any dry road.
-    pub(super) fn is_on_snow(&self) -> bool {
-        let quiet = &self.modes[QUIET];
-        quiet.mean[SLIP].abs() - quiet.get(SLIP, SLIP).sqrt() > T::lit(MOST_DRY_SLIP)
+    pub(super) fn is_on_snow(&self, tuning: &Tuning) -> bool {
+        let (quiet, [_, most]) = (&self.modes[QUIET], tuning.dry_slip.map(T::lit));
+        quiet.mean[SLIP].abs() - quiet.get(SLIP, SLIP).sqrt() > most
     }
 
     /// The slip is that of a dry road: a calibration has learned it.
-    pub(super) fn is_dry(&mut self) {
-        self.dry_slip = dry_slip(&self.modes[QUIET]);
+    pub(super) fn is_dry(&mut self, tuning: &Tuning) {
+        self.dry_slip = dry_slip(&self.modes[QUIET], tuning);
     }
 
     fn start(&mut self, belief: Gaussian<T>) {
@@ -181,18 +124,21 @@ impl<T: Real> Filter<T> {
 
     /// The car stood: tires may have lost air without a sample of it, and loads have changed. Whatever it was is in the offsets from which
     /// on changes are counted; they are learned anew.
-    pub(super) fn stood(&mut self, driven: DrivenAxle) {
+    pub(super) fn stood(&mut self, config: &WheelSpeedConfig<T>) {
+        let tuning = config.tuning();
+        let [_, standing, _] = tuning.slip_changes.map(T::lit);
+        let [_, _, bend_sd] = tuning.bend;
         for mode in &mut self.modes {
-            for (i, sd) in OFFSET_SD.into_iter().enumerate() {
+            for (i, sd) in tuning.offset_sd.into_iter().enumerate() {
                 mode.absorb(OFFSET + i, CHANGE + i);
                 mode.widen(OFFSET + i, T::lit(sd * sd));
             }
-            let slip = T::lit(SLIP_SHARE_STANDING) * mode.mean[SLIP];
+            let slip = standing * mode.mean[SLIP];
             mode.widen(SLIP, slip * slip);
-            for (i, share) in driven_shares(driven).into_iter().enumerate() {
-                let unequal = T::lit(UNEQUAL_SHARE * share) * slip_size(mode);
+            for (i, share) in driven_shares(config.driven).into_iter().enumerate() {
+                let unequal = T::lit(tuning.unequal_share * share) * slip_size(mode, tuning);
                 mode.widen(UNEQUAL_SLIP + i, unequal * unequal);
-                mode.widen(BEND + i, T::lit(BEND_STANDING_SD * BEND_STANDING_SD));
+                mode.widen(BEND + i, T::lit(bend_sd * bend_sd));
             }
         }
         self.forget_leaks();
@@ -205,41 +151,46 @@ impl<T: Real> Filter<T> {
     }
 
     /// `step_s` later.
-    pub(super) fn predict(&mut self, step_s: T, driven: DrivenAxle, learning: bool) {
-        let shares_driven = driven_shares(driven);
+    pub(super) fn predict(&mut self, step_s: T, config: &WheelSpeedConfig<T>, learning: bool) {
+        let (tuning, shares_driven) = (config.tuning(), driven_shares(config.driven));
+        let [_, _, slip_walk] = tuning.slip_changes.map(T::lit);
+        let [road_slip, road_unequal] = tuning.road_changes.map(T::lit);
+        let [places, places_walk, _] = tuning.places.map(T::lit);
+        let [walk, leak_walk] = tuning.walk;
+        let walks = [0.0, leak_walk * leak_walk].map(|leaks| walk * walk + leaks);
         if learning {
             for leak in &mut self.weight[1..OUTLIER] {
                 *leak = T::lit(1e-12);
             }
         }
-        self.mix(step_s.at_most(T::lit(LONGEST_STEP_S)));
-        let disturbances = Disturbances::of(self.yaw_known, self.grade_seen);
+        // Over a longer one more leaks would end than there are.
+        self.mix(step_s.at_most(T::lit(4.0)), tuning);
+        let disturbances = Disturbances::of(tuning, self.yaw_known, self.grade_seen);
         let mut share = [T::one(); STATES];
-        for (i, (_, time_s)) in disturbances.0 {
+        for (i, [_, time_s]) in disturbances.0 {
             share[i] = (-step_s * T::lit(1.0 / time_s)).exp_fast();
         }
         for (number, mode) in self.modes.iter_mut().enumerate() {
             mode.shrink(&share);
-            for (i, (sd, _)) in disturbances.0 {
+            for (i, [sd, _]) in disturbances.0 {
                 mode.widen(i, T::lit(sd * sd) * (T::one() - share[i] * share[i]));
             }
-            let side = T::lit(OF_A_SIDE * OF_A_SIDE) * (T::one() - share[FRONT_WANDER] * share[FRONT_WANDER]);
+            let side = disturbances.side::<T>() * (T::one() - share[FRONT_WANDER] * share[FRONT_WANDER]);
             mode.widen_along(FRONT_WANDER, &[1.0, 1.0], side);
-            let slip = T::lit(SLIP_SHARE_WALK) * mode.mean[SLIP];
+            let slip = slip_walk * mode.mean[SLIP];
             mode.widen(SLIP, (T::lit(1e-6) + slip * slip) * step_s);
             if number == OUTLIER {
-                mode.widen_along(FRONT_WANDER, &[1.0, 1.0], T::lit(ROAD_SIDE * ROAD_SIDE));
-                let slip = T::lit(ROAD_SLIP) * mode.mean[SLIP];
+                mode.widen_along(FRONT_WANDER, &[1.0, 1.0], T::lit(4.0) * disturbances.side::<T>());
+                let slip = road_slip * mode.mean[SLIP];
                 mode.widen(SLIP, slip * slip);
             }
-            let slippery = slippery(mode, self.dry_slip);
+            let slippery = slippery(mode, self.dry_slip, tuning);
             for (i, share) in shares_driven.into_iter().enumerate() {
                 let share = T::lit(share * share);
-                let walks = T::lit(PLACES_WALK) * slippery;
+                let walks = places_walk * slippery;
                 mode.widen(UNEQUAL_SLIP + i, share * walks * walks * step_s);
                 if number == OUTLIER {
-                    let (road, place) =
-                        (T::lit(ROAD_UNEQUAL) * slip_size(mode), T::lit(PLACES_SHARE) * slippery);
+                    let (road, place) = (road_unequal * slip_size(mode, tuning), places * slippery);
                     mode.widen(UNEQUAL_SLIP + i, share * (road * road + place * place));
                 }
             }
@@ -248,19 +199,18 @@ impl<T: Real> Filter<T> {
                 for (i, seen) in SEEN.iter().enumerate() {
                     // Without a yaw rate a step of a few seconds does not show which wheel it is: the decision finds out.
                     let this = number == 1 + i || !self.yaw_known && (1..OUTLIER).contains(&number);
-                    let leaks = if this { LEAK_WALK * LEAK_WALK } else { 0.0 };
-                    mode.widen_along(CHANGE, seen, T::lit(WALK * WALK + leaks) * step_s);
+                    mode.widen_along(CHANGE, seen, T::lit(walks[usize::from(this)]) * step_s);
                 }
             }
         }
     }
 
     /// Each hypothesis begins with what those it may have come from believe.
-    fn mix(&mut self, step_s: T) {
+    fn mix(&mut self, step_s: T, tuning: &Tuning) {
         let weight = self.weight;
         let mut shares = [[T::zero(); MODES]; MODES];
         for ((to, shares), total) in shares.iter_mut().enumerate().zip(&mut self.weight) {
-            let from = |from: usize| weight[from] * transition(from, to, step_s);
+            let from = |from: usize| weight[from] * transition(from, to, step_s, tuning);
             *total = (0..MODES).fold(T::zero(), |sum, i| sum + from(i)).at_least(T::lit(1e-30));
             *shares = core::array::from_fn(|i| from(i) / *total);
         }
@@ -270,15 +220,17 @@ impl<T: Real> Filter<T> {
     pub(super) fn update(&mut self, block: &Block<T>, config: &WheelSpeedConfig<T>, learning: bool) {
         self.yaw_known = block.yaw_rate_rad_s.is_some();
         self.grade_seen = block.grade_seen;
+        let tuning = config.tuning();
+        let ([_, outlier_variance], [_, _, places]) = (tuning.outliers, tuning.places.map(T::lit));
         let measurements = {
             let quiet = &self.modes[QUIET];
-            let slip_noise =
-                T::lit(PER_SLIP) * slip_size(quiet) + T::lit(PLACES_NOISE) * slippery(quiet, self.dry_slip);
+            let slip_noise = T::lit(tuning.per_slip) * slip_size(quiet, tuning)
+                + places * slippery(quiet, self.dry_slip, tuning);
             Measurements::of(block, config, slip_noise)
         };
         let mut likelihood = [T::zero(); MODES];
         for (number, (mode, sum)) in self.modes.iter_mut().zip(&mut likelihood).enumerate() {
-            let wider = T::lit(if number == OUTLIER { OUTLIER_VARIANCE } else { 1.0 });
+            let wider = T::lit(if number == OUTLIER { outlier_variance } else { 1.0 });
             let Measurements { h, z, noise } = &measurements;
             for (((used, h), z), noise) in block.used.iter().zip(h).zip(z).zip(noise) {
                 if *used {
@@ -304,7 +256,7 @@ impl<T: Real> Filter<T> {
         for weight in &mut self.weight {
             *weight /= total;
         }
-        self.see_slip();
+        self.see_slip(tuning);
     }
 
     /// Belief of all hypotheses together.
@@ -313,24 +265,24 @@ impl<T: Real> Filter<T> {
     }
 
     /// By how much left and right of each axle may slip unequally at this force on a slippery road, in thousandths.
-    pub(super) fn unequal_slip_1e3(&self, force_m_s2: T, driven: DrivenAxle) -> [T; 2] {
-        let slip = slippery(&self.modes[QUIET], self.dry_slip) * force_m_s2.abs();
-        driven_shares(driven).map(|share| T::lit(share) * slip)
+    pub(super) fn unequal_slip_1e3(&self, force_m_s2: T, config: &WheelSpeedConfig<T>) -> [T; 2] {
+        let slip = slippery(&self.modes[QUIET], self.dry_slip, config.tuning()) * force_m_s2.abs();
+        driven_shares(config.driven).map(|share| T::lit(share) * slip)
     }
 
     /// How large the slip is, or may be, in thousandths per m/s², and how large it is on a dry road.
-    pub(super) fn slip_1e3(&self) -> [T; 2] {
-        [slip_size(&self.modes[QUIET]), self.dry_slip]
+    pub(super) fn slip_1e3(&self, tuning: &Tuning) -> [T; 2] {
+        [slip_size(&self.modes[QUIET], tuning), self.dry_slip]
     }
 
     /// The yaw rate's offset where nothing happens, and its sd, in rad/s.
-    pub(super) fn yaw_bias_rad_s(&self) -> (T, T) {
+    pub(super) fn yaw_bias_rad_s(&self, tuning: &Tuning) -> (T, T) {
         let quiet = &self.modes[QUIET];
         let sd = quiet.get(YAW_BIAS, YAW_BIAS).sqrt();
         let per_s = T::lit(1.0 / SCALE);
-        match sd > T::zero() && sd < T::lit(YAW_BIAS_KNOWN_SD) {
+        match sd > T::zero() && sd < T::lit(0.25 * tuning.yaw_bias_sd) {
             true => (quiet.mean[YAW_BIAS] * per_s, sd * per_s),
-            false => (T::zero(), T::lit(YAW_BIAS_SD) * per_s),
+            false => (T::zero(), T::lit(tuning.yaw_bias_sd) * per_s),
         }
     }
 
@@ -340,9 +292,9 @@ impl<T: Real> Filter<T> {
 }
 
 /// Probability per step of going from one hypothesis to another.
-fn transition<T: Real>(from: usize, to: usize, step_s: T) -> T {
-    let (begins, ends) = (T::lit(LEAK_BEGINS_PER_S) * step_s, T::lit(LEAK_ENDS_PER_S) * step_s);
-    let outlier = T::lit(OUTLIERS);
+fn transition<T: Real>(from: usize, to: usize, step_s: T, tuning: &Tuning) -> T {
+    let [begins, ends] = tuning.leaks_per_s.map(|per_s| T::lit(per_s) * step_s);
+    let [outlier, _] = tuning.outliers.map(T::lit);
     let stays = |leaves: T| T::one() - leaves - outlier;
     match (from, to) {
         (_, OUTLIER) => outlier,
@@ -355,18 +307,20 @@ fn transition<T: Real>(from: usize, to: usize, step_s: T) -> T {
 }
 
 /// How large the slip is, or may be: that of a car with two driven axles is not in the ratio between them.
-fn slip_size<T: Real>(belief: &Gaussian<T>) -> T {
-    belief.mean[SLIP].abs().at_least(T::lit(SLIP_MEAN))
+fn slip_size<T: Real>(belief: &Gaussian<T>, tuning: &Tuning) -> T {
+    let [usual, _] = tuning.slip.map(T::lit);
+    belief.mean[SLIP].abs().at_least(usual)
 }
 
 /// The slip on a dry road that a calibration has found: at least that of the stiffest tires.
-fn dry_slip<T: Real>(belief: &Gaussian<T>) -> T {
-    belief.mean[SLIP].abs().at_least(T::lit(LEAST_SLIP))
+fn dry_slip<T: Real>(belief: &Gaussian<T>, tuning: &Tuning) -> T {
+    let [least, _] = tuning.dry_slip.map(T::lit);
+    belief.mean[SLIP].abs().at_least(least)
 }
 
 /// By how much the slip is beyond that of a dry road.
-fn slippery<T: Real>(belief: &Gaussian<T>, dry_slip: T) -> T {
-    (belief.mean[SLIP].abs() - T::lit(SLIPPERY) * dry_slip).at_least(T::zero())
+fn slippery<T: Real>(belief: &Gaussian<T>, dry_slip: T, tuning: &Tuning) -> T {
+    (belief.mean[SLIP].abs() - T::lit(tuning.slippery) * dry_slip).at_least(T::zero())
 }
 
 /// Share of the driving force of each axle.
@@ -378,20 +332,26 @@ fn driven_shares(driven: DrivenAxle) -> [f64; 2] {
     }
 }
 
-/// The disturbances that wander: their state, their sd in thousandths (rad/s for the yaw rate's) and their time in s.
-struct Disturbances([(usize, (f64, f64)); 4]);
+/// The disturbances that wander: their state, with their sd in thousandths (rad/s for the yaw rate's) and their time in s; and the sd of the
+/// one of both axles alike, which has the time of theirs.
+struct Disturbances([(usize, [f64; 2]); 4], f64);
 
 impl Disturbances {
-    fn of(yaw_known: bool, grade_seen: bool) -> Self {
-        let yaw = if yaw_known { YAW_MEASURED } else { YAW_UNKNOWN };
-        let [with_yaw, without] = FORCE_BY_SPEED;
+    fn of(tuning: &Tuning, yaw_known: bool, grade_seen: bool) -> Self {
+        let yaw = if yaw_known { tuning.yaw_measured } else { tuning.yaw_unknown };
+        let [with_yaw, without, force_s] = tuning.force_by_speed;
         let axle = match (yaw_known, grade_seen) {
-            (_, true) => FORCE_MEASURED,
-            (true, false) => with_yaw,
-            (false, false) => without,
+            (_, true) => tuning.force_measured,
+            (true, false) => [with_yaw, force_s],
+            (false, false) => [without, force_s],
         };
-        let [front, rear] = OF_AN_AXLE;
-        Self([(YAW_NOISE, yaw), (FRONT_WANDER, front), (REAR_WANDER, rear), (AXLE_FORCE, axle)])
+        let [front, rear, side, time_s] = tuning.of_an_axle;
+        let (front, rear) = ((FRONT_WANDER, [front, time_s]), (REAR_WANDER, [rear, time_s]));
+        Self([(YAW_NOISE, yaw), front, rear, (AXLE_FORCE, axle)], side)
+    }
+
+    fn side<T: Real>(&self) -> T {
+        T::lit(self.1 * self.1)
     }
 }
 
@@ -404,7 +364,7 @@ struct Measurements<T> {
 
 impl<T: Real> Measurements<T> {
     fn of(block: &Block<T>, config: &WheelSpeedConfig<T>, slip_noise: T) -> Self {
-        let (one, half) = (T::one(), T::lit(0.5));
+        let (tuning, one, half) = (config.tuning(), T::one(), T::lit(0.5));
         let mut h = [[T::zero(); STATES]; 3];
         [h[FRONT][OFFSET + FRONT], h[REAR][OFFSET + REAR], h[AXLE][OFFSET + AXLE]] = [-one; 3];
         [h[FRONT][CHANGE + FRONT], h[REAR][CHANGE + REAR], h[AXLE][CHANGE + AXLE]] = [-one; 3];
@@ -421,16 +381,15 @@ impl<T: Real> Measurements<T> {
         let yaw = block.yaw_rate_rad_s.unwrap_or(T::zero()) * T::lit(SCALE);
         let way = config.wheelbase_m / block.speed_m_s * yaw;
         let turn = [-front * yaw, -rear * yaw, half * way * way * T::lit(1.0 / SCALE)];
-        let [front_share, rear_share, axle_share] = SPREAD_SHARE;
-        let shares = [front_share, rear_share, if known { axle_share } else { SPREAD_SHARE_WITHOUT_YAW }];
-        let curve = T::lit(PER_LATERAL[usize::from(known)]) * block.lateral_m_s2;
+        let curve = T::lit(tuning.per_lateral[usize::from(known)]) * block.lateral_m_s2;
         let [front_slip, rear_slip] = driven_shares(config.driven).map(|share| T::lit(share) * slip_noise);
         let slip = [front_slip, rear_slip, slip_noise].map(|slip| slip * block.force_m_s2);
         let noise = |i: usize| {
-            let spread = T::lit(shares[i]) * block.spread[i];
+            let twice = if known || i != AXLE { 1.0 } else { 2.0 };
+            let spread = T::lit(twice * tuning.spread_share) * block.spread[i];
             let curve = if i == AXLE { T::zero() } else { curve };
-            let bend = T::lit(PER_BEND) * turn[i];
-            T::lit(LEAST_NOISE) + spread * spread + curve * curve + bend * bend + slip[i] * slip[i]
+            let bend = T::lit(tuning.per_bend) * turn[i];
+            T::lit(tuning.block_noise) + spread * spread + curve * curve + bend * bend + slip[i] * slip[i]
         };
         Self {
             h,
@@ -463,7 +422,7 @@ mod tests {
     #[test]
     fn from_every_hypothesis_something_follows() {
         for from in 0..MODES {
-            let sum: f64 = (0..MODES).map(|to| transition(from, to, 0.5)).sum();
+            let sum: f64 = (0..MODES).map(|to| transition(from, to, 0.5, &Tuning::DEFAULT)).sum();
             assert!((sum - 1.0).abs() < 1e-12, "{from}: {sum}");
         }
     }

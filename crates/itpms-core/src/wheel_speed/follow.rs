@@ -1,33 +1,17 @@
 //! Whether the wheels of each axle follow the car's bends and accelerations as wheels do (docs/math/wheel-speed.md, eq. 7d): a speed that comes
 //! late, or one wheel's under another's name, does not, and would be a loss whenever the car speeds up or turns.
 
-use super::block::{BLOCK_S, Block, LEAST_SPEED_M_S, MOST_FORCE_M_S2};
+use super::block::{BLOCK_S, Block};
 use super::config::{DrivenAxle, WheelSpeedConfig};
 use super::state::{AXLE, FRONT, REAR, SCALE};
 use crate::diagnosis::{Malfunction, Place, Sensor};
 use crate::memory::Blank;
 use crate::model::{Corner, SURELY_SD, Wheels};
 use crate::real::Real;
+use crate::wheel_speed::Tuning;
 
-/// Time in s after which a ratio, or a yaw rate, counts as usual: bends are shorter. And after which what was seen is forgotten.
-pub(super) const USUAL_S: f64 = 10.0;
-const MEMORY_S: f64 = 30.0;
-/// The least excitation: of the accelerations over the speed, as a sum of squares in 1/s²; of the ratios that bends make, in 1e-6.
-const SPEEDING_SEEN: f64 = 0.003;
-const BENDS_SEEN: f64 = 1000.0;
-pub(super) const FIRST_BENDS: f64 = 100.0;
-/// Ratio in thousandths up to which a block counts.
-const MOST_RATIO: f64 = 150.0;
-/// Delay in s from which on a speed comes late, and a loss may be one. The wheels of a driven axle slip unequally in proportion to the
-/// acceleration, by this share of the slip at most.
-const LATE_S: f64 = 0.06;
-const UNEQUAL_SLIP: f64 = 0.5;
-const DOUBTED_S: f64 = 0.03;
 /// How long what a place of the road does to a ratio lasts, in s.
 const PLACE_S: f64 = 2.0;
-/// Delay in s from which on a front and a rear wheel may be exchanged, whose slip front and rear show against each other; from [`DOUBTED_S`] on they
-/// are.
-const MAYBE_EXCHANGED_S: f64 = 0.012;
 /// Share of a bend that wheels follow the other way round, at least, which are exchanged left for right, and front over rear where two are exchanged
 /// across; and below which it is doubtful.
 const ACROSS: f64 = 0.5;
@@ -80,10 +64,12 @@ impl<T: Real> Following<T> {
         coupled: [bool; 2],
     ) {
         self.coupled = coupled;
-        let v = block.speed_m_s;
-        let ratio = block.ratio;
-        let sane = ratio.iter().all(|ratio| ratio.abs() < T::lit(MOST_RATIO));
-        if !(v > T::lit(LEAST_SPEED_M_S) && block.lateral_m_s2 < T::lit(MOST_FORCE_M_S2) && sane) {
+        let (tuning, v, ratio) = (config.tuning(), block.speed_m_s, block.ratio);
+        let [memory_s, ..] = tuning.memory_s;
+        // A tight bend makes more of a ratio than radii could.
+        let sane = ratio.iter().all(|ratio| ratio.abs() < T::lit(5.0 * tuning.absurd_ratio));
+        let calm = block.lateral_m_s2 < T::lit(tuning.most_force_m_s2);
+        if !(v > T::lit(tuning.least_speed_m_s) && calm && sane) {
             return;
         }
         self.yaw_known = believed && block.yaw_rate_rad_s.is_some();
@@ -94,10 +80,10 @@ impl<T: Real> Following<T> {
             (self.usual, self.usual_bend, self.usual_speeding, self.begun) = (ratio, bend, speeding, true);
             return;
         }
-        let kept = T::lit(1.0 - BLOCK_S / MEMORY_S);
+        let kept = T::lit(1.0 - BLOCK_S / memory_s);
         let follow = |usual: &mut T, now: T| {
             let beyond = now - *usual;
-            *usual += T::lit(BLOCK_S / USUAL_S) * beyond;
+            *usual += T::lit(BLOCK_S / tuning.usual_s) * beyond;
             beyond
         };
         let speeding = follow(&mut self.usual_speeding, speeding);
@@ -121,8 +107,8 @@ impl<T: Real> Following<T> {
 
     /// Delay in s of the left wheel of each axle against the right one; without a yaw rate, which takes bends off, all of it of the axle
     /// that shows more. `None` where too little was seen. Of coupled wheels none.
-    fn delays_s(&self) -> Option<[T; 2]> {
-        if !(self.speeding > T::lit(SPEEDING_SEEN)) {
+    fn delays_s(&self, tuning: &Tuning) -> Option<[T; 2]> {
+        if !(self.speeding > T::lit(tuning.speeding_seen)) {
             return None;
         }
         let [front, rear, _] = self.late.map(|late| -late / (T::lit(SCALE) * self.speeding));
@@ -139,10 +125,11 @@ impl<T: Real> Following<T> {
 
     /// Sd of an axle's delay in s, by what neither bends nor the delay leave of its ratio: a place of the road, which does so for
     /// [`PLACE_S`], is one sample of it.
-    fn delay_sd_s(&self, axle: usize) -> T {
+    fn delay_sd_s(&self, axle: usize, tuning: &Tuning) -> T {
+        let [memory_s, ..] = tuning.memory_s;
         let explained = self.late[axle] * self.late[axle] / self.speeding;
         let left = (self.left[axle] - explained).at_least(T::zero());
-        (left * T::lit(PLACE_S / MEMORY_S) / self.speeding).sqrt() * T::lit(1.0 / SCALE)
+        (left * T::lit(PLACE_S / memory_s) / self.speeding).sqrt() * T::lit(1.0 / SCALE)
     }
 
     /// Whether a ratio follows at least this share of an axle's change of ratio in bends.
@@ -164,25 +151,28 @@ impl<T: Real> Following<T> {
     }
 
     /// Whether what looks like a loss may be a speed that does not follow.
-    pub(super) fn is_doubtful(&self) -> bool {
-        let turned = |i: usize| self.bends[i] > T::lit(FIRST_BENDS) && !self.follows(i, i, MAYBE_TURNED);
-        if turned(FRONT) || turned(REAR) || self.across(FIRST_BENDS).is_some() {
+    pub(super) fn is_doubtful(&self, tuning: &Tuning) -> bool {
+        let ([bends, _], [_, doubted_s, exchanged_s]) = (tuning.bends_seen, tuning.late_s);
+        let turned = |i: usize| self.bends[i] > T::lit(bends) && !self.follows(i, i, MAYBE_TURNED);
+        if turned(FRONT) || turned(REAR) || self.across(bends).is_some() {
             return true;
         }
-        let Some([front, rear]) = self.delays_s() else { return false };
-        let late = [front, rear].iter().any(|delay| delay.abs() > T::lit(DOUBTED_S));
-        late || exchanged([front, rear], MAYBE_EXCHANGED_S)
+        let Some([front, rear]) = self.delays_s(tuning) else { return false };
+        let late = [front, rear].iter().any(|delay| delay.abs() > T::lit(doubted_s));
+        late || exchanged([front, rear], exchanged_s)
     }
 
     /// What surely does not follow; on a slippery road the driven wheels may do as they like.
     /// `slip_s`: the slip per m/s² times the speed, as which it looks like a delay, and what it is on a dry road.
     pub(super) fn astray(
         &self,
-        driven: DrivenAxle,
+        config: &WheelSpeedConfig<T>,
         slippery: bool,
         [slip_s, dry_slip_s]: [T; 2],
     ) -> Option<Astray> {
-        let seen = |i: usize| self.bends[i] > T::lit(BENDS_SEEN);
+        let (tuning, driven) = (config.tuning(), config.driven);
+        let ([_, bends], [late_s, doubted_s, _]) = (tuning.bends_seen, tuning.late_s);
+        let seen = |i: usize| self.bends[i] > T::lit(bends);
         let [fl, fr, rl, rr] = Corner::ALL;
         for (i, other, axle) in [(FRONT, REAR, [fl, fr]), (REAR, FRONT, [rl, rr])] {
             let alone = !self.follows(i, i, -ACROSS) && self.follows(other, other, ACROSS);
@@ -190,20 +180,20 @@ impl<T: Real> Following<T> {
                 return Some(Astray::Exchanged(axle));
             }
         }
-        if let Some(two) = self.across(BENDS_SEEN) {
+        if let Some(two) = self.across(bends) {
             return Some(Astray::Exchanged(two));
         }
         if !self.yaw_known {
             return None;
         }
-        let delays = self.delays_s()?;
+        let delays = self.delays_s(tuning)?;
         // By how much the front axle speeds up before the rear one: its slip, of which nothing is left where one of its wheels is exchanged.
         let ahead_s = self.late[AXLE] / (T::lit(SCALE) * self.speeding);
         let ahead_s = [ahead_s, -ahead_s];
         let slips = |axle: usize, least_s: T| driven.axles()[axle] && !(ahead_s[axle] < least_s);
         let half = T::lit(0.5) * dry_slip_s;
         let pushed = driven != DrivenAxle::Both && (slips(FRONT, half) || slips(REAR, half));
-        if !slippery && !pushed && exchanged(delays, DOUBTED_S) {
+        if !slippery && !pushed && exchanged(delays, doubted_s) {
             return Some(Astray::Axles);
         }
         let [front, rear] = delays.map(|delay| delay.abs());
@@ -213,9 +203,10 @@ impl<T: Real> Following<T> {
         // A driven wheel that slips more than the other brings its axle forward; one that comes late holds it back, by half of the delay.
         let is_driven = driven.axles()[axle];
         let slips = slips(axle, dry_slip_s - T::lit(0.25) * delay.abs());
-        let by_slip_s = if is_driven { T::lit(UNEQUAL_SLIP) * slip_s } else { T::zero() };
-        let doubt_s = T::lit(SURELY_SD) * self.delay_sd_s(axle);
-        let late = alone && delay.abs() > T::lit(LATE_S) + by_slip_s + doubt_s && !slips && !slippery;
+        // They slip unequally in proportion to the acceleration, by twice the usual share of the slip at most.
+        let by_slip_s = if is_driven { T::lit(2.0 * tuning.unequal_share) * slip_s } else { T::zero() };
+        let doubt_s = T::lit(SURELY_SD) * self.delay_sd_s(axle, tuning);
+        let late = alone && delay.abs() > T::lit(late_s) + by_slip_s + doubt_s && !slips && !slippery;
         let corner = *Corner::ALL.get(2 * axle + usize::from(!(delay > T::zero())))?;
         late.then_some(Astray::Late(corner))
     }
@@ -285,17 +276,15 @@ mod tests {
     #[test]
     fn a_late_speed_is_known_by_its_delay_and_an_exchanged_one_by_the_bends() {
         let config = WheelSpeedConfig::new(2.7, TRACK, TRACK, DrivenAxle::Front);
-        let astray =
-            |following: &Following<f64>| following.astray(DrivenAxle::Front, false, [3.5e-3 * 15.0; 2]);
+        let astray = |following: &Following<f64>| following.astray(&config, false, [3.5e-3 * 15.0; 2]);
         let usual = |i: usize, time_s: f64| speeds(time_s, 3.5e-3).0[i];
         let right = driven(&config, usual, 1.0, FREE);
-        assert!(astray(&right).is_none() && !right.is_doubtful(), "{right:?}");
+        assert!(astray(&right).is_none() && !right.is_doubtful(&Tuning::DEFAULT), "{right:?}");
         for (late, corner) in [(0, Corner::FrontLeft), (1, Corner::FrontRight), (3, Corner::RearRight)] {
             for delay_s in [0.1, 0.2, 0.5] {
-                let wheel =
-                    |i: usize, time_s: f64| usual(i, if i == late { time_s - delay_s } else { time_s });
-                let following = driven(&config, wheel, 1.0, FREE);
-                let found = following.delays_s().unwrap()[late / 2];
+                let by_s = |i: usize| if i == late { delay_s } else { 0.0 };
+                let following = driven(&config, |i, time_s| usual(i, time_s - by_s(i)), 1.0, FREE);
+                let found = following.delays_s(&Tuning::DEFAULT).unwrap()[late / 2];
                 let expected = if late % 2 == 0 { delay_s } else { -delay_s };
                 // To first order; what is usual follows by 10 s.
                 assert!((found / expected - 1.0).abs() < 0.15, "{late} {delay_s}: {found}");
@@ -304,17 +293,10 @@ mod tests {
         }
         // A tire that has lost a third is none of this.
         let low = driven(&config, |i, time_s| usual(i, time_s) * if i == 2 { 1.003 } else { 1.0 }, 1.0, FREE);
-        assert!(astray(&low).is_none() && !low.is_doubtful());
+        assert!(astray(&low).is_none() && !low.is_doubtful(&Tuning::DEFAULT));
         let exchanged = |a: usize, b: usize| {
-            let of = move |i: usize| {
-                if i == a {
-                    b
-                } else if i == b {
-                    a
-                } else {
-                    i
-                }
-            };
+            let of =
+                |i: usize| [(a, b), (b, a)].into_iter().find(|(from, _)| *from == i).map_or(i, |(_, to)| to);
             driven(&config, |i, time_s| usual(of(i), time_s), 1.0, FREE)
         };
         let [fl, fr, rl, rr] = Corner::ALL;
@@ -324,7 +306,7 @@ mod tests {
         assert_eq!(astray(&exchanged(1, 2)), Some(Astray::Exchanged([fr, rl])));
         // Front and rear of a side differ by their slip alone: 3.5e-3 per m/s² at 15 m/s are 50 ms.
         assert_eq!(astray(&exchanged(0, 2)), Some(Astray::Axles));
-        assert!(exchanged(0, 2).is_doubtful());
+        assert!(exchanged(0, 2).is_doubtful(&Tuning::DEFAULT));
         // A sensor turned round is another matter: both axles do the same.
         assert!(astray(&driven(&config, usual, -1.0, FREE)).is_none());
     }
@@ -339,12 +321,10 @@ mod tests {
         };
         let late = |coupled| {
             let following = driven(&config, alike, 1.0, coupled);
-            (
-                following.delays_s().unwrap()[1].abs(),
-                following.astray(DrivenAxle::Rear, false, [3.5e-3 * 15.0; 2]),
-            )
+            let [_, delay_s] = following.delays_s(&Tuning::DEFAULT).unwrap();
+            (delay_s.abs(), following.astray(&config, false, [3.5e-3 * 15.0; 2]))
         };
-        assert!(late(FREE).0 > DOUBTED_S);
+        assert!(late(FREE).0 > Tuning::DEFAULT.late_s[1]);
         assert_eq!(late([false, true]), (0.0, None));
     }
 }

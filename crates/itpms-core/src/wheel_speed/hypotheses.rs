@@ -1,41 +1,19 @@
 //! Which tires are low: sixteen hypotheses against what is believed of the radii (`docs/math/wheel-speed.md`, eq. 9-11, 20).
 
-use super::config::LoadUncertainty;
-use crate::decision::{LOSS, Probabilities, SETS, Since, Tuning};
+use super::config::WheelSpeedConfig;
+use crate::decision::{self, LOSS, Probabilities, SETS, Since};
 use crate::memory::Blank;
 use crate::model::SEEN;
 use crate::real::Real;
 use crate::torsion::TorsionEvidence;
+use crate::wheel_speed::Tuning;
 
 /// Priors and low tires are the [decision](crate::decision)'s.
-const DECISION: Tuning = Tuning::DEFAULT;
-/// How far radii of tires that are not low move by themselves, in thousandths: from one drive to another, and while the car is driven.
-const FINE_SD: f64 = 0.2;
-pub(super) const FINE_DRIVING_SD: f64 = 0.1;
-/// Prior that both tires of an axle lose their air in one drive over that of both of a side: it takes two accidents, while what moves one axle against the
-/// other is the slip of another road.
-const AXLE_DRIVING: f64 = 0.01;
+pub(super) const DECISION: decision::Tuning = decision::Tuning::DEFAULT;
 /// A loss of a fifth of the pressure, as `-ln 0.8`.
-pub(super) const FIFTH: f64 = 0.223_143_55;
-/// Sd of a low tire's loss as `ln` of its pressure, in losses of a fifth: the sd of its share over the share left.
-const LOW_LN_SD: f64 = DECISION.low[1] * LOSS / (1.0 - DECISION.low[0] * LOSS) / FIFTH;
-/// Loss of an empty tire (always a single one) as `ln` in losses of a fifth, and its sd: half to all but a thirtieth of its pressure.
-const EMPTY: [f64; 2] = [9.0, 3.0];
+const FIFTH: f64 = 0.223_143_55;
 /// The sets of low tires, each of some nearly flat, and one that is empty.
 const HYPOTHESES: usize = 2 * SETS - 1 + 4;
-/// Sds in thousandths of the three ratios under causes outside these hypotheses (snow, a coupling, another tire), and the prior of a lasting
-/// one over that of one wheel.
-const UNEXPLAINED_SD: [f64; 3] = [4.0, 4.0, 10.0];
-pub(super) const UNEXPLAINED: f64 = 0.005;
-/// Odds from which a report is made: .99.
-const SURE: f64 = 99.0;
-/// The loss that pulses are tested for, as `-ln` of the share left.
-const PULSES_LN: f64 = 0.278;
-/// Radius per load, in thousandths: -6.4e-4 of it for a tenth more.
-const RADIUS_PER_LOAD: f64 = -6.4;
-/// Effect of a front passenger on the three ratios, in thousandths.
-const PASSENGER: [f64; 3] = [-0.3, -0.2, 0.2];
-
 /// A symmetric matrix of three: 00, 10, 11, 20, 21, 22.
 pub(super) type Triangle<T> = [T; 6];
 
@@ -50,22 +28,25 @@ pub(super) struct Decision<T> {
 }
 
 impl<T: Real> Decision<T> {
-    /// From the changes of the three ratios of radii `since` then with their covariance, in thousandths, `fifth` (the change by a loss of a fifth), the
-    /// evidence of tooth pulses alone, and the prior of the `unexplained` hypothesis over that of one wheel.
+    /// From the changes of the three ratios of radii `since` then with their covariance, in thousandths, the evidence of tooth
+    /// pulses alone, and the prior of the `unexplained` hypothesis over that of one wheel.
     pub(super) fn of(
         change: &[T; 3],
         covariance: &Triangle<T>,
         since: Since,
-        fifth: T,
         torsion: &TorsionEvidence<T>,
         unexplained: T,
+        config: &WheelSpeedConfig<T>,
     ) -> Self {
-        let (fine_sd, one) = (fine_sd(since), T::lit(since.prior_of_one(&DECISION)));
-        let unexplained = left_unexplained(change, covariance, unexplained * one) + torsion.log_likelihood(0);
+        let (tuning, fifth) = (config.tuning(), T::lit(FIFTH) * config.per_ln_1e3());
+        let one = T::lit(since.prior_of_one(&DECISION));
+        let unexplained_sd = tuning.unexplained_sd.map(T::lit);
+        let unexplained = left_unexplained(change, covariance, unexplained_sd, unexplained * one)
+            + torsion.log_likelihood(0);
         let mut all = [(T::zero(), [T::zero(); 4], [T::zero(); 4]); HYPOTHESES];
         let (mut best, priors) = (unexplained, log_priors::<T>(since));
         for (number, (log, mean, variance)) in all.iter_mut().enumerate() {
-            let (set, hypothesis) = Hypothesis::numbered(number, fine_sd, fifth);
+            let (set, hypothesis) = Hypothesis::numbered(number, since, fifth, tuning);
             let likelihood;
             (likelihood, *mean, *variance) = hypothesis.against(change, covariance);
             *log = likelihood + torsion.log_likelihood(set) + priors[set % SETS];
@@ -85,7 +66,7 @@ impl<T: Real> Decision<T> {
         let mut of_set = [T::zero(); SETS];
         for (number, (probability, mean, _)) in all.iter_mut().enumerate() {
             *probability /= total;
-            let (set, _) = Hypothesis::<T>::numbered(number, fine_sd, fifth);
+            let (set, _) = Hypothesis::<T>::numbered(number, since, fifth, tuning);
             if let Some(sum) = of_set.get_mut(set) {
                 *sum += *probability;
             }
@@ -99,7 +80,7 @@ impl<T: Real> Decision<T> {
                 *p * (variance[i] + (mean[i] - *center) * (mean[i] - *center))
             };
             // An unexplained change may be this wheel's, too.
-            let by_none = unexplained * T::lit(UNEXPLAINED_SD[0] * UNEXPLAINED_SD[0]);
+            let by_none = unexplained * unexplained_sd[0] * unexplained_sd[0];
             *sd = all.iter().map(spread).fold(by_none, |sum, v| sum + v).at_least(T::zero()).sqrt();
         }
         decision
@@ -114,17 +95,15 @@ struct Hypothesis<T> {
 
 impl<T: Real> Hypothesis<T> {
     /// The sixteen sets of low tires by their bits, then each nearly flat, then each tire empty; with the set that it belongs to.
-    fn numbered(number: usize, fine_sd: f64, fifth: T) -> (usize, Self) {
-        match number.checked_sub(SETS) {
-            None => (number, Self::of(number, fine_sd, [DECISION.low[0], LOW_LN_SD], fifth)),
-            Some(before) if before + 1 < SETS => {
-                (before + 1, Self::of(before + 1, fine_sd, DECISION.flat, fifth))
-            }
-            Some(before) => {
-                let set = 1 << ((before + 1) % SETS);
-                (set, Self::of(set, fine_sd, EMPTY, fifth))
-            }
-        }
+    fn numbered(number: usize, since: Since, fifth: T, tuning: &Tuning) -> (usize, Self) {
+        let [low, sd] = DECISION.low;
+        let (set, expected) = match number.checked_sub(SETS) {
+            // The sd of its share over the share left, in losses of a fifth of the `ln`.
+            None => (number, [low, sd * LOSS / (1.0 - low * LOSS) / FIFTH]),
+            Some(before) if before + 1 < SETS => (before + 1, DECISION.flat),
+            Some(before) => (1 << ((before + 1) % SETS), tuning.empty),
+        };
+        (set, Self::of(set, fine_sd(since, tuning), expected, fifth))
     }
 
     fn of(set: usize, fine_sd: f64, [mean, sd]: [f64; 2], fifth: T) -> Self {
@@ -163,28 +142,30 @@ impl<T: Real> Hypothesis<T> {
 }
 
 /// How far radii of tires that are not low move by themselves since then, in thousandths.
-fn fine_sd(since: Since) -> f64 {
-    if since == Since::Beginning { FINE_DRIVING_SD } else { FINE_SD }
+fn fine_sd(since: Since, tuning: &Tuning) -> f64 {
+    let [driving, ever] = tuning.fine_sd;
+    if since == Since::Beginning { driving } else { ever }
 }
 
 /// Logs of the priors of the sets against none.
 fn log_priors<T: Real>(since: Since) -> [T; SETS] {
-    let mut priors: [T; SETS] = DECISION.log_priors(since.prior_of_one(&DECISION));
+    let one = since.prior_of_one(&DECISION);
+    let mut priors: [T; SETS] = DECISION.log_priors(one);
     if since == Since::Beginning {
-        let axle = T::lit(AXLE_DRIVING).ln_fast();
-        [priors[0b0011], priors[0b1100]] = [priors[0b0011] + axle, priors[0b1100] + axle];
+        // Both tires of an axle are two accidents, while the slip of another road moves one axle against the other, too.
+        [priors[0b0011], priors[0b1100]] = [T::lit(one * one).ln_fast(); 2];
     }
     priors
 }
 
-/// Log-likelihood ratio that gives a wheel the probability .99.
+/// Log-likelihood ratio that makes a wheel [surely low](decision::Tuning::surely_low).
 fn to_be_found<T: Real>(since: Since) -> T {
-    T::lit(SURE / since.prior_of_one(&DECISION)).ln_fast()
+    T::lit(DECISION.surely_low / (1.0 - DECISION.surely_low) / since.prior_of_one(&DECISION)).ln_fast()
 }
 
 /// Log likelihood without constants, and prior, of ratios that no set of losses leaves.
-fn left_unexplained<T: Real>(change: &[T; 3], covariance: &Triangle<T>, prior: T) -> T {
-    let [front, rear, axles] = UNEXPLAINED_SD.map(|sd| T::lit(sd * sd));
+fn left_unexplained<T: Real>(change: &[T; 3], covariance: &Triangle<T>, sd: [T; 3], prior: T) -> T {
+    let [front, rear, axles] = sd.map(|sd| sd * sd);
     let mut expected = *covariance;
     for (entry, variance) in expected.iter_mut().zip([front, T::zero(), rear, T::zero(), T::zero(), axles]) {
         *entry += variance;
@@ -195,19 +176,20 @@ fn left_unexplained<T: Real>(change: &[T; 3], covariance: &Triangle<T>, prior: T
 }
 
 /// The smallest loss of this wheel alone that would be found, as `-ln` of the share of the pressure that it leaves: its squared distance
-/// from no loss is what prior and threshold ask for. `per_ln`: thousandths of a radius per `ln` of its pressure.
+/// from no loss is what prior and threshold ask for.
 pub(super) fn least_found<T: Real>(
     wheel: usize,
     covariance: &Triangle<T>,
     since: Since,
-    per_ln: T,
     torsion: &TorsionEvidence<T>,
+    config: &WheelSpeedConfig<T>,
 ) -> T {
-    let mut noise = *covariance;
-    add_radii(&mut noise, fine_sd(since));
+    let (mut noise, per_ln) = (*covariance, config.per_ln_1e3());
+    add_radii(&mut noise, fine_sd(since, config.tuning()));
     let step = SEEN.get(wheel).map_or([T::zero(); 3], |seen| seen.map(|x| T::lit(x) * per_ln));
     let radii = inverse(&noise).map_or(T::zero(), |(inverse, _)| dot(&step, &times(&inverse, &step)));
-    let pulses = torsion.distance(1 << wheel) * T::lit(1.0 / (PULSES_LN * PULSES_LN));
+    let tested_ln = DECISION.low[0] * FIFTH;
+    let pulses = torsion.distance(1 << wheel) * T::lit(1.0 / (tested_ln * tested_ln));
     (T::lit(2.0) * to_be_found(since) / (radii + pulses)).sqrt()
 }
 
@@ -225,11 +207,12 @@ pub(super) fn add_radii<T: Real>(covariance: &mut Triangle<T>, sd: f64) {
 }
 
 /// Adds this part of the covariance that unknown loads give the three ratios since the calibration.
-pub(super) fn add_load<T: Real>(covariance: &mut Triangle<T>, load: &LoadUncertainty<T>, part: f64) {
-    let per_load = T::lit(RADIUS_PER_LOAD);
+pub(super) fn add_load<T: Real>(covariance: &mut Triangle<T>, config: &WheelSpeedConfig<T>, part: f64) {
+    let (load, tuning) = (&config.load, config.tuning());
+    let per_load = T::lit(tuning.per_load);
     let rear_axle = [T::zero(), T::zero(), -per_load * load.rear_axle];
     let rear_left_right = [T::zero(), T::lit(2.0) * per_load * load.rear_left_right, T::zero()];
-    let passengers = PASSENGER.map(|x| T::lit(x) * load.front_passengers);
+    let passengers = tuning.passenger.map(|x| T::lit(x) * load.front_passengers);
     for shape in [rear_axle, rear_left_right, passengers] {
         add_square(covariance, &shape, T::lit(part));
     }
@@ -268,10 +251,20 @@ pub(super) fn inverse<T: Real>(&[a, b, c, d, e, f]: &Triangle<T>) -> Option<(Tri
 mod tests {
     use super::*;
     use crate::model::Corner;
+    use crate::wheel_speed::tests::config;
 
     const NO_PULSES: TorsionEvidence<f64> = <TorsionEvidence<f64> as crate::memory::Blank>::BLANK;
     /// Known to a ten-thousandth.
     const SHARP: Triangle<f64> = [0.01, 0.0, 0.01, 0.0, 0.0, 0.01];
+
+    /// A loss of a fifth is 1.56 at .007.
+    fn decided(
+        change: &[f64; 3],
+        covariance: &Triangle<f64>,
+        pulses: &TorsionEvidence<f64>,
+    ) -> Decision<f64> {
+        Decision::of(change, covariance, Since::Ever, pulses, DECISION.unexplained, &config())
+    }
 
     /// The ratios of these radii.
     fn seen(radius: [f64; 4]) -> [f64; 3] {
@@ -294,23 +287,19 @@ mod tests {
     fn every_pattern_is_named_by_its_ratios_but_all_four() {
         for number in 1..15usize {
             let radius = core::array::from_fn(|i| if number & (1 << i) == 0 { 0.0 } else { -2.0 });
-            let decision = Decision::of(&seen(radius), &SHARP, Since::Ever, 1.6, &NO_PULSES, UNEXPLAINED);
+            let decision = decided(&seen(radius), &SHARP, &NO_PULSES);
             let most = decision.sets.of_set().iter().copied().fold(0.0, f64::max);
             assert_eq!(decision.sets.of_set()[number], most, "{number:04b}");
             // Three at once are so rare that the unexplained hypothesis is not much less probable.
             let sure = if number.count_ones() == 3 { 0.7 } else { 0.9 };
             for (wheel, radius) in radius.iter().enumerate() {
                 let low = number & (1 << wheel) != 0;
-                assert_eq!(
-                    decision.sets.low(Corner::ALL[wheel]) > sure,
-                    low,
-                    "{number:04b} {wheel}: {}",
-                    decision.sets.low(Corner::ALL[wheel])
-                );
+                let probability = decision.sets.low(Corner::ALL[wheel]);
+                assert_eq!(probability > sure, low, "{number:04b} {wheel}: {probability}");
                 assert!((decision.change[wheel] - radius).abs() < 3.0 * decision.change_sd[wheel]);
             }
         }
-        let decision = Decision::of(&[0.0; 3], &SHARP, Since::Ever, 1.6, &NO_PULSES, UNEXPLAINED);
+        let decision = decided(&[0.0; 3], &SHARP, &NO_PULSES);
         assert!(decision.sets.of_set()[0] > 0.99);
     }
 
@@ -320,11 +309,11 @@ mod tests {
     fn an_empty_tire_is_named_at_once_and_a_slipping_axle_is_none() {
         for wheel in 0..4 {
             let radius = core::array::from_fn(|i| if i == wheel { -20.0 } else { 0.0 });
-            let decision = Decision::of(&seen(radius), &SHARP, Since::Ever, 1.56, &NO_PULSES, 1.0);
+            let decision = Decision::of(&seen(radius), &SHARP, Since::Ever, &NO_PULSES, 1.0, &config());
             assert!(decision.sets.low(Corner::ALL[wheel]) > 0.99, "{wheel}: {:?}", decision.sets);
             assert!((decision.change[wheel] + 20.0).abs() < 3.0 * decision.change_sd[wheel]);
         }
-        let slips = Decision::of(&[3.0, 0.0, 8.0], &SHARP, Since::Ever, 1.56, &NO_PULSES, 1.0);
+        let slips = Decision::of(&[3.0, 0.0, 8.0], &SHARP, Since::Ever, &NO_PULSES, 1.0, &config());
         assert!(slips.sets.any_low() < 0.5, "{:?}", slips.sets);
     }
 
@@ -334,14 +323,12 @@ mod tests {
     fn the_least_loss_that_is_found_is_where_prior_and_threshold_meet() {
         let covariance = [0.08, 0.0, 0.08, 0.0, 0.0, 4.0];
         let expected = (2.0 * (99.0 / 0.025f64).ln() / (1.0 / 0.16 + 0.25 / 4.04f64)).sqrt() / 7.0;
-        let found = least_found(0, &covariance, Since::Ever, 7.0, &NO_PULSES);
+        let found = least_found(0, &covariance, Since::Ever, &NO_PULSES, &config());
         assert!((found - expected).abs() < 1e-9, "{found} {expected}");
         // A finding there has as good as reached the threshold, whatever size is expected.
         let at = |loss: f64| {
             let change = seen([-7.0 * loss, 0.0, 0.0, 0.0]);
-            Decision::of(&change, &covariance, Since::Ever, 1.56, &NO_PULSES, UNEXPLAINED)
-                .sets
-                .low(Corner::ALL[0])
+            decided(&change, &covariance, &NO_PULSES).sets.low(Corner::ALL[0])
         };
         assert!(at(0.9 * found) < 0.99 && at(1.1 * found) > 0.99, "{} {}", at(0.9 * found), at(1.1 * found));
     }
@@ -349,15 +336,13 @@ mod tests {
     #[test]
     fn loads_of_unknown_size_hide_a_rear_tire_and_not_a_front_one() {
         let mut covariance = SHARP;
-        add_load(&mut covariance, &LoadUncertainty::unknown(), 1.0);
+        add_load(&mut covariance, &config(), 1.0);
         // A fifth of 6.4e-3 per load between the axles, twice 3 % of it between the rear wheels; the passenger's part is in 20 and 21, too.
         assert!((covariance[5] - (0.01 + 1.28 * 1.28 + 0.04)).abs() < 1e-12);
         assert!((covariance[2] - (0.01 + 0.384 * 0.384 + 0.04)).abs() < 1e-12);
         let low = |wheel: usize| {
             let radius = core::array::from_fn(|i| if i == wheel { -2.0 } else { 0.0 });
-            Decision::of(&seen(radius), &covariance, Since::Ever, 1.6, &NO_PULSES, UNEXPLAINED)
-                .sets
-                .low(Corner::ALL[wheel])
+            decided(&seen(radius), &covariance, &NO_PULSES).sets.low(Corner::ALL[wheel])
         };
         assert!(low(0) > 0.99 && low(0) > low(3), "{} {}", low(0), low(3));
     }
@@ -369,31 +354,20 @@ mod tests {
             information: [1.0 / 50.0; 4],
             reference_kpa: [240.0; 4],
         };
-        let alike = Decision::of(&[0.0; 3], &SHARP, Since::Ever, 1.6, &pulses([-56.0; 4]), UNEXPLAINED);
+        let alike = decided(&[0.0; 3], &SHARP, &pulses([-56.0; 4]));
         assert!((0..4).all(|wheel| alike.sets.low(Corner::ALL[wheel]) > 0.99), "{:?}", alike.sets);
         // A tenth of the pressure, as of a cold morning, is nothing.
-        let cold = Decision::of(&[0.0; 3], &SHARP, Since::Ever, 1.6, &pulses([-24.0; 4]), UNEXPLAINED);
+        let cold = decided(&[0.0; 3], &SHARP, &pulses([-24.0; 4]));
         assert!(cold.sets.of_set()[0] > 0.99, "{:?}", cold.sets.of_set());
         // With loads of unknown size the radii of an axle say little: a larger load may have done it.
         let mut covariance = SHARP;
-        add_load(&mut covariance, &LoadUncertainty::unknown(), 1.0);
+        add_load(&mut covariance, &config(), 1.0);
         let change = seen([0.0, 0.0, -2.0, -2.0]);
         let (without, with) = (
-            Decision::of(&change, &covariance, Since::Ever, 1.6, &NO_PULSES, UNEXPLAINED),
-            Decision::of(
-                &change,
-                &covariance,
-                Since::Ever,
-                1.6,
-                &pulses([0.0, 0.0, -58.0, -58.0]),
-                UNEXPLAINED,
-            ),
+            decided(&change, &covariance, &NO_PULSES),
+            decided(&change, &covariance, &pulses([0.0, 0.0, -58.0, -58.0])),
         );
-        assert!(
-            without.sets.low(Corner::ALL[2]) < 0.5
-                && with.sets.low(Corner::ALL[2]) > 0.99
-                && with.sets.low(Corner::ALL[3]) > 0.99
-                && with.sets.low(Corner::ALL[0]) < 0.01
-        );
+        let [fl, _, rl, rr] = Corner::ALL.map(|corner| with.sets.low(corner));
+        assert!(without.sets.low(Corner::ALL[2]) < 0.5 && rl > 0.99 && rr > 0.99 && fl < 0.01);
     }
 }

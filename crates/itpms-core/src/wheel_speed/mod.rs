@@ -47,6 +47,7 @@ mod sensor_watch;
 mod state;
 #[cfg(test)]
 pub(crate) mod tests;
+mod tuning;
 mod yaw_witness;
 
 pub use self::calibration::RadiusCalibration;
@@ -54,4 +55,5 @@ pub use self::config::{DrivenAxle, LoadUncertainty, WheelSpeedConfig};
 pub use self::days::{RadiusDay, RadiusDays, SlowLeak};
 pub(crate) use self::radius_monitor::RadiusMonitor;
 pub use self::report::{Pattern, RadiusReport, RadiusState, Unseen, WheelRadius};
+pub use self::tuning::Tuning;
 pub use crate::model::WheelSpeedSample;

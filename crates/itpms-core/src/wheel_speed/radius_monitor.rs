@@ -20,10 +20,6 @@ use crate::model::{Corner, ParameterError, RadiusDifferences, SEEN, WheelSpeedSa
 use crate::real::Real;
 use crate::torsion::TorsionEvidence;
 
-/// Usable driving in s that teaches anything.
-const LEAST_CALIBRATION_S: f64 = 10.0;
-/// By how much more or less than another a tire's radius becomes smaller per km, in thousandths, as an sd.
-const WEAR_PER_KM: f64 = 1.2e-4;
 /// Use of a block.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -98,7 +94,7 @@ impl<T: Real> RadiusMonitor<T> {
         if !self.configured {
             return;
         }
-        self.phase = Phase::Learning(usable_s.at_least(T::lit(LEAST_CALIBRATION_S)));
+        self.phase = Phase::Learning(usable_s.at_least(T::lit(self.config.tuning().least_calibration_s)));
         self.learned_s = T::zero();
         self.calibration.clear();
         self.refused_snow = false;
@@ -126,7 +122,7 @@ impl<T: Real> RadiusMonitor<T> {
         if !matches!(self.phase, Phase::Learning(_)) {
             return self.calibration.as_ref().is_some();
         }
-        if self.learned_s >= T::lit(LEAST_CALIBRATION_S) {
+        if self.learned_s >= T::lit(self.config.tuning().least_calibration_s) {
             self.learned();
             return self.calibration.as_ref().is_some();
         }
@@ -195,8 +191,9 @@ impl<T: Real> RadiusMonitor<T> {
 
     /// The tires have rolled so many km since the calibration: they have worn, each by itself.
     pub(crate) fn age(&mut self, km: T) {
+        let [wear, _] = self.config.tuning().wear;
         if let Some(calibration) = self.calibration.as_mut().filter(|_| km > T::zero()) {
-            let sd = T::lit(WEAR_PER_KM) * km;
+            let sd = T::lit(wear) * km;
             for seen in SEEN {
                 for (i, row) in calibration.covariance_1e6.iter_mut().enumerate().take(seen.len()) {
                     for (j, entry) in row.iter_mut().enumerate().take(seen.len()) {
@@ -234,7 +231,7 @@ impl<T: Real> RadiusMonitor<T> {
     /// The wheel whose speed is none of a tire that rolls beside the others, and how many times theirs it is.
     #[must_use]
     pub(crate) fn odd(&self) -> Option<(Corner, T)> {
-        self.sensors.odd()
+        self.sensors.odd(self.config.tuning())
     }
 
     /// The malfunction of speeds that do not follow the car, and whose.
@@ -275,7 +272,8 @@ impl<T: Real> RadiusMonitor<T> {
         self.sensors.note_missing(sample, follows_s);
         if sample.complete() {
             let moved = self.stuck().is_empty();
-            self.sensors.take(sample, follows_s);
+            let tuning = self.config.tuning();
+            self.sensors.take(sample, follows_s, tuning);
             if self.stuck().is_empty() {
                 self.sums.add(sample);
             } else if moved {
@@ -305,7 +303,7 @@ impl<T: Real> RadiusMonitor<T> {
                 // Disturbances have gone their way, too; an hour later nothing is left of them.
                 self.filter.predict(
                     T::lit(step_s.min(3600.0)),
-                    self.config.driven,
+                    &self.config,
                     matches!(self.phase, Phase::Learning(_)),
                 );
             }
@@ -318,14 +316,15 @@ impl<T: Real> RadiusMonitor<T> {
         self.stood_s += step_s;
         if self.phase == Phase::Watching && before_s < LONG_STOP_S && !(self.stood_s < LONG_STOP_S) {
             (self.began_anew, self.loads_may_differ) = (true, true);
-            self.filter.stood(self.config.driven);
+            self.filter.stood(&self.config);
         }
     }
 
     fn end_block(&mut self) {
+        let tuning = self.config.tuning();
         let mut block = self.sums.conclude(&self.config, self.sensors.step_m_s());
-        let slip_1e3 = self.filter.unequal_slip_1e3(block.force_m_s2, self.config.driven);
-        if self.yaw.take(&block, &self.config, self.filter.yaw_bias_rad_s(), slip_1e3) {
+        let slip_1e3 = self.filter.unequal_slip_1e3(block.force_m_s2, &self.config);
+        if self.yaw.take(&block, &self.config, self.filter.yaw_bias_rad_s(tuning), slip_1e3) {
             let doubted = self.yaw.is_doubted();
             if let Some(calibration) = self.calibration.as_mut() {
                 calibration.leaves_out_yaw_rate = doubted;
@@ -339,9 +338,9 @@ impl<T: Real> RadiusMonitor<T> {
         if self.yaw.is_doubted() {
             block.yaw_rate_rad_s = None;
         }
-        block.hide(self.coupled(), slip_1e3);
+        block.hide(self.coupled(), slip_1e3, tuning.sides);
         if block.good {
-            self.sensors.take_block(&block);
+            self.sensors.take_block(&block, tuning);
         }
         if self.sums.stood() {
             self.stand(BLOCK_S);
@@ -355,7 +354,7 @@ impl<T: Real> RadiusMonitor<T> {
         }
         let learning = matches!(self.phase, Phase::Learning(_));
         if self.phase != Phase::Uncalibrated {
-            self.filter.predict(T::lit(BLOCK_S), self.config.driven, learning);
+            self.filter.predict(T::lit(BLOCK_S), &self.config, learning);
             if self.before_good && self.last.good && block.good {
                 let last = self.last;
                 self.filter.update(&last, &self.config, learning);
@@ -378,7 +377,8 @@ impl<T: Real> RadiusMonitor<T> {
 
     /// Whether the wheels follow the car; what was learned with one that does not is forgotten, and nothing is learned from it.
     fn follow(&mut self, block: &mut Block<T>) {
-        let (bias_rad_s, believed) = (self.filter.yaw_bias_rad_s().0, !self.yaw.is_doubted());
+        let (bias_rad_s, believed) =
+            (self.filter.yaw_bias_rad_s(self.config.tuning()).0, !self.yaw.is_doubted());
         self.following.take(block, &self.config, bias_rad_s, believed, self.coupled());
         let is_astray = self.astray().is_some();
         if is_astray != self.was_astray {
@@ -391,10 +391,10 @@ impl<T: Real> RadiusMonitor<T> {
     /// The speeds that do not follow the car's bends and accelerations as a wheel's does.
     fn astray(&self) -> Option<Astray> {
         let per_m_s2 = T::lit(1.0 / SCALE) * self.last.speed_m_s;
-        let slip_s = self.filter.slip_1e3().map(|slip| per_m_s2 * slip);
-        // The road's statistics are forgotten with the rest: they make no right speed of a wrong one.
+        let slip_s = self.filter.slip_1e3(self.config.tuning()).map(|slip| per_m_s2 * slip);
+        // What is known of the road is forgotten with what was learned: that makes no right speed of a wrong one.
         let slippery = self.filter.is_slippery()[1] && !self.was_astray;
-        self.following.astray(self.config.driven, slippery, slip_s)
+        self.following.astray(&self.config, slippery, slip_s)
     }
 
     /// A block was taken in.
@@ -424,7 +424,7 @@ impl<T: Real> RadiusMonitor<T> {
     }
 
     fn learned(&mut self) {
-        self.refused_snow = self.filter.is_on_snow();
+        self.refused_snow = self.filter.is_on_snow(self.config.tuning());
         if self.refused_snow {
             self.phase = Phase::Uncalibrated;
             self.report.forget(RadiusState::Uncalibrated);
@@ -443,7 +443,7 @@ impl<T: Real> RadiusMonitor<T> {
         }
         self.calibration.set(Some(calibration));
         self.load_days(&RadiusDays::since(self.clock_began_unix_s + self.report.time_s));
-        self.filter.is_dry();
+        self.filter.is_dry(self.config.tuning());
         self.phase = Phase::Watching;
         self.report.forget(RadiusState::Uninformed);
     }

@@ -1,20 +1,13 @@
 //! Report of radius analysis.
 
 use super::config::WheelSpeedConfig;
-use super::hypotheses::{Decision, Triangle, UNEXPLAINED};
-use crate::decision::Tuning;
+use super::hypotheses::{Decision, Triangle};
+use crate::decision;
 use crate::memory::Blank;
 use crate::model::{Corner, Wheels};
 use crate::real::Real;
 use crate::torsion::TorsionEvidence;
-
-/// Usable driving in s over which a state has to be [sure](Tuning::surely_low).
-const SURE_FOR_S: f64 = 4.0;
-/// The same for a state that a road different from left to right, a load or a slip would explain, too, since those pass; and while it is open
-/// which tire it is.
-const PASSES_S: f64 = 30.0;
-/// The same of any state on a slippery road, and for how long in s a road counts as slippery after it was seen to be.
-const SLIPPERY_S: f64 = 300.0;
+use crate::wheel_speed::Tuning;
 
 /// Loss that would have shown where a tire is called fine, as a share of its pressure.
 const SHOWN_LOSS: f64 = 0.3;
@@ -186,15 +179,19 @@ impl<T: Real> RadiusReport<T> {
     }
 
     /// `step_s` of usable driving later, on a road that is surely slippery, or may be.
-    pub(super) fn drive_on(&mut self, [surely, maybe]: [bool; 2], step_s: T) {
+    pub(super) fn drive_on(&mut self, [surely, maybe]: [bool; 2], step_s: T, tuning: &Tuning) {
         let left_s = (self.slippery_s - step_s).at_least(T::zero());
-        self.slippery_s = if surely { T::lit(SLIPPERY_S) } else { left_s };
+        let [_, _, slippery_s] = tuning.sure_for_s.map(T::lit);
+        self.slippery_s = if surely { slippery_s } else { left_s };
         self.unseen.slippery = maybe || self.slippery_s > T::zero();
     }
 
     /// Prior of "no loss explains it" over that of one wheel's loss: such a place of the road is as frequent as a loss, and passes.
-    pub(super) fn unexplained(&self) -> T {
-        (self.loss_s * T::lit(-1.0 / PASSES_S)).exp_fast().at_least(T::lit(UNEXPLAINED))
+    pub(super) fn unexplained(&self, tuning: &Tuning) -> T {
+        let [_, passes_s, _] = tuning.sure_for_s;
+        (self.loss_s * T::lit(-1.0 / passes_s))
+            .exp_fast()
+            .at_least(T::lit(decision::Tuning::DEFAULT.unexplained))
     }
 
     /// `step_s` of usable driving later.
@@ -238,14 +235,15 @@ impl<T: Real> RadiusReport<T> {
         }
         self.probable_s = if probable == self.probable { self.probable_s + step_s } else { step_s };
         self.probable = probable;
+        let [sure_s, passes_s, slippery_s] = config.tuning().sure_for_s;
         let after_s = match probable {
-            RadiusState::Low(_) | RadiusState::OneOf(_) if self.unseen.slippery => SLIPPERY_S,
+            RadiusState::Low(_) | RadiusState::OneOf(_) if self.unseen.slippery => slippery_s,
             // One tire of an axle and a side, or two across, are nothing else; without a yaw rate left and right of both axles move alike.
             RadiusState::Low(wheels) => match Pattern::from(wheels) {
-                Pattern::Wheel(_) | Pattern::Diagonal if !self.unseen.which_of_a_diagonal => SURE_FOR_S,
-                _ => PASSES_S,
+                Pattern::Wheel(_) | Pattern::Diagonal if !self.unseen.which_of_a_diagonal => sure_s,
+                _ => passes_s,
             },
-            RadiusState::OneOf(_) => PASSES_S,
+            RadiusState::OneOf(_) => passes_s,
             _ => 0.0,
         };
         self.lasted_s += step_s;
@@ -288,9 +286,9 @@ fn combined<T: Real>((a, a_variance): (T, T), (b, b_variance): (T, T)) -> (T, T)
     (mean.at_most(T::zero()), (a_variance * b_variance / sum).at_least(T::zero()).sqrt())
 }
 
-/// What is more probable than [`Tuning::surely_low`], whatever was before.
+/// What is more probable than [`surely_low`](decision::Tuning::surely_low), whatever was before.
 fn probable<T: Real>(decision: &Decision<T>, informed: bool) -> RadiusState {
-    let sure = T::lit(Tuning::DEFAULT.surely_low);
+    let sure = T::lit(decision::Tuning::DEFAULT.surely_low);
     let low: Wheels = Corner::ALL.into_iter().filter(|corner| decision.sets.low(*corner) > sure).collect();
     if !low.is_empty() {
         return RadiusState::Low(low);

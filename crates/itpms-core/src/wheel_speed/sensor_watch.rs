@@ -1,18 +1,17 @@
 //! Whether each wheel's sensor still sends, and moves. One that repeats its last value, or zero, would make of every change of speed a change of
 //! radius; without one of four nothing is compared.
 
-use super::block::{ABSURD_RATIO, BLOCK_S, Block, LEAST_SPEED_M_S};
+use super::block::{BLOCK_S, Block};
 use super::sample::is_speed;
 use crate::conditioning::pauses::PAUSE_S;
 use crate::memory::Blank;
 use crate::model::{Corner, WheelSpeedSample, Wheels};
 use crate::real::Real;
+use crate::wheel_speed::Tuning;
 use crate::wheel_speed::state::{AXLE, SCALE};
 
 /// Samples with a change at two other wheels in which a sensor that moves does so, too.
 const OTHERS_CHANGED: u8 = 12;
-/// Driving in s in which the wheels of an axle turn so differently, and which a spinning wheel or a bend does not last for.
-const ABSURD_S: f64 = 20.0;
 /// By how many of the smallest steps seen the others have to have moved: of coarse speeds, one may stay while others go two steps.
 const STEPS: f64 = 3.0;
 
@@ -36,7 +35,7 @@ pub(super) struct SensorWatch<T> {
 
 impl<T: Real> SensorWatch<T> {
     /// Takes a sample that is complete, so many s after the last one.
-    pub(super) fn take(&mut self, sample: &WheelSpeedSample<T>, step_s: T) {
+    pub(super) fn take(&mut self, sample: &WheelSpeedSample<T>, step_s: T, tuning: &Tuning) {
         let now = sample.wheel_speed_m_s;
         let moved: [T; 4] = core::array::from_fn(|i| (now[i] - self.last[i]).abs());
         self.last = now;
@@ -53,7 +52,7 @@ impl<T: Real> SensorWatch<T> {
                 (self.others[i], self.changed[i], self.for_s[i]) = (others, 0, T::zero());
                 continue;
             }
-            if number >= 2 && others > T::lit(LEAST_SPEED_M_S) {
+            if number >= 2 && others > T::lit(tuning.least_speed_m_s) {
                 self.changed[i] = self.changed[i].saturating_add(1);
                 self.for_s[i] += step_s;
             }
@@ -88,13 +87,14 @@ impl<T: Real> SensorWatch<T> {
     }
 
     /// Takes a block that was driven well.
-    pub(super) fn take_block(&mut self, block: &Block<T>) {
+    pub(super) fn take_block(&mut self, block: &Block<T>, tuning: &Tuning) {
+        let [_, passes_s, _] = tuning.sure_for_s;
         for (i, (absurd_s, mean)) in self.absurd_s.iter_mut().zip(&mut self.absurd).enumerate() {
             let now = [block.ratio[i], block.ratio[AXLE]];
             // A bend does the same to both axles.
             let other = T::lit(2.0) * block.ratio[1 - i].abs();
-            if !(now[0].abs() < T::lit(ABSURD_RATIO).at_least(other)) {
-                *absurd_s = (*absurd_s + T::lit(BLOCK_S)).at_most(T::lit(ABSURD_S + 2.0));
+            if !(now[0].abs() < T::lit(tuning.absurd_ratio).at_least(other)) {
+                *absurd_s = (*absurd_s + T::lit(BLOCK_S)).at_most(T::lit(passes_s + 2.0));
                 for (mean, now) in mean.iter_mut().zip(now) {
                     *mean += (now - *mean) * T::lit(BLOCK_S) / *absurd_s;
                 }
@@ -105,8 +105,9 @@ impl<T: Real> SensorWatch<T> {
     }
 
     /// The wheel whose speed is none of a tire that rolls beside the others, and how many times theirs it is.
-    pub(super) fn odd(&self) -> Option<(Corner, T)> {
-        let axle = self.absurd_s.iter().position(|s| *s >= T::lit(ABSURD_S))?;
+    pub(super) fn odd(&self, tuning: &Tuning) -> Option<(Corner, T)> {
+        let [_, passes_s, _] = tuning.sure_for_s;
+        let axle = self.absurd_s.iter().position(|s| *s >= T::lit(passes_s))?;
         let [ratio, between] = *self.absurd.get(axle)?;
         // The wheel that has it in the ratio of its axle has half of it between the axles.
         let front = if axle == 0 { between } else { -between };

@@ -2,34 +2,17 @@
 //! one. A sensor that is dead, turned round or another signal would make every bend a loss of the tires on its outer side. Wheels that a differential
 //! couples turn alike in all but sharp bends, whatever their tires.
 
-use super::block::{BLOCK_S, Block, LEAST_SPEED_M_S};
+use super::block::{BLOCK_S, Block};
 use super::config::{DrivenAxle, WheelSpeedConfig};
-use super::follow::{FIRST_BENDS, USUAL_S};
 use super::state::{FRONT, REAR, SCALE};
 use crate::memory::Blank;
 use crate::real::Real;
+use crate::wheel_speed::Tuning;
 
-/// Time in s after which what was seen is forgotten.
-const MEMORY_S: f64 = 120.0;
-/// Share of a yaw rate that a sensor may leave by its own; radius that the load of a bend takes from the outer tires, per m/s², which
-/// imitates a yaw rate; and what may be left beyond in rad²/s²: two tires of a side that lose a quarter at once leave 0.008.
-const OFF: f64 = 0.2;
-const BY_LOAD: f64 = 8e-4;
-const LEFT: f64 = 0.01;
 /// By how much the offset that is taken off a sensor may be another one than is known, in rad/s.
 const BIAS_STEP: f64 = 1e-3;
 /// Each time that it is doubted four times as much has to prove it right, up to the fifth.
-const PROOF_LN: f64 = 1.386;
 const MOST_DOUBTS: u8 = 5;
-/// Effect of a road that differs from left to right on the ratios of both axles, in thousandths.
-const PASSING: f64 = 1.0;
-
-/// Radius of a bend in m from which on a preload may keep the wheels of an axle alike, and time in s after which it is forgotten whether it does.
-const WIDE_M: f64 = 300.0;
-const COUPLING_MEMORY_S: f64 = 600.0;
-/// Share of bends that the wheels of an axle follow that are free, or coupled.
-const FREE: f64 = 0.85;
-const COUPLED: f64 = 0.75;
 
 #[derive(Debug, Clone, Copy, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -42,7 +25,7 @@ pub(super) struct YawWitness<T> {
     /// The sensor's offset that was taken off, in rad/s.
     bias_rad_s: T,
     begun: bool,
-    /// Sum of the axles' product that the sensor leaves unexplained beyond its share, from [`LEFT`] to as much evidence for the sensor.
+    /// Sum of the axles' product that the sensor leaves unexplained beyond its share, from [`yaw_left`](Tuning::yaw_left) to as much evidence for the sensor.
     left: T,
     doubted: bool,
     doubts: u8,
@@ -89,8 +72,9 @@ impl<T: Real> YawWitness<T> {
         (bias_rad_s, bias_sd_rad_s): (T, T),
         slip_1e3: [T; 2],
     ) -> bool {
-        let v = block.speed_m_s;
-        let usable = v > T::lit(LEAST_SPEED_M_S) && !block.braking;
+        let (tuning, v) = (config.tuning(), block.speed_m_s);
+        let (usual_step, [_, memory_s, _]) = (T::lit(BLOCK_S / tuning.usual_s), tuning.memory_s);
+        let usable = v > T::lit(tuning.least_speed_m_s) && !block.braking;
         let Some(sensor) = block.yaw_rate_rad_s.filter(|_| usable) else { return false };
         let (track_front, track_rear) = (config.track_front_m, config.track_rear_m);
         if !((bias_rad_s - self.bias_rad_s).abs() < T::lit(BIAS_STEP)) {
@@ -109,16 +93,17 @@ impl<T: Real> YawWitness<T> {
         let mut beyond = now;
         for (beyond, usual) in beyond.iter_mut().zip(&mut self.usual) {
             *beyond -= *usual;
-            *usual += T::lit(BLOCK_S / USUAL_S) * *beyond;
+            *usual += usual_step * *beyond;
         }
         let [left_front, left_rear, front, rear] = beyond;
         let coupled = self.coupled;
-        if !self.doubted && (sensor - bias_rad_s).abs() * T::lit(WIDE_M) < v {
-            let widest = [track_front, track_rear].map(|track_m| T::lit(SCALE / WIDE_M) * track_m);
-            self.follow([(now[2], now[2] - now[0]), (now[3], now[3] - now[1])], widest);
+        if !self.doubted && (sensor - bias_rad_s).abs() * T::lit(tuning.wide_m) < v {
+            let widest = [track_front, track_rear].map(|track_m| T::lit(SCALE / tuning.wide_m) * track_m);
+            self.follow([(now[2], now[2] - now[0]), (now[3], now[3] - now[1])], widest, tuning);
         }
         let per_square = v * v / (T::lit(SCALE * SCALE) * track_front * track_rear);
-        let share = T::lit(OFF) + T::lit(BY_LOAD) * v * v / track_rear;
+        let [off, by_load] = tuning.yaw_off.map(T::lit);
+        let share = off + by_load * v * v / track_rear;
         let seen = (front * rear).at_least(T::zero());
         // Where both axles are coupled, bends show in neither.
         let shown = !(config.limited_slip && config.driven == DrivenAxle::Both);
@@ -126,14 +111,14 @@ impl<T: Real> YawWitness<T> {
         // A road that differs from left to right, under wheels that slip the more so, says nothing.
         // Nor does an offset that is not known yet, at another speed.
         let slower = (T::one() / v) - self.usual_slowness;
-        self.usual_slowness += T::lit(BLOCK_S / USUAL_S) * slower;
+        self.usual_slowness += usual_step * slower;
         let by_bias = T::lit(SCALE) * track_rear * bias_sd_rad_s * slower.abs();
-        let [front, rear] = slip_1e3.map(|slip| T::lit(PASSING) + slip + by_bias);
+        let [front, rear] = slip_1e3.map(|slip| T::lit(tuning.sides) + slip + by_bias);
         let beyond = beyond - beyond.at_least(-front * rear).at_most(front * rear);
         let beyond = if shown { per_square * beyond } else { T::zero() };
-        let (most, proof) =
-            (T::lit(LEFT), T::lit(LEFT) * (T::lit(PROOF_LN) * T::whole(u32::from(self.doubts))).exp_fast());
-        self.left = (T::lit(1.0 - BLOCK_S / MEMORY_S) * self.left + beyond).at_least(-proof).at_most(most);
+        let most = T::lit(tuning.yaw_left);
+        let proof = most * T::whole(1 << (2 * self.doubts.min(MOST_DOUBTS)));
+        self.left = (T::lit(1.0 - BLOCK_S / memory_s) * self.left + beyond).at_least(-proof).at_most(most);
         let before = self.doubted;
         if !(self.left < most) {
             self.doubted = true;
@@ -148,8 +133,10 @@ impl<T: Real> YawWitness<T> {
 
     /// Each axle's ratio in a wide bend, and what the bend makes of one whose wheels are free; both from what they usually are in wide bends,
     /// which is not what it is on leaving a sharp one. What leaves more than the widest bend could is a tire that bursts: usual from then on.
-    fn follow(&mut self, axles: [(T, T); 2], widest: [T; 2]) {
-        let kept = T::lit(1.0 - BLOCK_S / COUPLING_MEMORY_S);
+    fn follow(&mut self, axles: [(T, T); 2], widest: [T; 2], tuning: &Tuning) {
+        let ([_, _, memory_s], [least_bends, _]) = (tuning.memory_s, tuning.bends_seen);
+        let (usual_step, kept) = (T::lit(BLOCK_S / tuning.usual_s), T::lit(1.0 - BLOCK_S / memory_s));
+        let [free, coupled] = tuning.followed.map(T::lit);
         for (i, (ratio, expected)) in axles.into_iter().enumerate() {
             let [usual_ratio, usual_expected] = &mut self.usual_wide[i];
             let (ratio, expected) = (ratio - *usual_ratio, expected - *usual_expected);
@@ -157,13 +144,13 @@ impl<T: Real> YawWitness<T> {
                 *usual_ratio += ratio - expected;
                 continue;
             }
-            *usual_ratio += T::lit(BLOCK_S / USUAL_S) * ratio;
-            *usual_expected += T::lit(BLOCK_S / USUAL_S) * expected;
+            *usual_ratio += usual_step * ratio;
+            *usual_expected += usual_step * expected;
             self.followed[i] = kept * self.followed[i] + ratio * expected;
             self.bends[i] = kept * self.bends[i] + expected * expected;
-            if self.bends[i] > T::lit(FIRST_BENDS) {
-                self.free[i] = self.followed[i] > T::lit(FREE) * self.bends[i];
-                self.coupled[i] = self.followed[i] < T::lit(COUPLED) * self.bends[i];
+            if self.bends[i] > T::lit(least_bends) {
+                self.free[i] = self.followed[i] > free * self.bends[i];
+                self.coupled[i] = self.followed[i] < coupled * self.bends[i];
             }
         }
     }

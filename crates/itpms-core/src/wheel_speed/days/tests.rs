@@ -10,8 +10,10 @@ use crate::model::Corner;
 use crate::random::Random;
 use crate::torsion::TorsionEvidence;
 use crate::wheel_speed::LoadUncertainty;
-use crate::wheel_speed::hypotheses::{Decision, PLACES, UNEXPLAINED, add_load};
+use crate::wheel_speed::hypotheses::{Decision, PLACES, add_load};
+use crate::wheel_speed::tests::config;
 
+const TUNING: Tuning = Tuning::DEFAULT;
 const BEGAN_S: f64 = 1.7e9;
 const MOST_DAYS: usize = 6;
 const SIZE: usize = 3 * MOST_DAYS;
@@ -44,7 +46,7 @@ fn full(triangle: &Triangle<f64>) -> [[f64; 3]; 3] {
 fn by_brute_force(days: &[(f64, [f64; 3], Triangle<f64>)], usual: &Triangle<f64>) -> [f64; 4] {
     let size = 3 * days.len();
     let mut wear = [0.0; 6];
-    add_radii(&mut wear, WEAR_SD);
+    add_radii(&mut wear, TUNING.wear[1]);
     let stacked = |rates: &Triangle<f64>| {
         let (usual, rates) = (full(usual), full(rates));
         let mut covariance = [[0.0; SIZE]; SIZE];
@@ -69,20 +71,20 @@ fn by_brute_force(days: &[(f64, [f64; 3], Triangle<f64>)], usual: &Triangle<f64>
     };
     let none = log_density(stacked(&wear), without([0.0; 3]), size);
     let mut any = wear;
-    [0, 2, 5].into_iter().for_each(|i| any[i] += UNEXPLAINED_SD * UNEXPLAINED_SD);
-    let other = UNEXPLAINED
-        * Tuning::DEFAULT.one_loses
+    [0, 2, 5].into_iter().for_each(|i| any[i] += (2.0 * TUNING.leak_per_day).powi(2));
+    let other = DECISION.unexplained
+        * DECISION.one_loses
         * (log_density(stacked(&any), without([0.0; 3]), size) - none).exp();
     let covariance = stacked(&wear);
     let leaks = SEEN.map(|seen| {
         let (step, mut sum, mut prior) = (2e-4, 0.0, 0.0);
         for n in 0..5000 {
             let g = -step * (f64::from(n) + 0.5);
-            let weight = (-0.5 * ((g + RATE) / RATE).powi(2)).exp();
+            let weight = (-0.5 * ((g + TUNING.leak_per_day) / TUNING.leak_per_day).powi(2)).exp();
             prior += weight;
             sum += weight * (log_density(covariance, without(seen.map(|x| x * g)), size) - none).exp();
         }
-        Tuning::DEFAULT.one_loses * sum / prior
+        DECISION.one_loses * sum / prior
     });
     let total = 1.0 + other + leaks.iter().sum::<f64>();
     leaks.map(|leak| leak / total)
@@ -93,7 +95,7 @@ fn sums_say_what_all_days_side_by_side_say() {
     let mut random = Random(3);
     for leak in [0.0, -0.01, -0.04, 0.03] {
         let mut usual = [0.01, 0.002, 0.02, -0.003, 0.001, 0.05];
-        add_load(&mut usual, &LoadUncertainty::unknown(), 0.5);
+        add_load(&mut usual, &config(), 0.5);
         let mut sums = RadiusDays::<f64>::since(BEGAN_S);
         let mut days = [(0.0, [0.0; 3], [0.0; 6]); MOST_DAYS];
         for (n, day) in days.iter_mut().enumerate() {
@@ -103,7 +105,7 @@ fn sums_say_what_all_days_side_by_side_say() {
             *day = (k, change, own);
             assert!(sums.see(BEGAN_S + DAY_S * k, &change, &own));
         }
-        let (found, expected) = (sums.verdict(&usual), by_brute_force(&days, &usual));
+        let (found, expected) = (sums.verdict(&usual, &TUNING), by_brute_force(&days, &usual));
         assert_eq!(found.days, 6);
         for (found, expected) in found.probability.iter().zip(expected) {
             // The integral's steps, and the exponential in powers of two.
@@ -114,7 +116,7 @@ fn sums_say_what_all_days_side_by_side_say() {
         for (k, change, own) in &days {
             single.see(BEGAN_S + DAY_S * k, &change.map(|x| x as f32), &own.map(|x| x as f32));
         }
-        let single = single.verdict(&usual.map(|x| x as f32));
+        let single = single.verdict(&usual.map(|x| x as f32), &TUNING);
         for (single, double) in single.probability.iter().zip(found.probability) {
             assert!((f64::from(*single) - double).abs() < 1e-3 * double + 1e-12, "{single} {double}");
         }
@@ -122,12 +124,7 @@ fn sums_say_what_all_days_side_by_side_say() {
 }
 
 /// A car's usual load and the day's, its noise, and what a loss adds; the day on which a day alone names a wheel, and that on which days do.
-fn first_named(
-    random: &mut Random,
-    beta: f64,
-    leak_per_day: f64,
-    wheel: usize,
-) -> [Option<(usize, bool)>; 2] {
+fn first_named(random: &mut Random, leak_per_day: f64, wheel: usize) -> [Option<(usize, bool)>; 2] {
     let draw = |random: &mut Random, part: f64| {
         let load = LoadUncertainty::<f64>::unknown();
         let [a, b, c] = [0.0; 3].map(|_: f64| part.sqrt() * random.normal());
@@ -137,7 +134,7 @@ fn first_named(
     let calibration = [0.01, 0.0, 0.02, 0.0, 0.0, 0.05f64];
     let error = [0, 2, 5].map(|i| calibration[i].sqrt() * random.normal());
     let mut usual = calibration;
-    add_load(&mut usual, &LoadUncertainty::unknown(), 0.5);
+    add_load(&mut usual, &config(), 0.5);
     let mut days = RadiusDays::<f64>::since(BEGAN_S);
     // 13 000 km a year, by which tires wear otherwise.
     let wear = SEEN.map(|_| 0.0043 * random.normal());
@@ -145,28 +142,25 @@ fn first_named(
     for k in 1..=56usize {
         let own = [0.03, 0.0, 0.05, 0.0, 0.0, 0.2f64];
         let (load, by_itself) = (draw(random, 0.5), SEEN.map(|_| 0.1 * random.normal()));
-        let lost = 1e3 * beta * k as f64 * (1.0 - leak_per_day).ln();
+        let lost = 7.0 * k as f64 * (1.0 - leak_per_day).ln();
         let change: [f64; 3] = core::array::from_fn(|i| {
-            let radii: f64 = SEEN
-                .iter()
-                .zip(by_itself)
-                .zip(wear)
-                .map(|((seen, x), wear)| seen[i] * (x + wear * k as f64))
-                .sum();
+            let radii: f64 =
+                (0..4).map(|wheel| SEEN[wheel][i] * (by_itself[wheel] + wear[wheel] * k as f64)).sum();
             let noise = own[[0, 2, 5][i]].sqrt() * random.normal();
             usual_load[i] + load[i] + error[i] + radii + noise + SEEN[wheel][i] * lost
         });
         let mut covariance = own;
-        add_load(&mut covariance, &LoadUncertainty::unknown(), 0.5);
+        add_load(&mut covariance, &config(), 0.5);
         add_radii(&mut covariance, 0.1);
         assert!(days.see(BEGAN_S + DAY_S * k as f64, &change, &covariance));
-        let (by_days, probability) = days.verdict(&usual).likeliest();
+        let (by_days, probability) = days.verdict(&usual, &TUNING).likeliest();
         if probability > 0.99 {
             named[1] = named[1].or(Some((k, by_days.index() == wheel)));
         }
         let mut alone = core::array::from_fn(|i| own[i] + calibration[i]);
-        add_load(&mut alone, &LoadUncertainty::unknown(), 1.0);
-        let day = Decision::of(&change, &alone, Since::Ever, 1.56, &TorsionEvidence::BLANK, UNEXPLAINED);
+        add_load(&mut alone, &config(), 1.0);
+        let (unseen, unexplained) = (TorsionEvidence::BLANK, DECISION.unexplained);
+        let day = Decision::of(&change, &alone, Since::Ever, &unseen, unexplained, &config());
         if let Some(found) = (0..4).find(|wheel| day.sets.low(Corner::ALL[*wheel]) > 0.99) {
             named[0] = named[0].or(Some((k, found == wheel)));
         }
@@ -177,7 +171,7 @@ fn first_named(
 #[test]
 fn no_healthy_car_is_named_in_eight_weeks() {
     let mut random = Random(11);
-    let named = (0..40).filter(|_| first_named(&mut random, 0.007, 0.0, 0)[1].is_some()).count();
+    let named = (0..40).filter(|_| first_named(&mut random, 0.0, 0)[1].is_some()).count();
     assert_eq!(named, 0);
 }
 
@@ -187,7 +181,7 @@ fn slow_leaks_are_named_before_a_day_alone_names_them() {
     for (leak_per_day, share_named) in [(0.005, 0.8), (0.01, 0.95)] {
         let (mut alone, mut by_days, mut right) = (0, 0, 0);
         for car in 0..40 {
-            let [day, days] = first_named(&mut random, 0.007, leak_per_day, car % 4);
+            let [day, days] = first_named(&mut random, leak_per_day, car % 4);
             let weeks = |named: Option<(usize, bool)>| named.map_or(57, |(k, _)| k);
             (alone, by_days) = (alone + weeks(day), by_days + weeks(days));
             right += usize::from(days.is_some_and(|(_, right)| right));

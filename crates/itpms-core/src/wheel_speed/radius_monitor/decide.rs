@@ -10,20 +10,17 @@ use crate::wheel_speed::block::{BLOCK_S, Block};
 use crate::wheel_speed::calibration::RadiusCalibration;
 use crate::wheel_speed::days::{DAY_S, RadiusDay, RadiusDays, SlowLeak};
 use crate::wheel_speed::hypotheses::{
-    Decision, FIFTH, FINE_DRIVING_SD, PLACES, Triangle, add_load, add_radii, all_would_be_found, least_found,
+    Decision, PLACES, Triangle, add_load, add_radii, all_would_be_found, least_found,
 };
 use crate::wheel_speed::report::{RadiusState, Unseen};
-use crate::wheel_speed::state::{CHANGE, OFFSET, SCALE};
-
-/// By how much larger than what prior and threshold ask for a loss while driving is that is found in half of the drives.
-const DRIVING_MARGIN: f64 = 1.25;
+use crate::wheel_speed::state::{CHANGE, OFFSET};
 
 impl<T: Real> RadiusMonitor<T> {
     /// Goes on with what the days since the calibration have shown.
     pub(crate) fn load_days(&mut self, days: &RadiusDays<T>) {
         self.days = *days;
         self.slow_leak = match self.calibration.as_ref() {
-            Some(calibration) => days.verdict(&self.usual(calibration)),
+            Some(calibration) => days.verdict(&self.usual(calibration), self.config.tuning()),
             None => SlowLeak::BLANK,
         };
     }
@@ -33,7 +30,7 @@ impl<T: Real> RadiusMonitor<T> {
         let unix_s = self.days.calibrated_unix_s + DAY_S * day.day.to_f64();
         let counts = self.days.see(unix_s, &day.change_1e3, &day.covariance_1e6);
         if let Some(calibration) = self.calibration.as_ref().filter(|_| counts) {
-            self.slow_leak = self.days.verdict(&self.usual(calibration));
+            self.slow_leak = self.days.verdict(&self.usual(calibration), self.config.tuning());
         }
         counts
     }
@@ -42,7 +39,7 @@ impl<T: Real> RadiusMonitor<T> {
     /// usual one, half the day's.
     fn usual(&self, calibration: &RadiusCalibration<T>) -> Triangle<T> {
         let mut usual = PLACES.map(|(i, j)| calibration.covariance_1e6[i][j]);
-        add_load(&mut usual, &self.config.load, 0.5);
+        add_load(&mut usual, &self.config, 0.5);
         usual
     }
 
@@ -74,7 +71,7 @@ impl<T: Real> RadiusMonitor<T> {
         let (change, mut covariance) = self.now(calibration);
         covariance.iter_mut().zip(PLACES).for_each(|(sum, (i, j))| *sum += calibration.covariance_1e6[i][j]);
         if self.loads_may_differ {
-            add_load(&mut covariance, &self.config.load, 1.0);
+            add_load(&mut covariance, &self.config, 1.0);
         }
         Some((change, covariance))
     }
@@ -95,38 +92,44 @@ impl<T: Real> RadiusMonitor<T> {
         let Some(calibration) = self.calibration.as_ref().filter(|_| self.began_anew) else { return };
         let (change, mut covariance) = self.now(calibration);
         let usual = self.usual(calibration);
-        add_load(&mut covariance, &self.config.load, 0.5);
-        add_radii(&mut covariance, FINE_DRIVING_SD);
+        let tuning = self.config.tuning();
+        let [fine_driving_sd, _] = tuning.fine_sd;
+        add_load(&mut covariance, &self.config, 0.5);
+        add_radii(&mut covariance, fine_driving_sd);
         if self.days.see(self.clock_began_unix_s + self.report.time_s, &change, &covariance) {
-            self.slow_leak = self.days.verdict(&usual);
+            self.slow_leak = self.days.verdict(&usual, tuning);
         }
     }
 
     /// Loads move at a stop only, so a loss while the car drove is separable from them: of the changes in this drive and since the calibration
     /// the one with more evidence for a loss counts.
     pub(super) fn decide(&mut self, block: &Block<T>) {
-        let per_ln = T::lit(SCALE) * self.config.radius_per_ln_pressure;
-        let fifth = T::lit(FIFTH) * per_ln;
+        let tuning = self.config.tuning();
         let (change, [covariance, offsets]) = self.driving();
         let since = self.since_calibration();
         let nothing = TorsionEvidence::BLANK;
         let torsion = if since.is_some() { &nothing } else { &self.torsion };
-        let unexplained = self.report.unexplained();
-        let mut decision = Decision::of(&change, &covariance, Since::Beginning, fifth, torsion, unexplained);
+        let unexplained = self.report.unexplained(tuning);
+        let mut decision =
+            Decision::of(&change, &covariance, Since::Beginning, torsion, unexplained, &self.config);
         let mut differ = (change, covariance);
         let least: [T; 4];
         if let Some((change, covariance)) = since {
-            let across = Decision::of(&change, &covariance, Since::Ever, fifth, &self.torsion, unexplained);
+            let across =
+                Decision::of(&change, &covariance, Since::Ever, &self.torsion, unexplained, &self.config);
             if !(decision.sets.any_low() > across.sets.any_low()) {
                 decision = across;
             }
             differ = (change, covariance);
-            least = core::array::from_fn(|i| least_found(i, &covariance, Since::Ever, per_ln, &self.torsion));
+            least = core::array::from_fn(|i| {
+                least_found(i, &covariance, Since::Ever, &self.torsion, &self.config)
+            });
         } else {
             // That radii have not moved is believed without any sample; what moves one stands out from how well its offset is known.
             let noise = core::array::from_fn(|i| covariance[i] + offsets[i]);
             least = core::array::from_fn(|i| {
-                T::lit(DRIVING_MARGIN) * least_found(i, &noise, Since::Beginning, per_ln, &self.torsion)
+                T::lit(tuning.driving_margin)
+                    * least_found(i, &noise, Since::Beginning, &self.torsion, &self.config)
             });
         }
         self.report.unseen = Unseen {
@@ -136,12 +139,12 @@ impl<T: Real> RadiusMonitor<T> {
             hidden_by_torque: hidden(block),
             slippery: false,
         };
-        self.report.drive_on(self.filter.is_slippery(), T::lit(BLOCK_S));
+        self.report.drive_on(self.filter.is_slippery(), T::lit(BLOCK_S), tuning);
         self.report.differ(&differ.0, &differ.1);
         if !self.report.unseen.slippery {
             self.note_day();
         }
-        if self.following.is_doubtful() {
+        if self.following.is_doubtful(tuning) {
             // Nothing is reported of a loss that may be none; nor is any tire known to be fine.
             self.report.forget(RadiusState::Uninformed);
             return;

@@ -102,15 +102,13 @@ impl Drive {
             let speed = v * (ratio[i] - self.radius[i] + noise[i]).exp();
             T::lit((speed / self.step_m_s).round() * self.step_m_s)
         });
+        // A sensor of 0.004 rad/s with an offset.
+        let measured = self.yaw_gain * yaw + 0.006 + 1e-3 * self.random.normal();
         let sent = |known: bool, value: f64| T::lit(if known { value } else { f64::NAN });
         WheelSpeedSample {
             time_s: self.time_s,
             wheel_speed_m_s,
-            // A sensor of 0.004 rad/s with an offset.
-            yaw_rate_rad_s: sent(
-                self.yaw_rate,
-                ((self.yaw_gain * yaw + 0.006 + 1e-3 * self.random.normal()) / 4e-3).round() * 4e-3,
-            ),
+            yaw_rate_rad_s: sent(self.yaw_rate, (measured / 4e-3).round() * 4e-3),
             accel_x_m_s2: sent(self.accel_x, accel + 9.81 * self.grade + 0.03),
             accel_y_m_s2: T::lit(f64::NAN),
             brake: None,

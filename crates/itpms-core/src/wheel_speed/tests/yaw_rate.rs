@@ -51,12 +51,7 @@ fn a_good_yaw_rate_is_kept_through_junctions() {
             let speed = |i: usize, v: f64| (v * (-OFFSETS[i]).exp()) as f32;
             monitor.update(&WheelSpeedSample {
                 time_s,
-                wheel_speed_m_s: [
-                    speed(0, front[0]),
-                    speed(1, front[1]),
-                    speed(2, rear[0]),
-                    speed(3, rear[1]),
-                ],
+                wheel_speed_m_s: core::array::from_fn(|i| speed(i, [front, rear].as_flattened()[i])),
                 yaw_rate_rad_s: (yaw + bias_rad_s) as f32,
                 accel_x_m_s2: 0.0,
                 accel_y_m_s2: f32::NAN,
