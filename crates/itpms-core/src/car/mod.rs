@@ -318,21 +318,23 @@ impl<T: Real> CarEstimator<T> {
         if let Some(fusion) = self.fusion.as_mut() {
             fusion.drive(time_s, speed_m_s);
         }
-        let has_other_work = is_taken
-            || match self.fusion.as_ref() {
-                Some(fusion) if !fusion.is_at_rest() => fusion.is_large_next(),
-                _ => self.body_equation.is_learning() || self.is_measuring_next(),
-            };
-        let (is_fast, turn) = (self.conclude_every > 1, self.turn);
+        let is_fast = self.fusion.as_ref().is_some_and(Fusion::is_fast);
+        let concludes_next = self.conclude_in <= self.conclude_every && (!is_fast || self.has_measurement());
+        let has_other_work = match self.fusion.as_ref() {
+            _ if is_taken && is_fast => true,
+            Some(fusion) if !fusion.is_at_rest() => fusion.is_large_next(),
+            _ => self.body_equation.is_learning() || concludes_next,
+        };
+        let turn = self.turn;
         self.turn = turn.other();
         let mut corners_work = false;
         for corner in Corner::ALL {
             let estimator = self.corners[corner].as_mut();
             let (Some(estimator), Some(values)) = (estimator, &sample.corners[corner]) else { continue };
-            let pace = match is_fast {
-                true if has_other_work => Pace::Waits,
-                true if self.fusion.as_ref().is_some() && corner.side() != turn => Pace::Yields,
-                _ => Pace::Works,
+            let pace = match has_other_work && self.conclude_every > 1 {
+                true => Pace::Waits,
+                false if is_fast && corner.side() != turn => Pace::Yields,
+                false => Pace::Works,
             };
             let before = estimator.units_done();
             match self.fusion.as_mut() {
@@ -347,10 +349,9 @@ impl<T: Real> CarEstimator<T> {
         corners_work
     }
 
-    /// Whether the next conclusion may be drawn with this sample, and has a corner's own measurement to make.
-    fn is_measuring_next(&self) -> bool {
-        self.conclude_in <= self.conclude_every
-            && self.corners.iter().flatten().any(CornerEstimator::has_pseudo_measurement)
+    /// Whether a corner's own measurement is to be made with the next conclusion.
+    fn has_measurement(&self) -> bool {
+        self.corners.iter().flatten().any(CornerEstimator::has_pseudo_measurement)
     }
 
     /// Identifies the struts and the body that they carry; true if there was something to do.

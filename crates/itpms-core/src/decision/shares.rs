@@ -36,8 +36,9 @@ pub(crate) struct Shares<T: Real> {
 impl<T: Real> Shares<T> {
     /// Of each tire what it lacks and the sd of that, if something is known of it, and the correlation of the errors.
     pub(crate) fn new(lacking: &[Option<[T; 2]>; 4], correlation: &[[T; 4]; 4]) -> Self {
-        let known =
-            |i: usize| lacking.get(i).copied().flatten().filter(|[less, sd]| (*less + *sd).is_finite());
+        let nothing = [T::lit(f64::NAN); 2];
+        let lacking = lacking.map(|lacking| lacking.unwrap_or(nothing));
+        let known = |i: usize| lacking.get(i).copied().filter(|[less, sd]| (*less + *sd).is_finite());
         let covariance = Matrix4::from_fn(|i, j| match (known(i), known(j)) {
             (Some([_, a]), Some([_, b])) => correlation[i][j] * a * b,
             _ if i == j => T::lit(UNKNOWN),

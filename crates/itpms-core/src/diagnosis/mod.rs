@@ -132,7 +132,8 @@ impl<T: Real> Diagnosis<T> {
         }
         self.last_s = time_s;
         if !(step_s < PAUSE_S) {
-            self.begin_block(time_s);
+            // Blocks end a sample after pressures are weighed: both are much work.
+            self.begin_block(time_s + self.period_s);
             self.calm_blocks = 0;
             self.slowest_m_s = speed_m_s;
         }

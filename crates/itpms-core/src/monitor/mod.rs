@@ -228,10 +228,9 @@ impl<T: Real> Monitor<T> {
         core::mem::replace(&mut self.rollback_requested, Wheels::NONE)
     }
 
-    /// Whether it weighs the pressures with this sample: not where the sensors have just been judged, as either is much work.
+    /// Whether it weighs the pressures with this sample.
     fn decides_at(&self, at: &Moment<T>) -> bool {
-        let is_due = at.now_s - self.decided_s >= DECIDE_S - 1e-9;
-        is_due && at.time_s.is_some() && !self.has_judged_sensors
+        at.time_s.is_some() && at.now_s - self.decided_s >= DECIDE_S - 1e-9
     }
 
     /// Whether this sample is much work for the monitor, one way or the other.

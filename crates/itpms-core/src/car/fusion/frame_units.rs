@@ -111,11 +111,6 @@ impl<T: Real> FrameQueue<T> {
         }
         due
     }
-
-    /// Whether a sample's time is that of a unit.
-    fn is_fast(&self) -> bool {
-        self.unit_s >= FAST_UNIT_S
-    }
 }
 
 impl<T: Real> Fusion<T> {
@@ -123,7 +118,7 @@ impl<T: Real> Fusion<T> {
     /// the next one if this one `is_taken`; where they come slowly a sample has the time of several.
     #[inline(never)]
     pub(in crate::car) fn work_on(&mut self, time_s: f64, is_taken: bool) -> bool {
-        let is_fast = self.queue.is_fast();
+        let is_fast = self.is_fast();
         let mut has_room = !(is_fast && is_taken);
         while self.queue.is_due(time_s) {
             if has_room {
@@ -132,6 +127,11 @@ impl<T: Real> Fusion<T> {
             has_room &= !is_fast;
         }
         has_room && self.is_at_rest()
+    }
+
+    /// Whether a sample has the time of one unit only.
+    pub(in crate::car) fn is_fast(&self) -> bool {
+        self.queue.unit_s >= FAST_UNIT_S
     }
 
     pub(in crate::car) fn is_large_next(&self) -> bool {
