@@ -27,7 +27,7 @@ FORMATS = ("crates/itpms-mdf4", "crates/itpms-can-log", "crates/itpms-opencrg", 
 LABORATORY = ("lab/", "crates/itpms-sim", "crates/itpms-paper")
 # House, ceiling in lines, goal in lines. The core is a part of the product.
 HOUSES = [
-    ("core, with its tests", 35_410, 26_000),
+    ("core, with its tests", 35_400, 26_000),
     ("product, with the core", 122_840, 92_000),
     ("formats", 16_270, 16_000),
     ("laboratory", 37_090, 34_000),
@@ -35,7 +35,7 @@ HOUSES = [
 ]
 # Constants of the core that are numbers to choose, not sizes or names, and fields of its tables that can be set, at most.
 CHOSEN = 366
-SETTABLE = 148
+SETTABLE = 149
 SIZES = "sizes, indices, layouts, names"
 CLASSES = {
     "physics, numerics": ("model", "real", "cholesky", "memory"),

@@ -139,7 +139,7 @@ impl<T: Real> WheelGains<T> {
     }
 
     fn judge(&mut self, [time_s, step_s]: [f64; 2], tuning: &Tuning) {
-        let (enough, doubt) = (T::lit(tuning.cusum), T::lit(tuning.cusum * tuning.cusum_suspected));
+        let (enough, doubt) = (T::lit(tuning.cusum), T::lit(tuning.cusum * tuning.gain_suspected));
         let mut suspected = Wheels::NONE;
         for i in Corner::ALL {
             let [[more, slow_more, _], [less, slow_less, _]] =
@@ -306,7 +306,7 @@ mod tests {
             let mut car = Car::that_has_driven(60.0);
             let [strut, slow, hop] = per_block(factor.ln().abs());
             let suspected_s = car.until(60.0, |_| gain(factor), Car::is_suspect).unwrap();
-            let expected_s = BLOCK_S * (TUNING.cusum_suspected * TUNING.cusum / strut).ceil();
+            let expected_s = BLOCK_S * (TUNING.gain_suspected * TUNING.cusum / strut).ceil();
             // Until then the usual, a mean of 120 blocks, follows by a tenth.
             assert!((expected_s..1.2 * expected_s).contains(&suspected_s), "{factor}: {suspected_s} s");
             assert_eq!(car.gains.suspected(), Corner::FrontRight.into());
@@ -331,7 +331,7 @@ mod tests {
         let mut car = Car { gains: WheelGains::new(), time_s: 0.0 };
         let doubted_s = car.until(60.0, |_| gain(0.75), Car::is_pending).unwrap();
         let [_, slow, _] = per_block(0.75_f64.ln().abs());
-        assert_eq!(doubted_s, BLOCK_S * (TUNING.cusum_suspected * TUNING.cusum / slow).ceil());
+        assert_eq!(doubted_s, BLOCK_S * (TUNING.gain_suspected * TUNING.cusum / slow).ceil());
         let reported_s = doubted_s + car.until(60.0, |_| gain(0.75), Car::is_suspect).unwrap();
         assert_eq!(reported_s, BLOCK_S * (TUNING.cusum / slow).ceil());
         assert_eq!(car.gains.fault().unwrap().since_s, doubted_s);
