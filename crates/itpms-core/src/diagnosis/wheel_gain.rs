@@ -139,7 +139,8 @@ impl<T: Real> WheelGains<T> {
     }
 
     fn judge(&mut self, [time_s, step_s]: [f64; 2], tuning: &Tuning) {
-        let (enough, doubt) = (T::lit(tuning.cusum), T::lit(tuning.cusum * tuning.gain_suspected));
+        let [enough, doubt, suspect] =
+            [1.0, tuning.cusum_suspected, tuning.gain_suspected].map(|share| T::lit(tuning.cusum * share));
         let mut suspected = Wheels::NONE;
         for i in Corner::ALL {
             let [[more, slow_more, _], [less, slow_less, _]] =
@@ -148,7 +149,7 @@ impl<T: Real> WheelGains<T> {
             if !(strut > T::zero()) {
                 self.strut_since_s[i] = time_s;
             }
-            if strut >= doubt || (strut > T::zero() && self.suspected.contains(i)) {
+            if strut >= suspect || (strut > T::zero() && self.suspected.contains(i)) {
                 suspected = suspected | i.into();
             }
             let is_pending = strut >= doubt || slow >= doubt || self.of_side(i) >= enough;
@@ -331,7 +332,7 @@ mod tests {
         let mut car = Car { gains: WheelGains::new(), time_s: 0.0 };
         let doubted_s = car.until(60.0, |_| gain(0.75), Car::is_pending).unwrap();
         let [_, slow, _] = per_block(0.75_f64.ln().abs());
-        assert_eq!(doubted_s, BLOCK_S * (TUNING.gain_suspected * TUNING.cusum / slow).ceil());
+        assert_eq!(doubted_s, BLOCK_S * (TUNING.cusum_suspected * TUNING.cusum / slow).ceil());
         let reported_s = doubted_s + car.until(60.0, |_| gain(0.75), Car::is_suspect).unwrap();
         assert_eq!(reported_s, BLOCK_S * (TUNING.cusum / slow).ceil());
         assert_eq!(car.gains.fault().unwrap().since_s, doubted_s);
