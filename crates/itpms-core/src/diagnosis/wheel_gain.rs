@@ -104,7 +104,7 @@ impl<T: Real> WheelGains<T> {
         }
     }
 
-    /// Adds for every pair of corners the log-likelihood ratio of one reading more by the least gain to both reading alike. Half of what a tire does
+    /// Adds for every pair of corners the log-likelihood ratio of one reading more by the least gain to both reading alike. Twice what a tire does
     /// to the square of its hop frequency it may do to strut over body.
     fn weigh(&mut self, witness: usize, logs: [T; 4], tuning: &Tuning) {
         let Some((sums, sd)) = self.sums.get_mut(witness).zip(tuning.gain_sd.get(witness)) else { return };
@@ -113,8 +113,11 @@ impl<T: Real> WheelGains<T> {
         let outlier = T::lit(tuning.gain_outlier) * sd;
         for (i, j) in pairs() {
             let size = if reported.contains(i) || reported.contains(j) { self.size } else { least };
-            let by_tire =
-                if witness == 0 { (self.hop_shift[i] - self.hop_shift[j]).abs() } else { T::zero() };
+            let by_tire = if witness == 0 {
+                T::lit(2.0) * (self.hop_shift[i] - self.hop_shift[j]).abs()
+            } else {
+                T::zero()
+            };
             let more = (logs[i] - logs[j]).clamp(-outlier, outlier) - by_tire - T::lit(0.5) * size;
             sums[i][j] = (sums[i][j] + size * more / (sd * sd)).clamp(T::zero(), most);
         }
