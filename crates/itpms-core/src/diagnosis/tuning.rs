@@ -117,8 +117,8 @@ crate::tuning::tuning! {
         gain_least: f64 = 0.2,
         /// Standard deviations in a block of what two corners differ by: logs of strut over body, of the slow band, and of hop.
         gain_sd: [f64; 3] = [0.36, 0.45, 0.4],
-        /// Share of the sum from which the corner is not learned from: a tire that loses its air within a second reaches a quarter of it.
-        gain_suspected: f64 = 0.35,
+        /// Blocks of the mean of hop by which a tire explains strut over body: few, as a tire may lose its air at once.
+        gain_hop_blocks: f64 = 3.0,
         /// The most of them that a block counts: a hole under one wheel makes two of a single block.
         gain_outlier: f64 = 2.0,
         /// Share of the gain reported that is looked for from then on: the least of it is left at half of that.

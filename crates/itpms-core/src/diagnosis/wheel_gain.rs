@@ -17,8 +17,9 @@ use crate::real::Real;
 #[derive(Debug, Clone, PartialEq, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct WheelGains<T: Real> {
-    /// How much more one corner reads than another, summed: log-likelihood ratios of strut over body, slow band and hop.
-    sums: [[[T; 4]; 4]; 3],
+    /// How much more one corner reads than another, summed: log-likelihood ratios of strut over body, slow band and hop, the first less what
+    /// the tire of the one explains; and of the first, less what that of the other explains.
+    sums: [[[T; 4]; 4]; 4],
     /// Logs of strut over body, halved, and of wheel over strut, nearly the square of the hop frequency: the mean of so many blocks.
     usual: [[T; 4]; 2],
     usual_blocks: u32,
@@ -53,7 +54,7 @@ impl<T: Real> WheelGains<T> {
     /// Drops what is only suspected.
     pub(crate) fn drop_suspicions(&mut self) {
         if self.fault.get().is_none() {
-            self.sums = [[[T::zero(); 4]; 4]; 3];
+            self.sums = [[[T::zero(); 4]; 4]; 4];
             (self.suspected, self.lasted_s, self.pending_since_s) = (Wheels::NONE, 0.0, [f64::NAN; 4]);
         }
     }
@@ -75,11 +76,14 @@ impl<T: Real> WheelGains<T> {
         let less = |logs: [T; 4], usual: [T; 4]| Corner::ALL.map(|i| logs[i] - usual[i]);
         let (strut, hop) = (less(strut, usual_strut), less(hop, usual_hop));
         if self.usual_blocks >= tuning.gain_known_blocks {
-            let share = T::lit(1.0 / tuning.hop_blocks);
+            let share = T::lit(1.0 / tuning.gain_hop_blocks);
             for (shift, hop) in self.hop_shift.iter_mut().zip(hop) {
                 *shift += share * (hop - *shift);
             }
-            self.weigh(0, strut, tuning);
+            let usual = median(&mut self.hop_shift.clone());
+            let by_tire = self.hop_shift.map(|shift| shift - usual);
+            self.weigh(0, strut, by_tire, tuning);
+            self.weigh(3, strut, by_tire, tuning);
         }
         let slow = [0, 1, 2, 3].map(|i| half * log(block.slow[4 + i], block.slow[i]));
         if settled && has_slow && slow.iter().all(|log| log.is_finite()) {
@@ -89,10 +93,10 @@ impl<T: Real> WheelGains<T> {
             for (mean, slow) in self.slow.iter_mut().zip(slow) {
                 *mean += share * (slow - usual - *mean);
             }
-            self.weigh(1, slow, tuning);
+            self.weigh(1, slow, [T::zero(); 4], tuning);
         }
         if settled {
-            self.weigh(2, block.wheel_hop.map(|power| half * power.ln()), tuning);
+            self.weigh(2, block.wheel_hop.map(|power| half * power.ln()), [T::zero(); 4], tuning);
         }
         self.judge(at, tuning);
         if self.suspected == Wheels::NONE && self.fault.get().is_none() {
@@ -104,20 +108,17 @@ impl<T: Real> WheelGains<T> {
         }
     }
 
-    /// Adds for every pair of corners the log-likelihood ratio of one reading more by the least gain to both reading alike. Twice what a tire does
-    /// to the square of its hop frequency it may do to strut over body.
-    fn weigh(&mut self, witness: usize, logs: [T; 4], tuning: &Tuning) {
-        let Some((sums, sd)) = self.sums.get_mut(witness).zip(tuning.gain_sd.get(witness)) else { return };
+    /// Adds for every pair of corners the log-likelihood ratio of one reading more by the least gain to both reading alike. By as much as the square of
+    /// its hop frequency falls, a tire that loses air makes its corner read less, and more as it rises: rows 0 and 3 ask the tire of the one that
+    /// would be wrong.
+    fn weigh(&mut self, row: usize, logs: [T; 4], by_tire: [T; 4], tuning: &Tuning) {
+        let Some((sums, sd)) = self.sums.get_mut(row).zip(tuning.gain_sd.get(row % 3)) else { return };
         let (sd, least, most) = (T::lit(*sd), T::lit(tuning.gain_least), T::lit(tuning.cusum));
         let reported = self.fault.get().map(|fault| fault.malfunction.wheels()).unwrap_or(Wheels::NONE);
         let outlier = T::lit(tuning.gain_outlier) * sd;
         for (i, j) in pairs() {
             let size = if reported.contains(i) || reported.contains(j) { self.size } else { least };
-            let by_tire = if witness == 0 {
-                T::lit(2.0) * (self.hop_shift[i] - self.hop_shift[j]).abs()
-            } else {
-                T::zero()
-            };
+            let by_tire = if row == 3 { -by_tire[j] } else { by_tire[i] }.max(T::zero());
             let more = (logs[i] - logs[j]).clamp(-outlier, outlier) - by_tire - T::lit(0.5) * size;
             sums[i][j] = (sums[i][j] + size * more / (sd * sd)).clamp(T::zero(), most);
         }
@@ -125,7 +126,8 @@ impl<T: Real> WheelGains<T> {
 
     /// What the witnesses have against a corner that reads more than every other one, or less.
     fn against(&self, corner: Corner, more: bool) -> [T; 3] {
-        self.sums.each_ref().map(|sums| {
+        let [strut_more, slow, hop, strut_less] = &self.sums;
+        [if more { strut_more } else { strut_less }, slow, hop].map(|sums| {
             let others =
                 corner.others().map(|other| if more { sums[corner][other] } else { sums[other][corner] });
             others.into_iter().fold(others[0], |least, other| least.min(other))
@@ -142,8 +144,7 @@ impl<T: Real> WheelGains<T> {
     }
 
     fn judge(&mut self, [time_s, step_s]: [f64; 2], tuning: &Tuning) {
-        let [enough, doubt, suspect] =
-            [1.0, tuning.cusum_suspected, tuning.gain_suspected].map(|share| T::lit(tuning.cusum * share));
+        let [enough, doubt] = [1.0, tuning.cusum_suspected].map(|share| T::lit(tuning.cusum * share));
         let mut suspected = Wheels::NONE;
         for i in Corner::ALL {
             let [[more, slow_more, _], [less, slow_less, _]] =
@@ -152,7 +153,7 @@ impl<T: Real> WheelGains<T> {
             if !(strut > T::zero()) {
                 self.strut_since_s[i] = time_s;
             }
-            if strut >= suspect || (strut > T::zero() && self.suspected.contains(i)) {
+            if strut >= doubt || (strut > T::zero() && self.suspected.contains(i)) {
                 suspected = suspected | i.into();
             }
             let is_pending = strut >= doubt || slow >= doubt || self.of_side(i) >= enough;
@@ -178,7 +179,7 @@ impl<T: Real> WheelGains<T> {
 
     /// What the slow band has against both wheels of a side.
     fn of_side(&self, i: Corner) -> T {
-        let [_, slow, _] = &self.sums;
+        let slow = &self.sums[1];
         let [[a, b], [c, d]] = [i, i.same_side()].map(|i| [i, i.same_axle()]);
         slow[a][b].min(slow[c][d]).max(slow[b][a].min(slow[d][c]))
     }
@@ -310,7 +311,7 @@ mod tests {
             let mut car = Car::that_has_driven(60.0);
             let [strut, slow, hop] = per_block(factor.ln().abs());
             let suspected_s = car.until(60.0, |_| gain(factor), Car::is_suspect).unwrap();
-            let expected_s = BLOCK_S * (TUNING.gain_suspected * TUNING.cusum / strut).ceil();
+            let expected_s = BLOCK_S * (TUNING.cusum_suspected * TUNING.cusum / strut).ceil();
             // Until then the usual, a mean of 120 blocks, follows by a tenth.
             assert!((expected_s..1.2 * expected_s).contains(&suspected_s), "{factor}: {suspected_s} s");
             assert_eq!(car.gains.suspected(), Corner::FrontRight.into());
@@ -349,8 +350,8 @@ mod tests {
             Drive { hop_shift: front_right(-0.8), ..BASELINE },
             Drive { slow: front_right(-0.4), ..BASELINE },
             Drive { masses: [1.0, 1.4, 1.0, 1.0], ..BASELINE },
-            // What a tire that falls from 250 to 190 kPa makes.
-            Drive { masses: [1.0, 1.25, 1.0, 1.0], hop_shift: front_right(-0.25), ..BASELINE },
+            // What a tire that falls from 240 to 140 kPa makes.
+            Drive { masses: [1.0, 0.75, 1.0, 1.0], hop_shift: front_right(-0.2), ..BASELINE },
             // Roads of one side, loads and roads of one axle.
             Drive { rough: [1.0, 10.0, 1.0, 10.0], slow: [0.0, 0.4, 0.0, 0.4], ..BASELINE },
             Drive { masses: [1.0, 1.0, 1.4, 1.4], rough: [1.0, 1.0, 2.0, 2.0], ..BASELINE },
@@ -366,7 +367,7 @@ mod tests {
         let mut car = Car::that_has_driven(60.0);
         let holes = |i| Drive { rough: [0, 1, 2, 3].map(|wheel| hole(i, wheel)), ..BASELINE };
         assert!(car.until(300.0, holes, Car::is_suspect).is_none());
-        let flat = Drive { masses: [1.25, 1.0, 1.0, 1.0], hop_shift: [-0.4, 0.0, 0.0, 0.0], ..BASELINE };
+        let flat = Drive { masses: [0.75, 1.0, 1.0, 1.0], hop_shift: [-0.2, 0.0, 0.0, 0.0], ..BASELINE };
         assert!(car.until(300.0, |_| flat, Car::is_suspect).is_none());
         let side = Drive { rough: [10.0, 1.0, 10.0, 1.0], ..BASELINE };
         assert!(car.until(300.0, |_| side, Car::is_suspect).is_none());

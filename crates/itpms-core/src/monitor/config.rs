@@ -29,7 +29,7 @@ pub struct MonitorConfig<T> {
     pub tuning: Tuning,
 }
 
-/// The tables of numbers by which a monitor works; wheel speeds have [their own](WheelSpeedConfig::tuning).
+/// The tables of numbers by which a monitor works; wheel speeds have [their own](crate::wheel_speed::Tuning).
 #[derive(Debug, Clone, Copy, PartialEq, Default, Blank)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Tuning {
