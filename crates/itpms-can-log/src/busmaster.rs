@@ -7,7 +7,7 @@ use itpms_files::Date;
 
 use super::digits::{self, Base};
 use super::frame::{CanFrame, CanId, Direction, FrameKind, Payload};
-use super::line_reader::{LineContent, LineFormat};
+use super::line_format::{LineContent, LineFormat};
 use super::lines::Words;
 
 pub(super) const BEGINNING: &[u8] = b"***BUSMASTER";

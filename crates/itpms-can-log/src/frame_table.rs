@@ -5,7 +5,7 @@ use base64::engine::general_purpose::STANDARD;
 
 use super::digits::{self, Base};
 use super::frame::{CanFrame, CanId, Direction, FrameKind, Payload};
-use super::line_reader::{LineContent, LineFormat};
+use super::line_format::{LineContent, LineFormat};
 
 const EXPECTED_ID: &str = "a hexadecimal identifier of 11 or 29 bits";
 const EXPECTED_DATA: &str = "a length and as many bytes";

@@ -27,8 +27,10 @@ mod digits;
 mod error;
 mod format;
 mod frame;
+mod frame_source;
 mod frame_table;
 mod interfaces;
+mod line_format;
 mod line_reader;
 mod lines;
 #[cfg(feature = "mdf4")]

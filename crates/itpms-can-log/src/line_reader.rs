@@ -1,32 +1,13 @@
 //! A text log of which each line is for itself, as frames. Called by `FrameReader` for the formats that are nothing more: PEAK's traces, tables of frames,
 //! BUSMASTER's logs.
 
-use std::fmt::Debug;
-
 use super::frame::CanFrame;
+use super::frame_source::FrameSource;
+use super::line_format::{LineContent, LineFormat};
 use super::lines::TextLines;
-use super::reader::FrameSource;
 use super::repairs::{FramePlace, FrameRepairs};
 use super::strange::StrangeLines;
 use crate::error::CanProblem;
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum LineContent {
-    /// Nothing that counts: blank, a comment, a part of the header.
-    Nothing,
-    /// Something that happened and is no frame.
-    Event,
-    Frame(CanFrame),
-}
-
-/// A format, with what the lines so far have stated of those that follow.
-pub(super) trait LineFormat: Debug + Send + Sync {
-    /// An example of a line.
-    const EXPECTED: &'static str;
-
-    /// The content of a line, or the expected content.
-    fn line(&mut self, text: &[u8]) -> Result<LineContent, &'static str>;
-}
 
 #[derive(Debug)]
 pub(super) struct LineReader<F> {

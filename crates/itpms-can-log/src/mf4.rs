@@ -9,7 +9,7 @@ use itpms_mdf4::Mdf4Reader;
 use itpms_mdf4::bus::{FrameCursor, FrameField, FrameGroupKind};
 
 use super::frame::{CanFrame, CanId, Direction, FrameKind, Payload, length_of_code};
-use super::reader::FrameSource;
+use super::frame_source::FrameSource;
 use super::repairs::{FramePlace, FrameRepairs};
 use super::writer::MOST_TIME_S;
 use crate::error::{CanError, CanProblem};

@@ -1,6 +1,5 @@
 //! Frames from a CAN log of any format. Called by the log reader and the commands; knows nothing of signals.
 
-use std::fmt::Debug;
 use std::path::{Path, PathBuf};
 
 use itpms_files::input;
@@ -11,8 +10,10 @@ use super::busmaster::{self, Busmaster};
 use super::candump::CandumpReader;
 use super::format::LogFormat;
 use super::frame::CanFrame;
+use super::frame_source::FrameSource;
 use super::frame_table::FrameTable;
-use super::line_reader::{LineFormat, LineReader};
+use super::line_format::LineFormat;
+use super::line_reader::LineReader;
 use super::lines::{TextLines, beginning};
 #[cfg(feature = "mdf4")]
 use super::mf4::Mf4Reader;
@@ -27,13 +28,6 @@ pub struct FrameReader {
     source: Box<dyn FrameSource>,
     repairs: FrameRepairs,
     is_over: bool,
-}
-
-/// A log of one format.
-pub(crate) trait FrameSource: Debug + Send + Sync {
-    fn next_frame(&mut self, repairs: &mut FrameRepairs) -> Result<Option<CanFrame>, CanProblem>;
-
-    fn progress(&self) -> f64;
 }
 
 impl FrameReader {

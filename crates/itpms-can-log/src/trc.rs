@@ -7,7 +7,7 @@
 
 use super::digits::{self, Base};
 use super::frame::{CanFrame, CanId, Direction, FrameKind, Payload, length_of_code};
-use super::line_reader::{LineContent, LineFormat};
+use super::line_format::{LineContent, LineFormat};
 use super::lines::Words;
 
 const EXPECTED_ID: &str = "an identifier of 4 hexadecimal digits (11 bits) or 8 (29 bits)";

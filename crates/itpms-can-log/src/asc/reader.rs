@@ -4,8 +4,8 @@ use super::parse::{AscLine, EXPECTED, Stamps, parse};
 use crate::digits::Base;
 use crate::error::CanProblem;
 use crate::frame::CanFrame;
+use crate::frame_source::FrameSource;
 use crate::lines::TextLines;
-use crate::reader::FrameSource;
 use crate::repairs::{FramePlace, FrameRepairs};
 use crate::strange::StrangeLines;
 

@@ -12,7 +12,7 @@ use super::object::{self, MOST_FRAME_BYTES, Object};
 use super::{BASE_HEADER, SIGNATURE};
 use crate::error::CanProblem;
 use crate::frame::CanFrame;
-use crate::reader::FrameSource;
+use crate::frame_source::FrameSource;
 use crate::repairs::{FramePlace, FrameRepairs};
 
 /// [`container::MOST_PADDING`] in memory.

@@ -6,9 +6,9 @@ use std::collections::VecDeque;
 use super::parse::{Clock, EXPECTED, LineProblem, parse};
 use crate::error::CanProblem;
 use crate::frame::CanFrame;
+use crate::frame_source::FrameSource;
 use crate::interfaces::Interfaces;
 use crate::lines::{TextLines, beginning};
-use crate::reader::FrameSource;
 use crate::repairs::{FramePlace, FrameRepairs};
 use crate::strange::StrangeLines;
 

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use super::echoes::Echoes;
+use super::feed::Feed;
 use super::first_frames::Frames;
-use super::signal_source::Feed;
 use super::stamps::{Fate, Strays};
 use crate::dbc::{Dbc, Decoder, candidates};
 use crate::error::{DataError, Problem};

@@ -11,7 +11,7 @@ use super::header::Header;
 use super::lines::Lines;
 use super::selection::Selection;
 use super::slot::{RawRow, SLOTS, Slot};
-use super::table::TableFormat;
+use super::table_format::TableFormat;
 use super::text_head::TextHead;
 use super::{clock_text, mapped};
 use crate::error::{DataError, Place, Problem};

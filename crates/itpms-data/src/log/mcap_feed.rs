@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use super::signal_source::Feed;
+use super::feed::Feed;
 use super::stamps::{Fate, Strays};
 use crate::error::{DataError, Problem};
 use crate::log::Slot;

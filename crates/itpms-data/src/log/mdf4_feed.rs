@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::path::Path;
 
-use super::signal_source::Feed;
+use super::feed::Feed;
 use super::slot::Slot;
 use super::stamps::{Fate, Strays};
 use crate::error::{DataError, Problem};

@@ -7,7 +7,7 @@ use super::header::Header;
 use super::mapped;
 use super::selection::Selection;
 use super::slot::{RawRow, SLOTS, Slot};
-use super::table::TableFormat;
+use super::table_format::TableFormat;
 use crate::error::{DataError, Place, Problem};
 use crate::signals::{Conversion, SignalMap};
 

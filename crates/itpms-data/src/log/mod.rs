@@ -37,6 +37,7 @@ mod dialect;
 #[cfg(feature = "can")]
 mod echoes;
 mod elsewhere;
+mod feed;
 #[cfg(feature = "can")]
 mod first_frames;
 mod format;
@@ -51,6 +52,7 @@ mod mcap_feed;
 mod mdf4_feed;
 mod memory_source;
 mod mixed;
+mod open;
 mod options;
 mod order;
 mod packed;
@@ -71,6 +73,7 @@ mod stamps;
 mod stand_in;
 mod survey;
 mod table;
+mod table_format;
 mod telling;
 mod text_head;
 mod twins;

@@ -6,7 +6,7 @@ use super::format::Format;
 use super::header::Header;
 use super::mapped;
 use super::slot::{RawRow, SLOTS, Slot};
-use super::table::TableFormat;
+use super::table_format::TableFormat;
 use crate::error::{DataError, Place, Problem};
 use crate::parquet_columns::{ParquetParts, Quantity};
 use crate::signals::SignalMap;

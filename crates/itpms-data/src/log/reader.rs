@@ -14,11 +14,10 @@ use super::repair::RepairReport;
 use super::row::{LogColumns, LogRow};
 use super::slot::{Field, SLOTS, Slot};
 use super::slow_speed::SlowSpeed;
-use super::source::{self, Source};
+use super::source::Source;
 use super::survey::{GAP_PERIODS, SURVEY_ROWS, Survey};
-use super::table::TableSource;
 use super::units::{self, UnitCheck};
-use super::{left_out, twins};
+use super::{left_out, open, twins};
 use crate::error::{DataError, Problem};
 use crate::signals::align::AlignmentReport;
 
@@ -70,7 +69,7 @@ impl LogReader {
 
     /// The same with what else there is to know.
     pub fn open_with(path: &Path, options: &LogOptions) -> Result<Self, DataError> {
-        let source = source::open(path, options)?;
+        let source = open::open(path, options)?;
         Self::of(path, source, options.units)
     }
 
@@ -85,7 +84,7 @@ impl LogReader {
     ) -> Result<Self, DataError> {
         let source =
             MemorySource::new(name, names, rows, pieces, options.any_map()?.as_ref(), &options.rows)?;
-        Self::of(name, source::of_table(Box::new(source)), options.units)
+        Self::of(name, open::of_table(Box::new(source)), options.units)
     }
 
     fn of(path: &Path, source: Box<dyn Source>, units: UnitCheck) -> Result<Self, DataError> {
@@ -242,7 +241,7 @@ impl LogReader {
     /// Of two recordings, with what tells them apart; of rows that come twice, with the parts that have them.
     fn with_way_out(&self, mut problem: Problem) -> Problem {
         if let Problem::TimeRepeats { repeated, rows, .. } = problem
-            && let Some((one, other)) = self.source.table().and_then(TableSource::overlap)
+            && let Some((one, other)) = self.source.table().and_then(|table| table.overlap())
         {
             return Problem::Refused(format!(
                 "{repeated} of the {rows} rows read have the time of another one, and the parts {one} and {other} have rows of the same time, \
@@ -329,7 +328,7 @@ impl LogReader {
         self.exhausted = true;
         self.finish_order();
         self.order.check(Stage::Complete)?;
-        self.report.cut_off_lines = u64::from(self.source.table().is_some_and(TableSource::cut_off));
+        self.report.cut_off_lines = u64::from(self.source.table().is_some_and(|table| table.cut_off()));
         self.report.format = self.source.repairs();
         self.report.format.extend(left_out::of_folder(&self.path));
         self.copy_counts();

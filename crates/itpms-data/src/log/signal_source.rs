@@ -2,12 +2,12 @@
 //!
 //! Between the reader of drive logs, which wants rows, and a feed, which has readings; the aligner makes the ones of the others.
 
-use std::fmt::Debug;
 #[cfg(any(feature = "can", feature = "mcap", feature = "mdf4"))]
 use std::path::Path;
 
 #[cfg(feature = "can")]
 use super::can_feed::CanFeed;
+use super::feed::Feed;
 use super::header::Header;
 #[cfg(feature = "mcap")]
 use super::mcap_feed::McapFeed;
@@ -18,35 +18,15 @@ use super::options::LogOptions;
 use super::signal_order::SignalOrder;
 use super::slot::{RawRow, Slot};
 use super::source::Source;
-use super::stamps::Fate;
 use super::table::TableSource;
+use super::table_format::TableFormat;
 #[cfg(any(feature = "can", feature = "mcap", feature = "mdf4"))]
 use crate::error::DataError;
 use crate::error::{Place, Problem};
+use crate::signals::Aligner;
 #[cfg(any(feature = "can", feature = "mcap", feature = "mdf4"))]
 use crate::signals::Resolved;
 use crate::signals::align::AlignmentReport;
-use crate::signals::{Aligner, Reading};
-
-/// Where readings come from, nearly in the order of time.
-pub(super) trait Feed: Debug + Send {
-    /// Hands out a few readings; false when there are no more.
-    fn step(&mut self, take: &mut dyn FnMut(Fate<Reading>)) -> Result<bool, Problem>;
-
-    fn progress(&self) -> f64;
-
-    /// Repairs, omissions and assumptions of the format's reader so far.
-    fn repairs(&self) -> Vec<String>;
-
-    /// When time 0 was, in ns since 1970. Frames of a bus are stamped with that included.
-    fn start_ns(&self) -> u64 {
-        0
-    }
-
-    fn table(&self) -> Option<&TableSource> {
-        None
-    }
-}
 
 #[derive(Debug)]
 pub(super) struct SignalSource {
@@ -176,9 +156,8 @@ impl Source for SignalSource {
     }
 
     fn remarks(&self) -> Vec<String> {
-        let of_rows = self.table().map(Source::remarks).unwrap_or_default();
         let aligned = self.aligner.report().map(|report| report.remarks()).unwrap_or_default();
-        of_rows.into_iter().chain(self.order.remarks()).chain(aligned).collect()
+        self.feed.remarks().into_iter().chain(self.order.remarks()).chain(aligned).collect()
     }
 
     fn start_ns(&self) -> u64 {
@@ -189,7 +168,7 @@ impl Source for SignalSource {
         self.aligner.report()
     }
 
-    fn table(&self) -> Option<&TableSource> {
+    fn table(&self) -> Option<&dyn TableFormat> {
         self.feed.table()
     }
 

@@ -2,26 +2,26 @@
 //! empty, or samples of sensors of several rates, of which the slower ones leave every second or third cell empty.
 
 use std::collections::VecDeque;
-use std::fmt::Debug;
 use std::path::Path;
 
 use itpms_files::input;
 
 use super::clock::Clock;
 use super::csv_source::CsvSource;
+use super::feed::Feed;
 use super::format::Format;
 use super::header::Header;
 use super::held::Held;
 use super::options::LogOptions;
 #[cfg(feature = "parquet")]
 use super::parquet_source::ParquetSource;
-use super::signal_source::Feed;
 use super::slot::{RawRow, SLOTS, Slot};
 use super::slow_speed::SlowSpeed;
 use super::source::Source;
 use super::stamps::Fate;
 use super::stand_in::StandIns;
 use super::survey::{POSSIBLE_RATES_HZ, SURVEY_ROWS};
+use super::table_format::TableFormat;
 use crate::error::{DataError, Place, Problem};
 use crate::signals::Reading;
 use crate::signals::align::mean_period;
@@ -59,34 +59,6 @@ impl Rows {
                  their times",
             ),
         }
-    }
-}
-
-/// A table of one format, row by row.
-pub(super) trait TableFormat: Debug + Send {
-    fn header(&self) -> &Header;
-
-    fn next_row(&mut self, row: &mut RawRow) -> Result<Option<Place>, Problem>;
-
-    fn progress(&self) -> f64;
-
-    fn format(&self) -> Option<Format> {
-        None
-    }
-
-    /// Whether the last line was cut off and left out.
-    fn cut_off(&self) -> bool {
-        false
-    }
-
-    /// Repairs and omissions so far.
-    fn repairs(&self) -> Vec<String> {
-        Vec::new()
-    }
-
-    /// The names of two parts of a folder with rows of the same time.
-    fn overlap(&self) -> Option<&(String, String)> {
-        None
     }
 }
 
@@ -164,18 +136,6 @@ impl TableSource {
             *time_s = self.clock.take(*time_s);
         }
         Ok(place)
-    }
-
-    pub(super) fn overlap(&self) -> Option<&(String, String)> {
-        self.table.overlap()
-    }
-
-    pub(super) fn format(&self) -> Option<Format> {
-        self.table.format()
-    }
-
-    pub(super) fn cut_off(&self) -> bool {
-        self.table.cut_off()
     }
 
     /// Whether a column has a value in some of the rows only, at even distances, and often enough for its sensor.
@@ -269,8 +229,8 @@ impl Source for TableSource {
         SlowSpeed::of(self.ahead.iter().flatten().map(of))
     }
 
-    fn table(&self) -> Option<&TableSource> {
-        Some(self)
+    fn table(&self) -> Option<&dyn TableFormat> {
+        Some(&*self.table)
     }
 }
 
@@ -302,8 +262,12 @@ impl Feed for TableSource {
         Source::repairs(self)
     }
 
-    fn table(&self) -> Option<&TableSource> {
-        Some(self)
+    fn remarks(&self) -> Vec<String> {
+        Source::remarks(self)
+    }
+
+    fn table(&self) -> Option<&dyn TableFormat> {
+        Some(&*self.table)
     }
 }
 
