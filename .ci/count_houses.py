@@ -28,9 +28,9 @@ LABORATORY = ("lab/", "crates/itpms-sim", "crates/itpms-paper")
 # House, ceiling in lines, goal in lines. The core is a part of the product.
 HOUSES = [
     ("core, with its tests", 35_400, 26_000),
-    ("product, with the core", 122_840, 92_000),
-    ("formats", 16_270, 16_000),
-    ("laboratory", 37_090, 34_000),
+    ("product, with the core", 122_855, 92_000),
+    ("formats", 16_280, 16_000),
+    ("laboratory", 37_050, 34_000),
     ("all, with examples and checks", 177_290, 150_000),
 ]
 # Constants of the core that are numbers to choose, not sizes or names, and fields of its tables that can be set, at most.

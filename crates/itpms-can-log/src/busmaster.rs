@@ -155,12 +155,7 @@ mod tests {
     const HEAD: &str = "***BUSMASTER Ver 2.4.0***\n***PROTOCOL CAN***\n***[START LOGGING SESSION]***\n***START DATE AND TIME 21:9:2014 23:59:59:500***\n";
 
     fn frames(text: &str) -> Vec<CanFrame> {
-        let mut log = Busmaster::default();
-        let frame = |line: &str| match log.line(line.as_bytes()).unwrap() {
-            LineContent::Frame(frame) => Some(frame),
-            _ => None,
-        };
-        text.lines().filter_map(frame).collect()
+        crate::line_format::frames(Busmaster::default(), text)
     }
 
     #[test]

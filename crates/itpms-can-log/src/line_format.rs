@@ -21,3 +21,11 @@ pub(super) trait LineFormat: Debug + Send + Sync {
     /// The content of a line, or the expected content.
     fn line(&mut self, text: &[u8]) -> Result<LineContent, &'static str>;
 }
+
+#[cfg(test)]
+pub(super) fn frames(mut format: impl LineFormat, text: &str) -> Vec<CanFrame> {
+    let contents = text.lines().map(|line| format.line(line.as_bytes()).unwrap());
+    contents
+        .filter_map(|content| if let LineContent::Frame(frame) = content { Some(frame) } else { None })
+        .collect()
+}

@@ -208,12 +208,7 @@ mod tests {
     }
 
     fn frames(text: &str) -> Vec<CanFrame> {
-        let mut trc = Trc::default();
-        let frame = |line: &str| match trc.line(line.as_bytes()).unwrap() {
-            LineContent::Frame(frame) => Some(frame),
-            _ => None,
-        };
-        text.lines().filter_map(frame).collect()
+        crate::line_format::frames(Trc::default(), text)
     }
 
     // The examples of PEAK's description of the format.

@@ -242,23 +242,6 @@ impl<T: Real> AekfUiInformed<T> {
         self.absorb(value_n_per_m.max(-far).min(far), sd * sd)
     }
 
-    /// A log-likelihood of the stiffness, known near `at_n_per_m` by its first derivative `score` (per N/m) and the Fisher information (per
-    /// (N/m)²): one Newton step, no longer than the largest possible stiffness, beyond which the parabola means nothing.
-    pub fn measure_stiffness_information(
-        &mut self,
-        at_n_per_m: T,
-        score: T,
-        information: T,
-    ) -> StiffnessUpdate<T> {
-        if !(information > T::zero() && information.is_finite() && score.is_finite()) {
-            return StiffnessUpdate::Ignored;
-        }
-        let longest = self.config.highest_stiffness_n_per_m;
-        // (49)  k = k₀ + score/information,  variance = 1/information
-        let newton = (score / information).max(-longest).min(longest);
-        self.measure_stiffness(at_n_per_m + newton, (T::one() / information).sqrt())
-    }
-
     /// Forgets as the innovation asks, then corrects by it.
     fn absorb(&mut self, value: T, R: T) -> StiffnessUpdate<T> {
         let nu = value - self.k_t;

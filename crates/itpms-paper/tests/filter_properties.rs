@@ -43,7 +43,6 @@ fn smallest_eigenvalue<const N: usize>(p: &SMatrix<f64, N, N>) -> f64 {
 enum Event {
     Sample { dt: f64, body: f64, wheel: f64 },
     Stiffness { value: f64, sd: f64 },
-    Information { at: f64, score: f64, information: f64 },
 }
 
 /// Any number there is, mostly reasonable ones.
@@ -56,8 +55,6 @@ fn event() -> impl Strategy<Value = Event> {
         6 => (any_of(1e-4, 0.03), any_of(-80.0, 80.0), any_of(-300.0, 300.0))
             .prop_map(|(dt, body, wheel)| Event::Sample { dt, body, wheel }),
         2 => (any_of(0.0, 5e5), any_of(1e3, 1e5)).prop_map(|(value, sd)| Event::Stiffness { value, sd }),
-        1 => (any_of(5e4, 4e5), any_of(-1e-3, 1e-3), any_of(0.0, 1e-7))
-            .prop_map(|(at, score, information)| Event::Information { at, score, information }),
     ]
 }
 
@@ -74,9 +71,6 @@ fn feed<T: Real>(filter: &mut AekfUiInformed<T>, event: Event) -> InformedRecord
             return filter.step(T::lit(dt), &sample);
         }
         Event::Stiffness { value, sd } => filter.measure_stiffness(T::lit(value), T::lit(sd)),
-        Event::Information { at, score, information } => {
-            filter.measure_stiffness_information(T::lit(at), T::lit(score), T::lit(information))
-        }
     };
     filter.record(InformedStatus::Updated)
 }

@@ -229,17 +229,12 @@ fn missing_samples_are_predicted_over_and_a_long_gap_restarts_the_motion() {
 }
 
 #[test]
-fn a_log_likelihood_and_a_measurement_say_the_same() {
-    // log L = -(k - m)²/(2 s²): score (m - k)/s² and information 1/s² at any k.
+fn a_measurement_is_the_product_of_two_gaussians() {
     let (m, s) = (190_000.0, 20_000.0);
-    let at = 215_000.0;
-    let (mut direct, mut by_information) = (filter(config()), filter(config()));
-    let used = direct.measure_stiffness(m, s);
+    let mut filter = filter(config());
+    let used = filter.measure_stiffness(m, s);
     assert!(matches!(used, StiffnessUpdate::Used { .. }));
-    by_information.measure_stiffness_information(at, (m - at) / (s * s), 1.0 / (s * s));
-    let (a, b) = (direct.record(InformedStatus::Updated), by_information.record(InformedStatus::Updated));
-    assert!((a.stiffness_n_per_m() - b.stiffness_n_per_m()).abs() < 1e-6);
-    assert!((a.stiffness_sd_n_per_m() - b.stiffness_sd_n_per_m()).abs() < 1e-6);
+    let a = filter.record(InformedStatus::Updated);
     // Two Gaussians multiplied, by hand: prior 220 000 ± 30 kPa.
     let prior = 30.0 * SLOPE;
     let information = 1.0 / (prior * prior) + 1.0 / (s * s);
@@ -256,18 +251,8 @@ fn a_measurement_without_sense_is_left_out_and_an_extreme_one_kept_in_bounds() {
     for (value, sd) in [(nan, 1e4), (2e5, nan), (2e5, 0.0), (2e5, -1.0), (f64::INFINITY, 1e4), (2e5, 1e30)] {
         assert_eq!(filter.measure_stiffness(value, sd), StiffnessUpdate::Ignored);
     }
-    for (at, score, information) in [
-        (nan, 0.0, 1e-9),
-        (2e5, nan, 1e-9),
-        (2e5, 1.0, nan),
-        (2e5, 1.0, 0.0),
-        (2e5, 1.0, -1e-9),
-        (2e5, 1.0, 1e-300),
-    ] {
-        assert_eq!(filter.measure_stiffness_information(at, score, information), StiffnessUpdate::Ignored);
-    }
     assert_eq!(filter.record(InformedStatus::Updated).state, before.state);
-    filter.measure_stiffness_information(2e5, -1e9, 1e-8);
+    filter.measure_stiffness(f64::MIN, 1.0);
     let k_t = filter.record(InformedStatus::Updated).stiffness_n_per_m();
     assert!(k_t >= config().lowest_stiffness_n_per_m);
     filter.measure_stiffness(f64::MAX, 1.0);
