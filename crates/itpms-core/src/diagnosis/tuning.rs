@@ -72,7 +72,7 @@ crate::tuning::tuning! {
         hop_over_noise: f64 = 3.0,
 
         // Body and wheel swapped.
-        /// Blocks over which the ratio of a corner's wheel to its body is averaged.
+        /// Blocks over which ratios of a corner's powers are averaged that may change at once: wheel over body, wheel over strut.
         ratio_blocks: f64 = 4.0,
         /// Log of wheel over body power in the hop band below which a body moves like a wheel or a wheel like a body. A healthy corner has 4 to 6.
         swapped_ratio: f64 = 0.7,
@@ -87,7 +87,7 @@ crate::tuning::tuning! {
         /// Sum of log-likelihood ratios from which a swap (7a) or a wheel sensor's gain is reported, if that shall happen once in a hundred hours by
         /// chance: the log of those over the memory of the moments, 6 s.
         cusum: f64 = 11.0,
-        /// Share of that sum from which sensors are not trusted.
+        /// Share of that sum from which sensors that may be swapped are not trusted.
         cusum_suspected: f64 = 0.25,
         /// Debouncing of swapped corners and of a wheel sensor upside down.
         swap: DebounceTimes = DebounceTimes { set_s: 4.0, clear_s: 4.0 },
@@ -117,8 +117,8 @@ crate::tuning::tuning! {
         gain_least: f64 = 0.2,
         /// Standard deviations in a block of what two corners differ by: logs of strut over body, of the slow band, and of hop.
         gain_sd: [f64; 3] = [0.36, 0.45, 0.4],
-        /// Blocks of the mean of hop by which a tire explains strut over body: few, as a tire may lose its air at once.
-        gain_hop_blocks: f64 = 3.0,
+        /// Shares of the sum from which a tire of that side is not called low, and from which the corner is not learned from.
+        gain_doubted: [f64; 2] = [0.15, 0.35],
         /// The most of them that a block counts: a hole under one wheel makes two of a single block.
         gain_outlier: f64 = 2.0,
         /// Share of the gain reported that is looked for from then on: the least of it is left at half of that.

@@ -76,7 +76,7 @@ impl<T: Real> WheelGains<T> {
         let less = |logs: [T; 4], usual: [T; 4]| Corner::ALL.map(|i| logs[i] - usual[i]);
         let (strut, hop) = (less(strut, usual_strut), less(hop, usual_hop));
         if self.usual_blocks >= tuning.gain_known_blocks {
-            let share = T::lit(1.0 / tuning.gain_hop_blocks);
+            let share = T::lit(1.0 / tuning.ratio_blocks);
             for (shift, hop) in self.hop_shift.iter_mut().zip(hop) {
                 *shift += share * (hop - *shift);
             }
@@ -108,9 +108,8 @@ impl<T: Real> WheelGains<T> {
         }
     }
 
-    /// Adds for every pair of corners the log-likelihood ratio of one reading more by the least gain to both reading alike. By as much as the square of
-    /// its hop frequency falls, a tire that loses air makes its corner read less, and more as it rises: rows 0 and 3 ask the tire of the one that
-    /// would be wrong.
+    /// Adds for every pair of corners the log-likelihood ratio of one reading more by the least gain to both reading alike, less what the tire of the one
+    /// that would be wrong explains: in row 3 the other. A tire that loses air hops more slowly, and its corner reads less.
     fn weigh(&mut self, row: usize, logs: [T; 4], by_tire: [T; 4], tuning: &Tuning) {
         let Some((sums, sd)) = self.sums.get_mut(row).zip(tuning.gain_sd.get(row % 3)) else { return };
         let (sd, least, most) = (T::lit(*sd), T::lit(tuning.gain_least), T::lit(tuning.cusum));
@@ -144,7 +143,8 @@ impl<T: Real> WheelGains<T> {
     }
 
     fn judge(&mut self, [time_s, step_s]: [f64; 2], tuning: &Tuning) {
-        let [enough, doubt] = [1.0, tuning.cusum_suspected].map(|share| T::lit(tuning.cusum * share));
+        let [doubt, suspect] = tuning.gain_doubted;
+        let [enough, doubt, suspect] = [1.0, doubt, suspect].map(|share| T::lit(tuning.cusum * share));
         let mut suspected = Wheels::NONE;
         for i in Corner::ALL {
             let [[more, slow_more, _], [less, slow_less, _]] =
@@ -153,7 +153,7 @@ impl<T: Real> WheelGains<T> {
             if !(strut > T::zero()) {
                 self.strut_since_s[i] = time_s;
             }
-            if strut >= doubt || (strut > T::zero() && self.suspected.contains(i)) {
+            if strut >= suspect || (strut > T::zero() && self.suspected.contains(i)) {
                 suspected = suspected | i.into();
             }
             let is_pending = strut >= doubt || slow >= doubt || self.of_side(i) >= enough;
@@ -311,7 +311,7 @@ mod tests {
             let mut car = Car::that_has_driven(60.0);
             let [strut, slow, hop] = per_block(factor.ln().abs());
             let suspected_s = car.until(60.0, |_| gain(factor), Car::is_suspect).unwrap();
-            let expected_s = BLOCK_S * (TUNING.cusum_suspected * TUNING.cusum / strut).ceil();
+            let expected_s = BLOCK_S * (TUNING.gain_doubted[1] * TUNING.cusum / strut).ceil();
             // Until then the usual, a mean of 120 blocks, follows by a tenth.
             assert!((expected_s..1.2 * expected_s).contains(&suspected_s), "{factor}: {suspected_s} s");
             assert_eq!(car.gains.suspected(), Corner::FrontRight.into());
@@ -336,7 +336,7 @@ mod tests {
         let mut car = Car { gains: WheelGains::new(), time_s: 0.0 };
         let doubted_s = car.until(60.0, |_| gain(0.75), Car::is_pending).unwrap();
         let [_, slow, _] = per_block(0.75_f64.ln().abs());
-        assert_eq!(doubted_s, BLOCK_S * (TUNING.cusum_suspected * TUNING.cusum / slow).ceil());
+        assert_eq!(doubted_s, BLOCK_S * (TUNING.gain_doubted[0] * TUNING.cusum / slow).ceil());
         let reported_s = doubted_s + car.until(60.0, |_| gain(0.75), Car::is_suspect).unwrap();
         assert_eq!(reported_s, BLOCK_S * (TUNING.cusum / slow).ceil());
         assert_eq!(car.gains.fault().unwrap().since_s, doubted_s);
